@@ -1,0 +1,1 @@
+"""The bundled identification methods, one file each, registered as `vgvt.identifiers` plugins."""

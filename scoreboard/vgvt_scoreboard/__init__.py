@@ -1,0 +1,1 @@
+"""Scores: a claimed modal model against the truth, one row per mode."""

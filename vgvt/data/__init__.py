@@ -1,0 +1,34 @@
+"""The nouns: frozen arrays with labels, numpy only.
+
+A campaign is what an engineer brings home from the lab; a modal model is what
+an identifier claims and what the truth is, the same type for both.
+"""
+
+from vgvt.data.assurance import auto_mac, modal_assurance, modal_phase_collinearity
+from vgvt.data.campaign import Campaign
+from vgvt.data.channel import Channel, ChannelRole, Quantity
+from vgvt.data.dof import Direction, Dof
+from vgvt.data.frf import FrequencyResponseSet
+from vgvt.data.geometry import Geometry
+from vgvt.data.modal import ModalModel, Outcome
+from vgvt.data.record import Record
+from vgvt.data.truth import RigidBodyProperties, Truth
+
+__all__ = [
+    "Campaign",
+    "Channel",
+    "ChannelRole",
+    "Direction",
+    "Dof",
+    "FrequencyResponseSet",
+    "Geometry",
+    "ModalModel",
+    "Outcome",
+    "Quantity",
+    "Record",
+    "RigidBodyProperties",
+    "Truth",
+    "auto_mac",
+    "modal_assurance",
+    "modal_phase_collinearity",
+]

@@ -1,0 +1,69 @@
+"""A set of frequency response functions with labels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data.channel import Quantity
+from vgvt.data.dof import Dof
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrequencyResponseSet:
+    """Frequency response functions ``values[response, reference, frequency]``, in SI.
+
+    With ``quantity`` acceleration these are accelerances in (m/s^2)/N
+    (ISO 7626-1). ``variance`` (same shape, real) is the variance of the complex
+    value, E|G - E G|^2; ``coherence`` is the ordinary or multiple coherence.
+    Both are None where the estimator cannot tell. ``runs`` gives the run each
+    response was measured in, shape (responses,): responses of different runs
+    were never measured together.
+    """
+
+    responses: tuple[Dof, ...]
+    references: tuple[Dof, ...]
+    frequency_hz: NDArray[np.float64]
+    values: NDArray[np.complex128]
+    runs: tuple[int, ...]
+    quantity: Quantity = Quantity.ACCELERATION
+    variance: NDArray[np.float64] | None = None
+    coherence: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        shape = (len(self.responses), len(self.references), self.frequency_hz.size)
+        for name in ("values", "variance", "coherence"):
+            array = getattr(self, name)
+            if array is not None and array.shape != shape:
+                raise ValueError(f"{name} must be (responses, references, frequency) = {shape}, got {array.shape}")
+        if len(self.runs) != len(self.responses):
+            raise ValueError(f"runs must name one run a response ({len(self.responses)}), got {len(self.runs)}")
+        if np.any(np.diff(self.frequency_hz) <= 0):
+            raise ValueError("frequency_hz must increase strictly")
+
+    @property
+    def resolution_hz(self) -> float:
+        """Spacing of the first two lines."""
+        return float(self.frequency_hz[1] - self.frequency_hz[0])
+
+    def band(self, low_hz: float, high_hz: float) -> FrequencyResponseSet:
+        """The lines with low_hz <= f <= high_hz."""
+        keep = (self.frequency_hz >= low_hz) & (self.frequency_hz <= high_hz)
+        return replace(
+            self,
+            frequency_hz=self.frequency_hz[keep],
+            values=self.values[:, :, keep],
+            variance=None if self.variance is None else self.variance[:, :, keep],
+            coherence=None if self.coherence is None else self.coherence[:, :, keep],
+        )
+
+    def sigma(self) -> NDArray[np.float64]:
+        """Largest singular value over frequency, shape (frequency,): the 'sigma plot'.
+
+        With one reference this is the root of the sum of squares over the responses.
+        """
+        if len(self.references) == 1:
+            return np.asarray(np.sqrt((np.abs(self.values[:, 0]) ** 2).sum(axis=0)))
+        return np.asarray(np.linalg.svd(self.values.transpose(2, 0, 1), compute_uv=False)[:, 0])

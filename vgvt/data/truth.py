@@ -1,0 +1,42 @@
+"""The sealed truth of a synthetic campaign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data.modal import ModalModel
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RigidBodyProperties:
+    """Mass, centre of gravity (3,) and inertia (3, 3) about it, in aircraft axes."""
+
+    mass_kg: float
+    centre_of_gravity_m: NDArray[np.float64]
+    inertia_kg_m2: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Truth:
+    """What the simulator knows and no identifier may see.
+
+    ``bare``: the airframe alone, free-free, without gravity. ``as_tested``: per
+    run, hung and instrumented, with the force at the transducer's sensing
+    element as the input (the poles of A/F). ``coupled``: per run, with the
+    shaker attached and driven (the poles of A/drive). ``runs`` are the run
+    numbers of the last two.
+    """
+
+    scenario: str
+    rigid_body: RigidBodyProperties
+    bare: ModalModel
+    runs: tuple[int, ...]
+    as_tested: tuple[ModalModel, ...]
+    coupled: tuple[ModalModel, ...]
+
+    def __post_init__(self) -> None:
+        if not len(self.runs) == len(self.as_tested) == len(self.coupled):
+            raise ValueError("runs, as_tested and coupled must have one entry a run")

@@ -1,0 +1,1 @@
+"""The catalogue of departures from the ideal rig, a plugin family."""

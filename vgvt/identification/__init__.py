@@ -1,0 +1,1 @@
+"""What it takes to be an identifier: protocol, registry, conformance checks."""

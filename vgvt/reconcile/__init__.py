@@ -1,0 +1,1 @@
+"""Close the loop with measured data."""

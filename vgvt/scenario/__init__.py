@@ -1,0 +1,1 @@
+"""The scenario: schema, TOML loading, bundled library, named random streams."""

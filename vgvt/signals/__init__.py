@@ -1,0 +1,1 @@
+"""Excitation, spectra and frequency response functions, with labels."""

@@ -1,0 +1,1 @@
+"""The rig in MuJoCo: the only package that imports mujoco."""

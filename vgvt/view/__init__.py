@@ -1,0 +1,1 @@
+"""Figures, the one-file report and pictures."""
