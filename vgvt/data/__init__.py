@@ -8,6 +8,7 @@ from vgvt.data.assurance import auto_mac, modal_assurance, modal_phase_collinear
 from vgvt.data.campaign import Campaign
 from vgvt.data.channel import Channel, ChannelRole, Quantity
 from vgvt.data.dof import Direction, Dof
+from vgvt.data.errors import InputError
 from vgvt.data.frf import FrequencyResponseSet
 from vgvt.data.geometry import Geometry
 from vgvt.data.modal import ModalModel, Outcome
@@ -22,6 +23,7 @@ __all__ = [
     "Dof",
     "FrequencyResponseSet",
     "Geometry",
+    "InputError",
     "ModalModel",
     "Outcome",
     "Quantity",
