@@ -1,1 +1,27 @@
 """Scores: a claimed modal model against the truth, one row per mode."""
+
+from vgvt.data.scorecard import ModeScore, ModeStatus, Scorecard
+from vgvt_scoreboard.merged_truth import MergedTruth, merge_truth
+from vgvt_scoreboard.nrmse import fit_percent, frf_fit_percent
+from vgvt_scoreboard.nu_gap import pointwise_nu_gap
+from vgvt_scoreboard.pairing import Pairing, PairingRule, pair_modes, pole_distance
+from vgvt_scoreboard.reach import reachable, sigma_share
+from vgvt_scoreboard.score import score
+
+__all__ = [
+    "MergedTruth",
+    "ModeScore",
+    "ModeStatus",
+    "Pairing",
+    "PairingRule",
+    "Scorecard",
+    "fit_percent",
+    "frf_fit_percent",
+    "merge_truth",
+    "pair_modes",
+    "pointwise_nu_gap",
+    "pole_distance",
+    "reachable",
+    "score",
+    "sigma_share",
+]

@@ -13,6 +13,8 @@ from vgvt.data.frf import FrequencyResponseSet
 from vgvt.data.geometry import Geometry
 from vgvt.data.modal import ModalModel, Outcome
 from vgvt.data.record import Record
+from vgvt.data.scorecard import ModeScore, ModeStatus, Scorecard
+from vgvt.data.synthesis import modal_contributions, synthesise
 from vgvt.data.truth import RigidBodyProperties, Truth
 
 __all__ = [
@@ -25,12 +27,17 @@ __all__ = [
     "Geometry",
     "InputError",
     "ModalModel",
+    "ModeScore",
+    "ModeStatus",
     "Outcome",
     "Quantity",
     "Record",
     "RigidBodyProperties",
+    "Scorecard",
     "Truth",
     "auto_mac",
     "modal_assurance",
+    "modal_contributions",
     "modal_phase_collinearity",
+    "synthesise",
 ]

@@ -19,8 +19,8 @@ class FrequencyResponseSet:
     (ISO 7626-1). ``variance`` (same shape, real) is the variance of the complex
     value, E|G - E G|^2; ``coherence`` is the ordinary or multiple coherence.
     Both are None where the estimator cannot tell. ``runs`` gives the run each
-    response was measured in, shape (responses,): responses of different runs
-    were never measured together.
+    response was first measured in, shape (responses,): responses of different
+    runs were never measured together. ``remarks`` name what was left out, and why.
     """
 
     responses: tuple[Dof, ...]
@@ -31,6 +31,7 @@ class FrequencyResponseSet:
     quantity: Quantity = Quantity.ACCELERATION
     variance: NDArray[np.float64] | None = None
     coherence: NDArray[np.float64] | None = None
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         shape = (len(self.responses), len(self.references), self.frequency_hz.size)

@@ -1,1 +1,27 @@
 """What it takes to be an identifier: protocol, registry, conformance checks."""
+
+from vgvt.identification.citations import bibliography, bibtex_entries
+from vgvt.identification.protocol import Identifier, Needs
+from vgvt.identification.registry import (
+    PluginWarning,
+    Setting,
+    available_identifiers,
+    make_identifier,
+    settings_of,
+)
+from vgvt.identification.run import ContractError, run_identifier, settings_text
+
+__all__ = [
+    "ContractError",
+    "Identifier",
+    "Needs",
+    "PluginWarning",
+    "Setting",
+    "available_identifiers",
+    "bibliography",
+    "bibtex_entries",
+    "make_identifier",
+    "run_identifier",
+    "settings_of",
+    "settings_text",
+]

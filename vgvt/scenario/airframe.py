@@ -5,11 +5,12 @@ Aircraft axes: x aft from the nose, y right, z up, metres.
 
 from __future__ import annotations
 
+import difflib
 from typing import Self
 
 from pydantic import Field, model_validator
 
-from vgvt.scenario.base import Finite, NonNegative, Point, Positive, Table
+from vgvt.scenario.base import Finite, MisfitError, NonNegative, Point, Positive, Switch, Table, Whole
 
 
 class Body(Table):
@@ -56,12 +57,16 @@ class Stations(Table):
         for name in type(self).model_fields:
             column = getattr(self, name)
             if column is not None and len(column) != rows:
-                raise ValueError(
-                    f"column {name} has {len(column)} entries but position_m has {rows}; give one entry a station"
+                raise MisfitError(
+                    (name,), f"has {len(column)} entries but position_m has {rows}", "Give one entry a station."
                 )
         for i in range(1, rows):
             if self.position_m[i] == self.position_m[i - 1]:
-                raise ValueError(f"stations {i} and {i + 1} are at the same point {self.position_m[i]}")
+                raise MisfitError(
+                    ("position_m", i),
+                    f"is {list(self.position_m[i])} like the station before it",
+                    "Give every station a point of its own, from the root to the tip.",
+                )
         return self
 
 
@@ -70,11 +75,11 @@ class Beam(Table):
 
     name: str
     """Name of the beam; a mirrored beam becomes NAME-right and NAME-left."""
-    mirror: bool = False
+    mirror: Switch = False
     """Build a second one, mirrored in the plane y = 0; the table then describes the right one (y > 0)."""
     parent: str = "body"
     """What the root is fixed to: 'body' or the name of a beam (then at the nearest point of its axis)."""
-    cells: int = Field(default=12, ge=1, le=200)
+    cells: Whole = Field(default=12, ge=1, le=200)
     """Rigid links with a bending and a torsion spring between them; more cells, more exact and slower."""
     normal: Point = (0.0, 0.0, 1.0)
     """Normal of the surface: the direction of bending."""
@@ -83,6 +88,31 @@ class Beam(Table):
     root_torsional_stiffness_n_m_per_rad: Positive | None = None
     """Torsion spring of the root joint; left out, the root is rigid."""
     stations: Stations
+
+    @model_validator(mode="after")
+    def _bends_across_its_axis(self) -> Self:
+        axis = zip(self.stations.position_m, self.stations.position_m[1:], strict=False)
+        for i, (start, end) in enumerate(axis):
+            along = [b - a for a, b in zip(start, end, strict=True)]
+            square = sum(c * c for c in along) * sum(c * c for c in self.normal)
+            if square - sum(a * n for a, n in zip(along, self.normal, strict=True)) ** 2 <= 1e-4 * square:
+                raise MisfitError(
+                    ("normal",),
+                    f"is {list(self.normal)}, along the axis between position_m[{i}] and position_m[{i + 1}]",
+                    "Give the direction that the surface bends in, like [0, 0, 1] for a wing or [0, 1, 0] for a fin.",
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _mirrored_table_is_the_right_one(self) -> Self:
+        sides = [point[1] for point in self.stations.position_m]
+        if self.mirror and (min(sides) < 0 or max(sides) == 0):
+            raise MisfitError(
+                ("stations", "position_m"),
+                "is not on the right, but mirror = true copies the right beam to the left",
+                "Write stations with y > 0, or mirror = false.",
+            )
+        return self
 
 
 class Item(Table):
@@ -96,8 +126,18 @@ class Item(Table):
     """Ixx, Iyy, Izz about its own centre of gravity."""
     attached_to: str = "body"
     """'body' or the name of a beam; on a beam it rides on the nearest link."""
-    mirror: bool = False
+    mirror: Switch = False
     """Add a second one at -y, on the mirrored beam."""
+
+    @model_validator(mode="after")
+    def _mirrored_item_is_the_right_one(self) -> Self:
+        if self.mirror and self.position_m[1] <= 0:
+            raise MisfitError(
+                ("position_m",),
+                f"is {list(self.position_m)}, but mirror = true copies the right item to the left",
+                "Write y > 0, or mirror = false.",
+            )
+        return self
 
 
 class Damping(Table):
@@ -116,8 +156,10 @@ class Damping(Table):
 
     @model_validator(mode="after")
     def _ratios_below_critical(self) -> Self:
-        if max((self.damping_ratio, *self.modal)) >= 0.5:
-            raise ValueError("damping ratios are fractions of critical below 0.5; write 0.02 for 2 %")
+        ratios = {("damping_ratio",): self.damping_ratio} | {("modal", i): r for i, r in enumerate(self.modal)}
+        for key, ratio in ratios.items():
+            if ratio >= 0.5:
+                raise MisfitError(key, f"is {ratio:g}, at or above one half", "Write a fraction: 0.02 for 2 %.")
         return self
 
 
@@ -142,19 +184,42 @@ class Airframe(Table):
     @model_validator(mode="after")
     def _names_are_known(self) -> Self:
         names = self.beam_names
-        for name in names:
-            if names.count(name) > 1 or name == "body":
-                raise ValueError(f"beam name {name!r} is taken; every beam needs a name of its own")
-        known = ("body", *names, *(b.name for b in self.beam if b.mirror))
-        for beam in self.beam:
-            if beam.parent not in known or beam.parent == beam.name:
-                raise ValueError(f"beam {beam.name!r}: parent {beam.parent!r} is not one of {', '.join(known)}")
-        for item in self.item:
-            if item.attached_to not in known:
-                raise ValueError(
-                    f"item {item.name!r}: attached_to {item.attached_to!r} is not one of {', '.join(known)}"
+        for i, beam in enumerate(self.beam):
+            if any(names.count(n) > 1 or n == "body" for n in mirrored_names(beam.name, beam.mirror)):
+                raise MisfitError(
+                    ("beam", i, "name"), f"is {beam.name!r}, which is taken", "Give it a name of its own."
                 )
+            self.require_part(("beam", i, "parent"), beam.parent, both_sides=beam.mirror)
+        for i, item in enumerate(self.item):
+            if item.name in (other.name for other in self.item[:i]):
+                raise MisfitError(
+                    ("item", i, "name"), f"is {item.name!r}, which is taken", "Give it a name of its own."
+                )
+            self.require_part(("item", i, "attached_to"), item.attached_to, both_sides=item.mirror)
         return self
+
+    @model_validator(mode="after")
+    def _beams_end_on_the_body(self) -> Self:
+        parents = {name: b.parent for b in self.beam for name in (b.name, *mirrored_names(b.name, b.mirror))}
+        for i, beam in enumerate(self.beam):
+            chain = [beam.name]
+            while chain[-1] != "body":
+                if chain[-1] in chain[:-1]:
+                    held = " -> ".join(chain)
+                    raise MisfitError(("beam", i, "parent"), f"leads in a circle: {held}", "One must be on 'body'.")
+                chain.append(parents[chain[-1]])
+        return self
+
+    def require_part(self, key: tuple[str | int, ...], name: str, *, both_sides: bool = False) -> None:
+        """MisfitError at ``key`` unless ``name`` is 'body' or a beam; for ``both_sides`` not just one copy."""
+        plain = ("body", *(b.name for b in self.beam))
+        known = tuple(dict.fromkeys((*plain, *self.beam_names)))
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            advice = f"Did you mean {near[0]}?" if near else f"Write one of {', '.join(known)}."
+            raise MisfitError(key, f"is {name!r}, which is not a part of the aircraft", advice)
+        if both_sides and name not in plain:
+            raise MisfitError(key, f"is {name!r}, but there are two copies, one a side", "Write the beam's plain name.")
 
 
 def mirrored_names(name: str, mirror: bool) -> tuple[str, ...]:

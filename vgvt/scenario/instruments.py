@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import Self
 
 from pydantic import Field, field_validator, model_validator
 
-from vgvt.data.dof import Direction
-from vgvt.scenario.base import Finite, NonNegative, Positive, Table
+from vgvt.scenario.base import Finite, MisfitError, NonNegative, Positive, Table, Whole
 
 
 class NoiseSpectrum(Table):
@@ -20,11 +20,18 @@ class NoiseSpectrum(Table):
     @model_validator(mode="after")
     def _a_function_of_frequency(self) -> Self:
         if len(self.frequency_hz) != len(self.density):
-            raise ValueError(
-                f"frequency_hz has {len(self.frequency_hz)} entries and density {len(self.density)}; pair them"
+            raise MisfitError(
+                ("density",),
+                f"has {len(self.density)} entries but frequency_hz has {len(self.frequency_hz)}",
+                "Give one density a frequency.",
             )
-        if any(b <= a for a, b in zip(self.frequency_hz, self.frequency_hz[1:], strict=False)):
-            raise ValueError("frequency_hz must increase from entry to entry")
+        for i in range(1, len(self.frequency_hz)):
+            if self.frequency_hz[i] <= self.frequency_hz[i - 1]:
+                raise MisfitError(
+                    ("frequency_hz", i),
+                    f"is {self.frequency_hz[i]:g}, not above the entry before it",
+                    "Sort the entries by frequency.",
+                )
         return self
 
 
@@ -45,8 +52,10 @@ class Transducer(Table):
     @model_validator(mode="after")
     def _end_mass_is_part_of_mass(self) -> Self:
         if self.end_mass_kg > self.mass_kg:
-            raise ValueError(
-                f"end_mass_kg {self.end_mass_kg} is more than the whole transducer, mass_kg {self.mass_kg}"
+            raise MisfitError(
+                ("end_mass_kg",),
+                f"is {self.end_mass_kg:g}, more than the whole transducer's mass_kg {self.mass_kg:g}",
+                "Write the part between sensing element and structure.",
             )
         return self
 
@@ -54,7 +63,7 @@ class Transducer(Table):
 class Grid(Table):
     """Where accelerometers can be put: columns of equal length."""
 
-    node: tuple[int, ...] = Field(min_length=1)
+    node: tuple[Whole, ...] = Field(min_length=1)
     x_m: tuple[Finite, ...]
     y_m: tuple[Finite, ...]
     z_m: tuple[Finite, ...] | None = None
@@ -67,9 +76,9 @@ class Grid(Table):
     @field_validator("direction")
     @classmethod
     def _directions_exist(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        for text in value or ():
-            if Direction.from_label(text).is_rotation:
-                raise ValueError(f"{text!r} is a rotation; accelerometers measure translations like '+Z'")
+        for i, text in enumerate(value or ()):
+            if re.fullmatch(r"[+-]?[XYZ]", text, re.IGNORECASE) is None:
+                raise MisfitError((i,), f"is {text!r}, not a direction to measure in", "Write '+Z' or '-X'.")
         return value
 
     @model_validator(mode="after")
@@ -77,9 +86,12 @@ class Grid(Table):
         for name in ("x_m", "y_m", "z_m", "direction", "attached_to"):
             column = getattr(self, name)
             if column is not None and len(column) != len(self.node):
-                raise ValueError(f"column {name} has {len(column)} entries but node has {len(self.node)}")
-        if len(set(self.node)) != len(self.node):
-            raise ValueError("node numbers must be unique")
+                raise MisfitError(
+                    (name,), f"has {len(column)} entries but node has {len(self.node)}", "Give one entry a node."
+                )
+        for i, node in enumerate(self.node):
+            if node in self.node[:i]:
+                raise MisfitError(("node", i), f"is {node}, which is taken", "Give every point a number of its own.")
         return self
 
 
@@ -102,10 +114,12 @@ class Acquisition(Table):
 
     model: str = ""
     sample_rate_hz: Positive
-    bits: int = Field(default=24, ge=2, le=32)
+    """Samples per second of every channel; all are sampled at once."""
+    bits: Whole = Field(default=24, ge=2, le=32)
+    """Resolution of the converter over plus and minus range_v."""
     range_v: Positive = 10.0
     """Full scale of every input, plus and minus."""
     noise_v_per_rthz: NonNegative = 0.0
     """White noise of the converter's inputs, one-sided."""
-    runs: tuple[tuple[int, ...], ...] = Field(min_length=1)
+    runs: tuple[tuple[Whole, ...], ...] = Field(min_length=1)
     """The nodes that carry an accelerometer in each run, in the order of the channels."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
 from vgvt.scenario.airframe import Airframe
-from vgvt.scenario.base import Positive, Table
+from vgvt.scenario.base import MisfitError, Positive, Table, Whole
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension
 
@@ -18,7 +17,7 @@ class Simulation(Table):
 
     engine: Literal["mujoco", "linear"] = "mujoco"
     """'mujoco' steps the nonlinear model; 'linear' solves the linearised one exactly."""
-    step_s: Positive = 1.0e-4
+    step_s: Positive = 2.5e-4
     """Longest time step of the mujoco engine; shortened to divide the sampling interval, and for stability."""
 
 
@@ -32,7 +31,7 @@ class Scenario(Table):
     """One sentence."""
     lesson: str = ""
     """What a reader can learn from it."""
-    seed: int = Field(default=0, ge=0)
+    seed: Whole = Field(default=0, ge=0)
     airframe: Airframe
     suspension: Suspension
     shaker: Shaker
@@ -47,20 +46,27 @@ class Scenario(Table):
     def _parts_fit_together(self) -> Self:
         nodes = self.accelerometers.grid.node
         for k, run in enumerate(self.acquisition.runs):
-            for node in run:
-                if node not in nodes:
-                    near = difflib.get_close_matches(str(node), [str(n) for n in nodes], n=1)
-                    hint = f"; did you mean {near[0]}?" if near else ""
-                    raise ValueError(f"acquisition.runs[{k}]: node {node} is not in accelerometers.grid.node{hint}")
+            key = ("acquisition", "runs", k)
+            unknown = [node for node in run if node not in nodes]
+            if unknown:
+                known = f"The grid has {', '.join(map(str, nodes[:30]))}{' …' if len(nodes) > 30 else ''}."
+                raise MisfitError(key, f"names node {unknown[0]}, which is not in accelerometers.grid.node", known)
             if len(set(run)) != len(run) or not run:
-                raise ValueError(f"acquisition.runs[{k}]: give every run at least one node, each once; got {list(run)}")
+                raise MisfitError(key, f"is {list(run)}", "Give every run at least one node, and each node once.")
+        self.airframe.require_part(("shaker", "attached_to"), self.shaker.attached_to)
+        for i, part in enumerate(self.accelerometers.grid.attached_to or ()):
+            self.airframe.require_part(("accelerometers", "grid", "attached_to", i), part)
         if self.shaker.node in nodes:
-            raise ValueError(
-                f"shaker.node {self.shaker.node} is also an accelerometer's; give the drive point a number of its own"
+            raise MisfitError(
+                ("shaker", "node"),
+                f"is {self.shaker.node}, which is also an accelerometer's",
+                "Give the drive point a number of its own.",
             )
-        if self.excitation.band_hz[1] >= self.acquisition.sample_rate_hz / 2:
-            raise ValueError(
-                f"excitation goes up to {self.excitation.band_hz[1]} Hz, which needs acquisition.sample_rate_hz above "
-                f"{2 * self.excitation.band_hz[1]} Hz; it is {self.acquisition.sample_rate_hz}"
+        top_hz, rate_hz = self.excitation.band_hz[1], self.acquisition.sample_rate_hz
+        if top_hz >= rate_hz / 2:
+            raise MisfitError(
+                ("acquisition", "sample_rate_hz"),
+                f"is {rate_hz:g}, but the sweep goes up to {top_hz:g} Hz",
+                f"Sample faster than {2 * top_hz:g} Hz, or sweep less far.",
             )
         return self

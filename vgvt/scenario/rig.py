@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from vgvt.scenario.base import NonNegative, Point, Positive, Table
+from vgvt.scenario.base import MisfitError, NonNegative, Point, Positive, Table, Whole
 
 
 class Suspension(Table):
@@ -30,7 +30,7 @@ class Shaker(Table):
     """Electrodynamic shaker: m x'' + c x' + k x = Bl i - F and V = R i + L di/dt + Bl x'."""
 
     model: str = ""
-    node: int = Field(default=100, ge=0)
+    node: Whole = Field(default=100, ge=0)
     """Node number of the drive point in the campaign's geometry."""
     position_m: Point
     """Drive point on the aircraft, aircraft axes; the shaker stands below it and pushes along +z."""
@@ -63,6 +63,7 @@ class Excitation(Table):
     """The command sent to the amplifier in every run."""
 
     kind: Literal["linear-chirp"] = "linear-chirp"
+    """Shape of the command; a linear chirp passes every frequency at the same rate."""
     start_hz: NonNegative
     stop_hz: Positive
     duration_s: Positive
@@ -78,9 +79,13 @@ class Excitation(Table):
     @model_validator(mode="after")
     def _sweep_goes_somewhere(self) -> Self:
         if self.start_hz == self.stop_hz:
-            raise ValueError("start_hz and stop_hz are equal; a sweep needs two different frequencies")
+            raise MisfitError(("stop_hz",), f"is {self.stop_hz:g} like start_hz", "A sweep needs two frequencies.")
         if 2 * self.taper_s > self.duration_s:
-            raise ValueError(f"taper_s {self.taper_s} is more than half of duration_s {self.duration_s}")
+            raise MisfitError(
+                ("taper_s",),
+                f"is {self.taper_s:g}, more than half of duration_s {self.duration_s:g}",
+                "Shorten it; it is there twice, at the rise and at the fall.",
+            )
         return self
 
     @property

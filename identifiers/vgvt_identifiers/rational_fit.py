@@ -1,0 +1,300 @@
+"""Common-denominator rational fit of many frequency responses in a window of frequency.
+
+H_o(s) = sum_n c_on / (s - p_n) + background_o(f) + leakage_o(s) / F(s)
+
+The poles p are common to all rows, everything else belongs to a row and is
+linear. The background, orthogonal polynomials in a scaled frequency, takes up
+the modes outside the window and the conjugate poles. The leakage term has the
+same poles: it is the response left over when a record is cut while the
+structure still moves. Poles start from vector fitting (Gustavsen and Semlyen,
+IEEE Trans. Power Delivery 14(3), 1999) and end by variable projection
+(Golub and Pereyra, SIAM J. Numer. Anal. 10(2), 1973) with Kaufman's Jacobian;
+leakage after Pintelon, Schoukens and Vandersteen, Automatica 33(5), 1997.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+_RELOCATIONS = 8
+_STEPS = 40
+_LEAKAGE_BACKGROUND = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Rows that share their weights: values (R, K), weight (K,) = 1 / standard deviation, and row scales (R,).
+
+    ``leakage`` (K,) is 1/F of the run, or None for responses free of leakage.
+    """
+
+    values: NDArray[np.complex128]
+    weight: NDArray[np.float64]
+    row_scale: NDArray[np.float64]
+    leakage: NDArray[np.complex128] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RationalFit:
+    """Poles (N,) in rad/s with the standard deviation (N,) of their real and imaginary parts, and per block the rest.
+
+    ``residues`` holds (R, N) per block, ``fitted`` the smooth responses (R, K)
+    without the leakage, ``chi_square`` the weighted squared error per degree of freedom.
+    """
+
+    poles: NDArray[np.complex128]
+    pole_std: NDArray[np.float64]
+    residues: tuple[NDArray[np.complex128], ...]
+    backgrounds: tuple[NDArray[np.complex128], ...]
+    fitted: tuple[NDArray[np.complex128], ...]
+    errors: tuple[NDArray[np.complex128], ...]
+    chi_square: float
+    converged: bool
+    centre_rad_s: float
+    half_width_rad_s: float
+    mirrored: bool
+
+    def at(self, frequency_hz: float, block: int) -> NDArray[np.complex128]:
+        """The smooth responses (R,) of one block at any frequency of the window."""
+        x = (2 * np.pi * frequency_hz - self.centre_rad_s) / self.half_width_rad_s
+        scaled = (self.poles - 1j * self.centre_rad_s) / self.half_width_rad_s
+        mirror = _mirror(scaled, self.centre_rad_s / self.half_width_rad_s) if self.mirrored else None
+        row = _columns(np.array([x]), scaled, mirror, self.backgrounds[block].shape[1] - self._mirrors())[0]
+        return np.asarray(np.hstack([self.residues[block] / self.half_width_rad_s, self.backgrounds[block]]) @ row)
+
+    def _mirrors(self) -> int:
+        return self.poles.size if self.mirrored else 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Problem:
+    """A window in the scaled variable x = (omega - centre) / half width, in which the poles are z."""
+
+    x: NDArray[np.float64]
+    blocks: tuple[Block, ...]
+    background: int
+    mirror_at: float | None
+
+    def design(self, block: Block, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Weighted columns (K, m): poles, their mirror images if wanted, background, leakage."""
+        mirror = None if self.mirror_at is None else _mirror(z, self.mirror_at)
+        columns = [_columns(self.x, z, mirror, self.background)]
+        if block.leakage is not None:
+            columns.append(_columns(self.x, z, None, _LEAKAGE_BACKGROUND) * block.leakage[:, None])
+        return np.asarray(np.hstack(columns) * block.weight[:, None])
+
+    def data(self, block: Block) -> NDArray[np.complex128]:
+        """Weighted rows as columns (K, R)."""
+        return np.asarray((block.values * block.row_scale[:, None]).T * block.weight[:, None])
+
+
+def fit_rational(
+    frequency_hz: NDArray[np.float64],
+    blocks: tuple[Block, ...],
+    start_poles: NDArray[np.complex128],
+    background: int = 4,
+    mirrored: bool = False,
+    relocate: bool = True,
+) -> RationalFit:
+    """Fit of the blocks over ``frequency_hz`` (K,) with as many poles as ``start_poles`` (N,), rad/s.
+
+    ``background`` is the number of background polynomials; ``mirrored`` adds
+    the conjugate poles, for windows that reach close to 0 Hz; ``relocate`` starts
+    with vector fitting, for poles that are only roughly known. ValueError when
+    there are fewer lines than unknowns of a row.
+    """
+    omega = 2 * np.pi * frequency_hz
+    centre, half = float(omega[0] + omega[-1]) / 2, float(omega[-1] - omega[0]) / 2
+    unknowns = start_poles.size * (2 + 2 * mirrored) + background + _LEAKAGE_BACKGROUND
+    if frequency_hz.size < unknowns:
+        raise ValueError(f"{frequency_hz.size} lines cannot hold {unknowns} unknowns a row")
+    problem = _Problem((omega - centre) / half, blocks, background, centre / half if mirrored else None)
+    z = _stable((start_poles - 1j * centre) / half)
+    if relocate:
+        z = _relocated(problem, z)
+    z, converged = _polished(problem, z)
+    return _solution(problem, z, centre, half, converged)
+
+
+def _columns(
+    x: NDArray[np.float64], z: NDArray[np.complex128], mirror: NDArray[np.complex128] | None, background: int
+) -> NDArray[np.complex128]:
+    poles = 1 / (1j * x[:, None] - z)
+    images = [] if mirror is None else [1 / (1j * x[:, None] - mirror)]
+    return np.hstack([poles, *images, np.polynomial.legendre.legvander(x, background - 1)])
+
+
+def _mirror(z: NDArray[np.complex128], centre: float) -> NDArray[np.complex128]:
+    """Scaled positions of the conjugate poles."""
+    return np.asarray((z + 1j * centre).conj() - 1j * centre)
+
+
+def _stable(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return np.asarray(-np.maximum(np.abs(z.real), 1e-12) + 1j * z.imag)
+
+
+def _cost(problem: _Problem, z: NDArray[np.complex128]) -> float:
+    total = 0.0
+    for block in problem.blocks:
+        data = problem.data(block)
+        basis = np.linalg.qr(problem.design(block, z))[0]
+        total += float((np.abs(data - basis @ (basis.conj().T @ data)) ** 2).sum())
+    return total
+
+
+def _relocated(problem: _Problem, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Vector fitting: the zeros of sigma(s) become the next poles, as long as the error falls."""
+    best, best_cost = z, _cost(problem, z)
+    for _ in range(_RELOCATIONS):
+        left, right = [], []
+        for block in problem.blocks:
+            basis = np.linalg.qr(problem.design(block, z))[0]
+            data = problem.data(block)
+            poles = 1 / (1j * problem.x[:, None] - z)
+            stacked = (data.T[:, :, None] * poles).transpose(1, 0, 2).reshape(data.shape[0], -1)
+            for matrix, out, shape in ((stacked, left, (-1, z.size)), (data, right, (-1,))):
+                out.append((matrix - basis @ (basis.conj().T @ matrix)).reshape(*shape))
+        sigma = -np.linalg.lstsq(np.vstack(left), np.concatenate(right), rcond=None)[0]
+        z = _stable(np.linalg.eigvals(np.diag(z) - np.outer(np.ones(z.size), sigma)))
+        cost = _cost(problem, z)
+        if cost >= best_cost * (1 - 1e-6):
+            break
+        best, best_cost = z, cost
+    return np.asarray(best[np.argsort(best.imag)])
+
+
+def _linearised(
+    problem: _Problem, z: NDArray[np.complex128]
+) -> Iterator[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
+    """Per block the projected error (K, R) and its derivative (K, R, N) by the poles; it is analytic in z."""
+    size = z.size
+    for block in problem.blocks:
+        data = problem.data(block)
+        basis, triangle = np.linalg.qr(problem.design(block, z))
+        inside = basis.conj().T @ data
+        coefficients = np.linalg.lstsq(triangle, inside, rcond=None)[0]
+        square = block.weight[:, None] / (1j * problem.x[:, None] - z) ** 2
+        slopes = square[:, None, :] * coefficients[:size].T
+        if block.leakage is not None:
+            start = coefficients.shape[0] - size - _LEAKAGE_BACKGROUND
+            leaked = coefficients[start : start + size].T
+            slopes = slopes + square[:, None, :] * block.leakage[:, None, None] * leaked
+        flat = slopes.reshape(slopes.shape[0], -1)
+        flat = basis @ (basis.conj().T @ flat) - flat
+        yield data - basis @ inside, flat.reshape(slopes.shape)
+
+
+def _normal_equations(
+    problem: _Problem, z: NDArray[np.complex128]
+) -> tuple[float, NDArray[np.complex128], NDArray[np.complex128]]:
+    """Cost, J^H J (N, N) and J^H r (N,)."""
+    cost, gram, gradient = 0.0, np.zeros((z.size, z.size), complex), np.zeros(z.size, complex)
+    for error, slopes in _linearised(problem, z):
+        jacobian = slopes.reshape(-1, z.size)
+        cost += float((np.abs(error) ** 2).sum())
+        gram += jacobian.conj().T @ jacobian
+        gradient += jacobian.conj().T @ error.reshape(-1)
+    return cost, gram, gradient
+
+
+def _pole_std(problem: _Problem, z: NDArray[np.complex128], chi_square: float) -> NDArray[np.float64]:
+    """Standard deviation (N,) of the real and of the imaginary part of z, the larger of two estimates.
+
+    One takes all errors as independent, the other (White, Econometrica 48, 1980)
+    lets the rows of a run share theirs, as noise of the force makes them do.
+    """
+    gram, meat = np.zeros((z.size, z.size), complex), np.zeros((z.size, z.size), complex)
+    for error, slopes in _linearised(problem, z):
+        jacobian = slopes.reshape(-1, z.size)
+        gram += jacobian.conj().T @ jacobian
+        score = (slopes.conj() * error[:, :, None]).sum(axis=1)
+        meat += score.T @ score.conj()
+    inverse = np.linalg.pinv(gram)
+    independent = np.diag(inverse).real * chi_square
+    shared = np.diag(inverse @ meat @ inverse.conj().T).real
+    return np.asarray(np.sqrt(np.maximum(np.maximum(independent, shared), 0) / 2))
+
+
+def _polished(problem: _Problem, z: NDArray[np.complex128]) -> tuple[NDArray[np.complex128], bool]:
+    """Levenberg-Marquardt on the projected error, poles kept in the left half plane."""
+    damping = 1e-3
+    cost, gram, gradient = _normal_equations(problem, z)
+    for _ in range(_STEPS):
+        scale = np.diag(np.maximum(np.diag(gram).real, 1e-300))
+        step = -np.linalg.solve(gram + damping * scale, gradient)
+        trial = z + step
+        if np.all(trial.real < 0):
+            trial_cost, trial_gram, trial_gradient = _normal_equations(problem, trial)
+            if trial_cost <= cost:
+                fall = cost - trial_cost
+                small = np.all(np.abs(step) < 1e-10 * np.maximum(np.abs(z.real), 1e-9)) or fall < 1e-10 * cost
+                z, cost, gram, gradient = trial, trial_cost, trial_gram, trial_gradient
+                damping = max(damping / 10, 1e-12)
+                if small:
+                    return z, True
+                continue
+        damping *= 10
+        if damping > 1e8:
+            return z, bool(np.all(np.abs(step) < 1e-4 * np.abs(z.real)))
+    return z, False
+
+
+def _solution(problem: _Problem, z: NDArray[np.complex128], centre: float, half: float, converged: bool) -> RationalFit:
+    order = np.argsort(z.imag)
+    z = z[order]
+    cost = _cost(problem, z)
+    residues, backgrounds, fitted, errors, freedom = [], [], [], [], 0
+    images = 0 if problem.mirror_at is None else z.size
+    for block in problem.blocks:
+        design, data = problem.design(block, z), problem.data(block)
+        found = np.linalg.lstsq(design, data, rcond=None)[0]
+        smooth = z.size + images + problem.background
+        unscale = 1 / (block.weight[:, None] * block.row_scale)
+        residues.append((found[: z.size] / block.row_scale).T * half)
+        backgrounds.append((found[z.size : smooth] / block.row_scale).T)
+        fitted.append(((design[:, :smooth] @ found[:smooth]) * unscale).T)
+        errors.append(((data - design @ found) * unscale).T)
+        freedom += (design.shape[0] - design.shape[1]) * data.shape[1]
+    chi_square = cost / max(freedom - z.size, 1)
+    return RationalFit(
+        poles=z * half + 1j * centre,
+        pole_std=_pole_std(problem, z, chi_square) * half,
+        residues=tuple(residues),
+        backgrounds=tuple(backgrounds),
+        fitted=tuple(fitted),
+        errors=tuple(errors),
+        chi_square=chi_square,
+        converged=converged,
+        centre_rad_s=centre,
+        half_width_rad_s=half,
+        mirrored=problem.mirror_at is not None,
+    )
+
+
+def reweighted(blocks: tuple[Block, ...], fit: RationalFit) -> tuple[Block, ...]:
+    """The blocks with weights from the errors of a fit: output noise plus response times force noise.
+
+    A - G F has the variance S_a + |G|^2 S_f, so |e|^2 / |leakage|^2 is regressed
+    on 1 and |G|^2 (errors in variables, frozen weights).
+    """
+    return tuple(_reweighted(b, g, e) for b, g, e in zip(blocks, fit.fitted, fit.errors, strict=True))
+
+
+def _reweighted(block: Block, model: NDArray[np.complex128], error: NDArray[np.complex128]) -> Block:
+    from scipy.optimize import nnls
+
+    inverse_force = np.ones(block.weight.size) if block.leakage is None else np.abs(block.leakage)
+    noise = np.abs(error) ** 2 / inverse_force**2
+    level = np.maximum(np.median(noise, axis=1) / np.log(2), 1e-300)
+    gain = (np.abs(model) ** 2 / level[:, None]).mean(axis=0)
+    target = (noise / level[:, None]).mean(axis=0)
+    shape = np.ones_like(target)
+    for _ in range(4):
+        columns = np.stack([np.ones_like(gain), gain], axis=1) / shape[:, None]
+        constant, slope = nnls(columns, target / shape)[0]
+        shape = max(constant, 1e-3) + slope * gain
+    return replace(block, weight=1 / (inverse_force * np.sqrt(shape)), row_scale=1 / np.sqrt(level))

@@ -1,0 +1,131 @@
+"""Whole-record spectra of every run, as the rows that the methods of this package fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, ChannelRole, Dof, Quantity, Record
+from vgvt.signals.usable import fault_of
+
+_DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
+_NOISE_HALF_WIDTH = 12
+FEWEST_LINES = 2 * _NOISE_HALF_WIDTH + 5
+"""Lines that a band must hold before noise can be told from signal."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunSpectra:
+    """One run: force (K,), accelerances (R, K) of its responses and their noise variance E|e|^2 (R, K).
+
+    ``accelerance`` is the ratio of single transforms, no window and no average
+    (Gupta, Seiler and Danowsky, AIAA 2016-1753, eq. 1); lines without any force are zero.
+    """
+
+    run: int
+    reference: Dof
+    responses: tuple[Dof, ...]
+    force: NDArray[np.complex128]
+    accelerance: NDArray[np.complex128]
+    variance: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CampaignSpectra:
+    """The usable runs on a common frequency axis (K,), and remarks on what was left out."""
+
+    frequency_hz: NDArray[np.float64]
+    runs: tuple[RunSpectra, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def power(self) -> NDArray[np.float64]:
+        """Square of the sigma plot, sum of |H|^2 over every response of every run, (K,)."""
+        return np.asarray(sum((np.abs(r.accelerance) ** 2).sum(axis=0) for r in self.runs))
+
+    @property
+    def responses(self) -> tuple[Dof, ...]:
+        """Every response DOF once, in order of appearance."""
+        return tuple(dict.fromkeys(d for r in self.runs for d in r.responses))
+
+
+def campaign_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> CampaignSpectra:
+    """Spectra of the runs that have one sound force and sound responses, on the lines inside ``band_hz``.
+
+    Channels with samples that are not finite or all the same are left out with
+    a remark, and so are runs without one usable force. Every run is padded with
+    zeros to the longest record, so that all share their lines. Returns no runs when nothing is usable.
+    """
+    remarks: list[str] = []
+    duration = max(r.duration_s for r in campaign.runs)
+    runs = [s for r in campaign.runs if (s := _run_spectra(r, duration, band_hz, remarks)) is not None]
+    frequency = np.arange(round(max(r.sample_rate_hz for r in campaign.runs) * duration)) / duration
+    return CampaignSpectra(frequency[_inside(frequency, band_hz)], tuple(runs), tuple(remarks))
+
+
+def _inside(frequency: NDArray[np.float64], band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+    return np.asarray((frequency > 0) & (frequency >= band_hz[0]) & (frequency <= band_hz[1]))
+
+
+def _run_spectra(
+    record: Record, duration: float, band_hz: tuple[float, float], remarks: list[str]
+) -> RunSpectra | None:
+    sound = []
+    for channel, samples in zip(record.channels, record.samples, strict=True):
+        fault = None if channel.role is ChannelRole.DRIVE else fault_of(samples, record.sample_rate_hz)
+        if fault is None:
+            sound.append((channel, samples))
+        else:
+            remarks.append(f"run {record.run}: {channel.name} ({channel.dof}) left out, {fault}")
+    forces = [(c, x) for c, x in sound if c.role is ChannelRole.REFERENCE]
+    responses = [(c, x) for c, x in sound if c.role is ChannelRole.RESPONSE and c.quantity in _DIFFERENTIATIONS]
+    if len(forces) != 1 or not responses:
+        what = f"{len(forces)} usable forces, one is needed" if responses else "no usable response"
+        remarks.append(f"run {record.run} left out: {what}")
+        return None
+    samples_wanted = round(duration * record.sample_rate_hz)
+    lines = np.arange(samples_wanted // 2 + 1) / duration
+    keep = np.flatnonzero(_inside(lines, band_hz))
+    force = _transform(forces[0][1], samples_wanted)[keep]
+    spectra = [
+        _transform(x, samples_wanted)[keep] * (2j * np.pi * lines[keep]) ** _DIFFERENTIATIONS[c.quantity]
+        for c, x in responses
+    ]
+    ratio = _ratio(np.array(spectra), force)
+    dofs = tuple(c.dof for c, _ in responses if c.dof is not None)
+    reference = forces[0][0].dof
+    assert reference is not None  # a Channel that is no drive has a DOF
+    return RunSpectra(record.run, reference, dofs, force, ratio, line_variance(ratio, force))
+
+
+def _transform(samples: NDArray[np.floating], length: int) -> NDArray[np.complex128]:
+    signal = np.asarray(samples, dtype=np.float64)
+    return np.asarray(np.fft.rfft(signal - signal.mean(), length))
+
+
+def _ratio(response: NDArray[np.complex128], force: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    alive = np.abs(force) > 1e-12 * np.abs(force).max(initial=0.0)
+    return np.divide(response, force, out=np.zeros_like(response), where=alive)
+
+
+def line_variance(ratio: NDArray[np.complex128], force: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Variance E|e|^2 (R, K) of ratios (R, K), from how much neighbouring lines differ.
+
+    The fourth difference over lines removes everything smooth; its median over
+    25 lines, referred to the response by |F|, ignores peaks of a few lines.
+    A median of |e|^2 is log(2) of its mean (two degrees of freedom).
+    """
+    from scipy.ndimage import median_filter
+
+    lines = force.size
+    if lines < FEWEST_LINES:
+        return np.full(ratio.shape, np.inf)
+    taps = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+    magnitude = np.maximum(np.abs(force), 1e-12 * np.abs(force).max())
+    difference = sum(t * ratio[:, i : lines - 4 + i] for i, t in enumerate(taps))
+    spread = sum(t**2 / magnitude[i : lines - 4 + i] ** 2 for i, t in enumerate(taps))
+    noise = np.abs(difference) ** 2 / spread
+    level = median_filter(noise, size=(1, 2 * _NOISE_HALF_WIDTH + 1), mode="nearest") / np.log(2)
+    return np.asarray(np.pad(level, ((0, 0), (2, 2)), mode="edge") / magnitude**2)

@@ -1,0 +1,151 @@
+"""The score: a claimed modal model against the truth, one row per mode."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Dof, InputError, ModalModel, ModeScore, ModeStatus, Scorecard, Truth
+from vgvt_scoreboard.merged_truth import MergedTruth, merge_truth
+from vgvt_scoreboard.pairing import Pairing, PairingRule, pair_modes
+from vgvt_scoreboard.reach import reachable
+
+
+class _ClaimSide(TypedDict, total=False):
+    claimed_hz: float
+    claimed_damping_ratio: float | None
+    claimed_std_hz: float | None
+    claimed_damping_ratio_std: float | None
+    claimed_index: int
+
+
+def score(
+    truth: Truth,
+    claim: ModalModel,
+    band_hz: tuple[float, float],
+    scenario: str = "",
+    identifier: str = "",
+    rule: PairingRule | None = None,
+) -> Scorecard:
+    """Score a claim against the average as-tested truth, within a band.
+
+    Frequencies in Hz. Shapes are compared at the claim's DOFs. True modes in the band are found,
+    missed or unreached; a claim that fits a true mode just outside the band is found too but never
+    required, and claims outside the band that fit nothing in it are left out. InputError when claim
+    and truth share no DOF or the band is upside down. See scoreboard/README.md for a worked example.
+    """
+    scenario, identifier = scenario or truth.scenario, identifier or claim.method
+    if not 0 <= band_hz[0] < band_hz[1]:
+        raise InputError(f"score of {identifier}", f"band {band_hz} Hz is no band", "give 0 <= low < high")
+    merged = merge_truth(truth)
+    dofs = _common_dofs(merged.model, claim, f"score of {identifier or 'the claim'} on {scenario}")
+    true_model = merged.model.at(dofs)
+    claimed = claim.at(dofs) if len(claim) else ModalModel.empty(claim.outcome, claim.advice, claim.method, dofs)
+    pairing = pair_modes(true_model, claimed, rule)
+    rows = _rows(merged, true_model, claimed, pairing, band_hz)
+    rows.sort(key=lambda row: row.true_hz if row.true_hz is not None else row.claimed_hz or 0.0)
+    return Scorecard(
+        identifier=identifier,
+        scenario=scenario,
+        band_hz=band_hz,
+        modes=tuple(r for r in rows if r.status is not ModeStatus.UNREACHED),
+        unreached=tuple(r for r in rows if r.status is ModeStatus.UNREACHED),
+        outcome=claim.outcome,
+        advice=claim.advice,
+    )
+
+
+def _common_dofs(true_model: ModalModel, claim: ModalModel, where: str) -> tuple[Dof, ...]:
+    """The claim's DOFs that the truth knows; without any claim, all but the references."""
+    known = {d.unsigned for d in true_model.dofs}
+    common = tuple(d for d in claim.dofs if d.unsigned in known)
+    if common:
+        return common
+    if len(claim):
+        theirs = ", ".join(str(d) for d in claim.dofs[:6]) or "none"
+        ours = ", ".join(str(d) for d in true_model.dofs[:6])
+        raise InputError(
+            where,
+            f"claim and truth share no degree of freedom (claim: {theirs}; truth: {ours})",
+            "score a claim only against the truth of the campaign it was made from",
+        )
+    references = {d.unsigned for d in true_model.references}
+    return tuple(d for d in true_model.dofs if d.unsigned not in references) or true_model.dofs
+
+
+def _rows(
+    merged: MergedTruth, true_model: ModalModel, claimed: ModalModel, pairing: Pairing, band_hz: tuple[float, float]
+) -> list[ModeScore]:
+    partner = dict(pairing.pairs)
+    inside = _inside(true_model.natural_frequency_hz, band_hz)
+    seen = reachable(true_model)
+    rows = []
+    for i in range(len(true_model)):
+        j = partner.get(i)
+        # Out-of-band truth excuses an in-band claim that belongs to it; it asks for nothing.
+        if inside[i] or (j is not None and _inside(claimed.natural_frequency_hz, band_hz)[j]):
+            rows.append(_true_row(merged, true_model, claimed, pairing, i, j, bool(seen[i]), bool(inside[i])))
+    taken = set(partner.values())
+    in_band = _inside(claimed.natural_frequency_hz, band_hz)
+    rows += [_false_row(true_model, claimed, pairing, j) for j in range(len(claimed)) if j not in taken and in_band[j]]
+    return rows
+
+
+def _true_row(
+    merged: MergedTruth,
+    true_model: ModalModel,
+    claimed: ModalModel,
+    pairing: Pairing,
+    i: int,
+    j: int | None,
+    seen: bool,
+    inside: bool,
+) -> ModeScore:
+    status = ModeStatus.FOUND if j is not None else ModeStatus.MISSED if seen else ModeStatus.UNREACHED
+    remark = "" if seen else f"under 2 % of the sigma plot at {true_model.natural_frequency_hz[i]:.2f} Hz"
+    return ModeScore(
+        status=status,
+        true_hz=float(true_model.natural_frequency_hz[i]),
+        true_damping_ratio=float(true_model.damping_ratio[i]),
+        true_spread_hz=float(merged.frequency_spread_hz[i]),
+        mac=None if j is None else float(pairing.mac[i, j]),
+        label=true_model.labels[i] if true_model.labels else "",
+        reachable=seen,
+        in_band=inside,
+        true_index=int(merged.index[i]),
+        remark=remark if inside else "outside the band asked for",
+        **_claim_side(claimed, j),
+    )
+
+
+def _false_row(true_model: ModalModel, claimed: ModalModel, pairing: Pairing, j: int) -> ModeScore:
+    """A claim without a partner; it says so when it doubles a mode that another claim has taken."""
+    rivals = np.flatnonzero(pairing.admissible[:, j])
+    remark = ""
+    if rivals.size:
+        nearest = rivals[np.argmin(pairing.pole_distance[rivals, j])]
+        remark = f"split: the mode at {true_model.natural_frequency_hz[nearest]:.2f} Hz is claimed twice"
+    label = claimed.labels[j] if claimed.labels else ""
+    return ModeScore(status=ModeStatus.FALSE, label=label, remark=remark, **_claim_side(claimed, j))
+
+
+def _claim_side(claimed: ModalModel, j: int | None) -> _ClaimSide:
+    if j is None:
+        return {}
+    return {
+        "claimed_hz": float(claimed.natural_frequency_hz[j]),
+        "claimed_damping_ratio": _stated(claimed.damping_ratio, j),
+        "claimed_std_hz": _stated(claimed.natural_frequency_std_hz, j),
+        "claimed_damping_ratio_std": _stated(claimed.damping_ratio_std, j),
+        "claimed_index": j,
+    }
+
+
+def _stated(values: NDArray[np.float64] | None, j: int) -> float | None:
+    return None if values is None or not np.isfinite(values[j]) else float(values[j])
+
+
+def _inside(frequency_hz: NDArray[np.float64], band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+    return np.asarray((frequency_hz >= band_hz[0]) & (frequency_hz <= band_hz[1]))

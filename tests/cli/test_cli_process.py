@@ -1,0 +1,143 @@
+"""The command line as a process: speed of --help, Ctrl-C, a closed pipe, threads, terminals."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+VGVT = (sys.executable, "-m", "vgvt")
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("identify", "--help"), ("list", "--help")], ids=" ".join)
+def test_help_answers_at_once(arguments: tuple[str, ...]) -> None:
+    times = []
+    for _ in range(3):
+        begin = time.perf_counter()
+        subprocess.run([*VGVT, *arguments], check=True, capture_output=True, timeout=60)
+        times.append(time.perf_counter() - begin)
+    assert min(times) < 0.5
+
+
+def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, str, str, float]:
+    """Start a long run, signal it once ``seen`` is on stderr; exit status, streams, seconds until the end."""
+    environment = {**os.environ, "VGVT_TRACEBACK": ""}
+    process = subprocess.Popen(
+        [*VGVT, "run", "hati-unsymmetric", "--json", "--out", str(folder)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+    assert process.stderr is not None
+    said = ""
+    while seen not in said:
+        line = process.stderr.readline()
+        assert line, f"ended early: {said}"
+        said += line
+    begin = time.perf_counter()
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    return process.returncode, out, said + err, time.perf_counter() - begin
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_in_a_long_run(tmp_path: Path, number: signal.Signals, status: int) -> None:
+    folder = tmp_path / "long"
+    returned, out, err, seconds = interrupted(folder, number, "s left")
+    assert returned == status
+    assert "Traceback" not in err
+    assert "nothing was kept" in err
+    assert seconds < 20
+    assert list(tmp_path.iterdir()) == []
+    if number is signal.SIGINT:
+        assert json.loads(out)["error"]["kind"] == "interrupted"
+
+
+def test_ctrl_c_right_after_the_start(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*VGVT, "run", "hati-unsymmetric", "--out", str(tmp_path / "long")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "long").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_closed_pipe_is_quiet() -> None:
+    process = subprocess.Popen([*VGVT, "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.stderr is not None
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait(timeout=60) == 128 + signal.SIGPIPE
+
+
+def test_one_thread_unless_told_otherwise() -> None:
+    code = "import os; from vgvt.cli import main; main(['--version']); print(os.environ['OPENBLAS_NUM_THREADS'])"
+    clean = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    for environment, threads in ((clean, "1"), ({**clean, "OPENBLAS_NUM_THREADS": "2"}, "2")):
+        done = subprocess.run(
+            [sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True, timeout=60
+        )
+        assert done.stdout.split()[-1] == threads
+
+
+def test_output_survives_a_terminal_without_unicode() -> None:
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "LC_ALL": "C"}
+    done = subprocess.run([*VGVT, "list", "scenarios"], env=environment, capture_output=True, timeout=60, check=False)
+    assert done.returncode == 0
+    assert b"quick" in done.stdout
+
+
+def test_a_terminal_gets_a_bar_with_the_time_left() -> None:
+    code = (
+        "from vgvt.cli.console import progress\n"
+        "with progress('simulate') as report:\n"
+        "    report(0.25, 'quarter'); import time; time.sleep(0.3); report(0.5, 'half'); time.sleep(0.3)\n"
+    )
+    main, worker = pty.openpty()
+    done = subprocess.run([sys.executable, "-c", code], stderr=worker, stdout=subprocess.PIPE, check=True, timeout=60)
+    os.close(worker)
+    text = b""
+    try:
+        while block := os.read(main, 65536):
+            text += block
+    except OSError:  # the kernel's way of saying that the other end is closed
+        pass
+    os.close(main)
+    assert b"50 %" in text
+    assert b"left" in text
+    assert done.stdout == b""
+
+
+def test_no_terminal_gets_a_line_now_and_then(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from vgvt.cli import console
+
+    clock = iter([0.0, 1.0, 11.0, 12.0, 30.0])
+    monkeypatch.setattr(console.time, "monotonic", lambda: next(clock))
+    with console.progress("simulate") as report:
+        for fraction in (0.05, 0.25, 0.3, 0.6):
+            report(fraction, "stepping")
+    assert capsys.readouterr().err.splitlines() == [
+        "simulate: stepping 25 %, 33 s left",
+        "simulate: stepping 60 %, 20 s left",
+    ]

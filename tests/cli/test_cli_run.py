@@ -1,0 +1,185 @@
+"""``vgvt run`` and its parts on a campaign with a known answer: contract, folder, resume, refuse."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+MODE_KEYS = {"frequency_hz", "frequency_std_hz", "damping_ratio", "damping_ratio_std", "shape", "label", "flags"}
+SCORE_KEYS = {
+    "true_hz",
+    "claimed_hz",
+    "frequency_error_percent",
+    "true_damping_ratio",
+    "damping_error_percent",
+    "mac",
+    "status",
+}
+FILES = {
+    "scenario.toml",
+    "campaign.nc",
+    "sealed/truth.nc",
+    "claims/quadrature.json",
+    "scorecards/quadrature.json",
+    "report.html",
+    "manifest.json",
+}
+
+
+def files_in(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def interrupted(*_: object, **__: object) -> None:
+    raise KeyboardInterrupt
+
+
+def test_run_keeps_the_contract(vgvt, simulations) -> None:
+    result = vgvt("run", "quick", "--json")
+    assert result.status == 0
+    document = result.document
+    assert {"scenario", "folder", "truth", "identifiers", "timing_s"} <= set(document)
+    assert document["scenario"] == "quick"
+    assert set(document["truth"]) == {"bare", "as_tested"}
+    for mode in (*document["truth"]["bare"], *document["truth"]["as_tested"]):
+        assert set(mode) >= MODE_KEYS
+        assert set(mode["shape"][0]) == {"dof", "real", "imag"}
+    card = document["identifiers"]["quadrature"]
+    assert {"modes", "missed", "false", "summary"} <= set(card)
+    assert all(set(row) >= SCORE_KEYS and row["status"] in ("found", "missed", "false") for row in card["modes"])
+    assert all(value >= 0 for value in document["timing_s"].values())
+
+
+def test_run_finds_the_plate_and_writes_the_whole_folder(vgvt, simulations) -> None:
+    result = vgvt("run", "quick")
+    assert result.status == 0
+    folder = Path("runs/quick")
+    assert files_in(folder) == FILES
+    assert "2 of 2 modes found, 0 missed, 0 false" in result.out
+    card = json.loads((folder / "scorecards/quadrature.json").read_text())
+    assert [row["status"] for row in card["modes"]] == ["found", "found"]
+    for row in card["modes"]:
+        assert abs(row["frequency_error_percent"]) < 0.1
+        assert row["mac"] > 0.99
+    from vgvt.files import check_manifest
+
+    assert check_manifest(folder) == ()
+
+
+def test_the_resolved_scenario_is_the_scenario(vgvt, simulations) -> None:
+    from vgvt.scenario import load_scenario
+
+    assert vgvt("run", "quick", "--seed", 7, "--engine", "linear", "--no-report", "--out", "here").status == 0
+    again = load_scenario(Path("here/scenario.toml"))
+    assert again.seed == 7
+    assert again.simulation.engine == "linear"
+    assert again.airframe == load_scenario("quick").airframe
+
+
+def test_same_scenario_resumes(vgvt, simulations) -> None:
+    first = vgvt("run", "quick", "--json").document
+    second = vgvt("run", "quick", "--json").document
+    assert simulations == ["quick"]
+    assert (first["resumed"], second["resumed"]) == (False, True)
+    assert first["identifiers"] == second["identifiers"]
+
+
+def test_resume_simulates_again_when_the_campaign_was_damaged(vgvt, simulations) -> None:
+    vgvt("run", "quick", "--no-report")
+    campaign = Path("runs/quick/campaign.nc")
+    campaign.write_bytes(campaign.read_bytes()[:1000])
+    assert vgvt("run", "quick", "--no-report").status == 0
+    assert simulations == ["quick", "quick"]
+
+
+def test_another_scenario_is_refused_unless_forced(vgvt, simulations) -> None:
+    assert vgvt("run", "quick", "--no-report", "--out", "here").status == 0
+    before = Path("here/campaign.nc").read_bytes()
+    refused = vgvt("run", "quick", "--no-report", "--out", "here", "--seed", 5)
+    assert refused.status == 2
+    assert "another scenario" in refused.err
+    assert "--force" in refused.err
+    assert Path("here/campaign.nc").read_bytes() == before
+    assert vgvt("run", "quick", "--no-report", "--out", "here", "--seed", 5, "--force").status == 0
+    assert simulations == ["quick", "quick"]
+
+
+def test_force_leaves_no_claim_about_the_campaign_before(vgvt, simulations) -> None:
+    vgvt("run", "quick", "--out", "here")
+    assert vgvt("simulate", "quick", "--out", "here", "--seed", 5, "--force").status == 0
+    assert files_in(Path("here")) == {"scenario.toml", "campaign.nc", "sealed/truth.nc", "manifest.json"}
+
+
+def test_default_folders_do_not_collide(vgvt, simulations) -> None:
+    folders = {
+        vgvt("simulate", "quick", *options, "--json").document["folder"]
+        for options in ((), ("--seed", 5), ("--engine", "linear"))
+    }
+    assert folders == {str(Path("runs") / name) for name in ("quick", "quick-seed5", "quick-linear")}
+
+
+def test_a_folder_with_other_things_in_it_is_refused(vgvt, simulations) -> None:
+    Path("here").mkdir()
+    Path("here/thesis.txt").write_text("precious")
+    result = vgvt("run", "quick", "--out", "here")
+    assert result.status == 2
+    assert "not empty" in result.err
+    assert files_in(Path("here")) == {"thesis.txt"}
+    assert simulations == []
+
+
+def test_a_file_in_the_way_is_refused(vgvt, simulations) -> None:
+    Path("here").write_text("precious")
+    result = vgvt("run", "quick", "--out", "here")
+    assert result.status == 2
+    assert Path("here").read_text() == "precious"
+
+
+def test_a_misspelt_identifier_costs_no_simulation(vgvt, simulations) -> None:
+    result = vgvt("run", "quick", "--identifier", "quadratur")
+    assert result.status == 2
+    assert "'quadrature'" in result.err
+    assert simulations == []
+
+
+def test_an_interrupt_keeps_nothing_half_done(vgvt, monkeypatch) -> None:
+    monkeypatch.setattr("vgvt.simulation.simulate", interrupted)
+    result = vgvt("run", "quick", "--json")
+    assert result.status == 130
+    assert result.document["error"]["kind"] == "interrupted"
+    assert "nothing was kept" in result.err
+    assert not Path("runs/quick").exists()
+
+
+def test_an_interrupt_after_the_simulation_keeps_the_campaign(vgvt, simulations, monkeypatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("vgvt.view.write_report", interrupted)
+        result = vgvt("run", "quick")
+    assert result.status == 130
+    assert "kept in" in result.err
+    assert vgvt("run", "quick").status == 0
+    assert simulations == ["quick"]
+
+
+def test_simulate_then_identify_then_score(vgvt, simulations) -> None:
+    document = vgvt("simulate", "quick", "--json").document
+    assert {"scenario", "folder", "truth", "timing_s"} <= set(document)
+    claim = vgvt("identify", document["folder"], "--identifier", "quadrature", "--out", "claim.json", "--json")
+    assert claim.status == 0
+    assert set(claim.document) >= {"identifier", "band_hz", "outcome", "modes"}
+    assert json.loads(Path("claim.json").read_text()) == claim.document
+    card = vgvt("score", "claim.json", Path(document["folder"]) / "sealed/truth.nc", "--json")
+    assert card.status == 0
+    assert card.document["summary"]["found"] == 2
+
+
+def test_score_of_a_run_folder_is_the_score_of_the_run(vgvt, simulations) -> None:
+    ran = vgvt("run", "quick", "--json").document["identifiers"]["quadrature"]
+    scored = vgvt("score", "runs/quick", "--json").document
+    assert [row["status"] for row in scored["modes"]] == [row["status"] for row in ran["modes"]]
+    for ours, theirs in zip(scored["modes"], ran["modes"], strict=True):
+        assert ours["claimed_hz"] == pytest.approx(theirs["claimed_hz"], rel=1e-12)
+        assert ours["mac"] == pytest.approx(theirs["mac"], abs=1e-12)
+    assert vgvt("score", "runs/quick/claims/quadrature.json").status == 0

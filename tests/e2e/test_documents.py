@@ -1,0 +1,125 @@
+"""The documents do what they say: code cells run, commands exist, links lead somewhere."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import pytest
+from sybil import Sybil
+from sybil.parsers.markdown import PythonCodeBlockParser
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENTS = sorted(
+    [
+        *ROOT.glob("*.md"),
+        *(ROOT / "docs").rglob("*.md"),
+        *(ROOT / folder / "README.md" for folder in ("scenarios", "identifiers", "scoreboard")),
+    ]
+)
+
+
+def relative(path: Path) -> str:
+    """Path as a person reads it."""
+    return path.relative_to(ROOT).as_posix()
+
+
+def python_cells(path: Path) -> list[str]:
+    """The code of every Python cell."""
+    return re.findall(r"^```python\n(.*?)^```", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+
+
+def shell_lines(path: Path) -> list[str]:
+    """Every vgvt command line in a console or shell cell, and in inline code that is one from beginning to end."""
+    text = path.read_text(encoding="utf-8")
+    cells = re.findall(r"^```(?:console|sh|bash)\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+    lines = [line.removeprefix("$ ") for cell in cells for line in cell.splitlines()]
+    inline = re.findall(r"(?<!`)`(vgvt [^`\n]+)`(?!`)", text)
+    return [line for line in (*lines, *inline) if line.startswith("vgvt ")]
+
+
+WITH_CELLS = [path for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))) if python_cells(path)]
+
+
+def test_there_are_documents_with_code() -> None:
+    assert {"README.md", "docs/tutorials/first-flight.md"} <= {relative(path) for path in WITH_CELLS}
+
+
+@pytest.mark.parametrize("path", WITH_CELLS, ids=relative)
+def test_code_cells_run(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    document = Sybil(parsers=[PythonCodeBlockParser()]).parse(path)
+    examples = list(document.examples())
+    assert len(examples) == len(python_cells(path))
+    for example in examples:
+        example.evaluate()
+
+
+@pytest.mark.parametrize("path", [path for path in DOCUMENTS if path.exists()], ids=relative)
+def test_commands_exist(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from vgvt.cli import main
+
+    for line in shell_lines(path):
+        words = [word for word in shlex.split(line) if word not in ("|", "&&")][1:]
+        plain = [word for word in words if re.fullmatch(r"[a-z]+", word)]
+        options = [word for word in words if word.startswith("--")]
+        if not plain:  # like `vgvt COMMAND --help`
+            continue
+        group = plain[0] in ("list", "data") and len(plain) > 1
+        assert main([*plain[: 2 if group else 1], "--help"]) == 0, line
+        said = capsys.readouterr().out
+        for option in options:
+            assert option.split("=")[0] in said, f"{line}: there is no {option}"
+
+
+@pytest.mark.parametrize("path", [path for path in DOCUMENTS if path.exists()], ids=relative)
+def test_links_lead_somewhere(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    targets = re.findall(r"\]\(([^)\s]+)\)", text)
+    local = [target.split("#")[0] for target in targets if not re.match(r"[a-z]+:", target)]
+    missing = [target for target in local if target and not (path.parent / target).exists()]
+    assert not missing
+
+
+def readme_command(name: str) -> str:
+    """The command line under a marker of the README."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (command,) = re.findall(rf"^<!-- command:{name} -->\n```sh\n([^\n]+)\n```$", text, flags=re.MULTILINE)
+    return str(command)
+
+
+def test_the_two_commands_are_one_line_each_and_need_only_python() -> None:
+    for name in ("run", "test"):
+        command = readme_command(name)
+        assert command.startswith("python3 -m venv .venv && .venv/bin/pip install ")
+        assert all(part.split()[0].startswith((".venv/bin/", "python3")) for part in command.split(" && "))
+
+
+def test_ci_runs_the_readme_word_for_word() -> None:
+    """.ci/run takes the commands out of the README; its own extraction must see what a reader sees."""
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    function = re.search(r"^readme_command\(\).*?^}", script, flags=re.MULTILINE | re.DOTALL)
+    assert function
+    for name in ("run", "test"):
+        assert f"readme_command {name}" in script
+        done = subprocess.run(
+            ["bash", "-c", f"{function[0]}\nreadme_command {name}"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=60,
+        )
+        assert done.stdout == readme_command(name) + "\n"
+    for name in ("run", "test"):
+        assert f'bash -c "${name}_command"' in script
+
+
+def test_citation_names_the_version() -> None:
+    from vgvt import __version__
+
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"version: {__version__}\n" in text
+    assert f"## [{__version__}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

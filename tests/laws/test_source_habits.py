@@ -1,0 +1,156 @@
+"""House rules that a program can check: file length, names, pickles, paths, seeds, docstrings."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = (ROOT / "vgvt", ROOT / "identifiers" / "vgvt_identifiers", ROOT / "scoreboard" / "vgvt_scoreboard")
+SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
+LONGEST_FILE = 350
+FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools"}
+PICKLES = {"pickle", "cPickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
+SEEDED = {"default_rng", "SeedSequence", "Generator", "PCG64", "Philox", "BitGenerator", "RandomState", "get_state"}
+UNSEEDED_BY_DEFAULT = {"default_rng", "SeedSequence", "PCG64", "Philox", "RandomState", "Random"}
+BINARY = {".png", ".jpg", ".nc", ".npz", ".mat", ".gz", ".whl", ".pdf", ".ico", ".woff2"}
+
+# Home folders, scratch folders and mounts of somebody's machine; addresses of package registries and their mirrors.
+PRIVATE_PATH = re.compile(r"(?<![\w./:~<>$}-])(?:/(?:home|Users|root|mnt|tmp|var/folders)/[\w.-]+|[A-Z]:\\Users\\)")
+THIS_CHECKOUT = re.compile("|".join(re.escape(str(place)) for place in (ROOT, ROOT.parent / "shared")))
+REGISTRY_HOST = re.compile(
+    r"https?://[^\s\"'<>)]*(?:artifactory|nexus|devpi|pypi\.org/simple|test\.pypi|/simple/|index-url)", re.IGNORECASE
+)
+
+
+def relative(path: Path) -> str:
+    """Path as a person reads it."""
+    return str(path.relative_to(ROOT))
+
+
+def tree_of(path: Path) -> ast.Module:
+    """Syntax tree of a source file."""
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+def imported_modules(tree: ast.Module) -> set[str]:
+    """Top-level names of everything a file imports, also inside functions."""
+    names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    names |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
+    return {name.split(".")[0] for name in names}
+
+
+def project_files() -> list[Path]:
+    """Text files of the project as version control sees them; every file of the tree outside a checkout."""
+    listing = subprocess.run(
+        ["git", "-C", str(ROOT), "ls-files", "--cached", "--others", "--exclude-standard", "-z"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    names = listing.stdout.split("\0") if listing.returncode == 0 else [relative(p) for p in ROOT.rglob("*")]
+    files = (ROOT / name for name in names if name and not name.startswith((".git/", ".venv")))
+    return [p for p in files if p.is_file() and p.suffix not in BINARY and "__pycache__" not in p.parts]
+
+
+def dotted(function: ast.expr) -> str:
+    """Plain dotted name of what is called; empty for a method of something computed."""
+    text = ast.unparse(function)
+    return text if re.fullmatch(r"[\w.]+", text) else ""
+
+
+def unseeded_calls(tree: ast.Module) -> list[str]:
+    """Calls that draw randomness nobody named: no seed given, or numpy's and Python's hidden global state."""
+    found = []
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        name = dotted(node.func)
+        last = name.rsplit(".", 1)[-1]
+        global_state = name.startswith(("np.random.", "numpy.random.", "random.")) and last not in SEEDED | {"Random"}
+        no_seed = last in UNSEEDED_BY_DEFAULT and not node.args and not node.keywords
+        none_seed = last in UNSEEDED_BY_DEFAULT and any(ast.unparse(a) == "None" for a in node.args)
+        if global_state or no_seed or none_seed:
+            found.append(f"line {node.lineno}: {ast.unparse(node)}")
+    return found
+
+
+def test_there_are_sources_to_judge() -> None:
+    assert len(SOURCES) > 20
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=relative)
+def test_a_file_holds_one_idea(path: Path) -> None:
+    lines = len(path.read_text(encoding="utf-8").splitlines())
+    assert lines <= LONGEST_FILE, f"{lines} lines; split it, one idea a file"
+    assert path.stem not in FORBIDDEN_NAMES, "name the idea, not the drawer"
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=relative)
+def test_no_pickle(path: Path) -> None:
+    pickles = imported_modules(tree_of(path)) & PICKLES
+    assert not pickles, f"{pickles}: files are data, never code"
+    assert not re.search(r"allow_pickle\s*=\s*True", path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=relative)
+def test_every_generator_is_seeded_by_argument(path: Path) -> None:
+    assert not unseeded_calls(tree_of(path))
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "tests").rglob("*.py")), ids=relative)
+def test_tests_are_seeded_and_short_too(path: Path) -> None:
+    assert not unseeded_calls(tree_of(path))
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
+
+
+@pytest.mark.parametrize(
+    ("snippet", "found"),
+    [
+        ("import numpy as np\nnp.random.default_rng()", True),
+        ("import numpy as np\nnp.random.default_rng(None)", True),
+        ("import numpy as np\nnp.random.normal(size=3)", True),
+        ("import random\nrandom.random()", True),
+        ("import numpy as np\nnp.random.default_rng().normal()", True),
+        ("import numpy as np\nnp.random.default_rng(3)", False),
+        ("import numpy as np\nnp.random.default_rng(3).normal(size=(2, 4))", False),
+        ("def draw(generator):\n    return generator.normal()", False),
+        ("import numpy as np\nnp.random.Generator(np.random.PCG64(5))", False),
+    ],
+)
+def test_the_seed_check_can_tell(snippet: str, found: bool) -> None:
+    assert bool(unseeded_calls(ast.parse(snippet))) is found
+
+
+def test_no_file_names_a_machine_or_a_registry() -> None:
+    offences = []
+    for path in project_files():
+        if path == Path(__file__).resolve():
+            continue
+        text = path.read_text(encoding="utf-8", errors="replace")
+        for pattern in (PRIVATE_PATH, THIS_CHECKOUT, REGISTRY_HOST):
+            offences += [
+                f"{relative(path)}:{text.count(chr(10), 0, hit.start()) + 1}: {hit.group()}"
+                for hit in pattern.finditer(text)
+            ]
+    assert not offences, "\n".join(offences)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("see /home/anna/gvt", True),
+        ('open("/tmp/x.nc")', True),
+        ("C:\\Users\\anna", True),
+        ("../shared/data", False),
+        ("vgvt/work/flow", False),
+        ("the ratio a/home/b", False),
+        ("https://example.org/home/page", False),
+    ],
+)
+def test_the_path_check_can_tell(text: str, found: bool) -> None:
+    assert bool(PRIVATE_PATH.search(text)) is found

@@ -1,0 +1,253 @@
+"""Bad input: each is refused at its file and key, in words that say what to write."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from vgvt.data import InputError
+from vgvt.scenario import load_scenario
+
+_HEAD = 'extends = "quick"\nname = "mine"\nsummary = "A trial."\n'
+
+Refused = Callable[[str], InputError]
+
+
+@pytest.fixture
+def refused(tmp_path: Path) -> Refused:
+    """Write a scenario that differs from ``quick`` by some lines and return how it is refused."""
+
+    def load(lines: str) -> InputError:
+        file = tmp_path / "mine.toml"
+        file.write_text(_HEAD + lines, encoding="utf-8")
+        with pytest.raises(InputError) as caught:
+            load_scenario(file)
+        assert str(file) in str(caught.value) or "quick" in str(caught.value)
+        return caught.value
+
+    return load
+
+
+# Lines that are wrong | key that the message must name | words of the problem | words of the advice
+_MISTAKES = [
+    (
+        "[suspension]\nstifness_n_per_m = 3.0",
+        "suspension.stifness_n_per_m",
+        "not a key",
+        "Did you mean stiffness_n_per_m",
+    ),
+    ("[suspension]\narmature_mass_kg = 3.0", "suspension.armature_mass_kg", "not a key", "belongs in [shaker]"),
+    ("[shaker]\nmass = 3.0", "shaker.mass", "not a key", "armature_mass_kg"),
+    ("[simulation]\nseed = 3", "simulation.seed", "not a key", "at the top of the file"),
+    ("[simulation]\nqqqqqq = 3", "simulation.qqqqqq", "not a key", "engine, step_s"),
+    ("[suspension]\nstiffness_n_per_m = -130.0", "suspension.stiffness_n_per_m", "is -130", "N/m"),
+    (
+        '[[airframe.beam]]\nname = "wing"\n[airframe.beam.stations]\nbending_stiffness_n_m2 = [316, -1, 316, 316]',
+        "airframe.beam[0].stations.bending_stiffness_n_m2[1]",
+        "is -1, but must be more than 0",
+        "N m²",
+    ),
+    (
+        '[[airframe.beam]]\nname = "wing"\n[airframe.beam.stations]\nmass_kg_per_m = [0.6]',
+        "airframe.beam[0].stations.mass_kg_per_m",
+        "has 1 entries but position_m has 4",
+        "one entry a station",
+    ),
+    ("[transducer]\nsensitivity_v_per_n = 0", "transducer.sensitivity_v_per_n", "is 0, but must be more than 0", "V/N"),
+    ('[transducer]\nmass_kg = "0.02"', "transducer.mass_kg", "without quotes", "kg"),
+    ("[transducer]\nmass_kg = nan", "transducer.mass_kg", "ordinary number", "kg"),
+    ("[transducer]\nend_mass_kg = 0.5", "transducer.end_mass_kg", "more than the whole transducer", "sensing element"),
+    ("[excitation]\nstart_hz = 35.0", "excitation.stop_hz", "like start_hz", "two"),
+    ("[excitation]\nstop_hz = 600.0", "acquisition.sample_rate_hz", "goes up to 600 Hz", "1200 Hz"),
+    ("[excitation]\ntaper_s = 9.0", "excitation.taper_s", "more than half", "Shorten"),
+    ('[excitation]\nkind = "burst"', "excitation.kind", "must be 'linear-chirp'", "kind = "),
+    ("[acquisition]\nbits = 24.5", "acquisition.bits", "whole number", "converter"),
+    ("[acquisition]\nbits = true", "acquisition.bits", "is true", "converter"),
+    ("[acquisition]\nruns = [[1, 77]]", "acquisition.runs[0]", "names node 77", "The grid has 1, 2"),
+    ("[acquisition]\nruns = [[1, 1]]", "acquisition.runs[0]", "[1, 1]", "each node once"),
+    ("[acquisition]\nruns = []", "acquisition.runs", "has 0 entries", "each run"),
+    ("[shaker]\nnode = 4", "shaker.node", "also an accelerometer's", "number of its own"),
+    ("[shaker]\nposition_m = [0.6, 0.1]", "shaker.position_m", "exactly 3 entries", "Drive point"),
+    ('[shaker]\nattached_to = "wnig"', "shaker.attached_to", "not a part", "Did you mean wing"),
+    ('[accelerometers.grid]\ndirection = ["Q"]', "accelerometers.grid.direction[0]", "'Q'", "'+Z'"),
+    (
+        "[accelerometers.grid]\nx_m = [0.5]",
+        "accelerometers.grid.x_m",
+        "has 1 entries but node has 20",
+        "one entry a node",
+    ),
+    ("[accelerometers.noise]\ndensity = [1.0]", "accelerometers.noise.density", "has 1 entries", "a frequency"),
+    ("[airframe.damping]\ndamping_ratio = 2.0", "airframe.damping.damping_ratio", "is 2", "0.02 for 2 %"),
+    ('[airframe.beam]\nname = "wing"', "airframe.beam", "one table", "[[airframe.beam]]"),
+    (
+        '[[airframe.beam]]\nname = "wing"\nnormal = [0.3755, 0.9268, 0.0]',
+        "airframe.beam[0].normal",
+        "along the axis",
+        "bends",
+    ),
+    (
+        '[[airframe.item]]\nname = "brick"\nmass_kg = 1.0\nposition_m = [0.5, 0.0, 0.0]\nmirror = true',
+        "airframe.item[11].position_m",
+        "copies the right item",
+        "y > 0",
+    ),
+    (
+        '[[airframe.item]]\nname = "brick"\nposition_m = [0.5, 0.0, 0.0]',
+        "airframe.item[11].mass_kg",
+        "is missing",
+        "kg",
+    ),
+    ("suspension = 3", "suspension", "table of keys", "[suspension]"),
+]
+
+
+@pytest.mark.parametrize(("lines", "key", "problem", "advice"), _MISTAKES, ids=[m[1] + "|" + m[2] for m in _MISTAKES])
+def test_a_mistake_is_told_at_its_key(refused: Refused, lines: str, key: str, problem: str, advice: str) -> None:
+    error = refused(lines)
+    assert error.where.endswith(f": {key}")
+    assert problem in error.problem
+    assert advice.lower() in error.advice.lower()
+    assert not any(jargon in str(error).lower() for jargon in ("pydantic", "input should", "validation", "traceback"))
+
+
+def test_sensor_off_the_aircraft(refused: Refused) -> None:
+    grid = "node = [1, 2]\nx_m = [0.5, 0.6]\ny_m = [0.5, 1.9]"
+    error = refused(f"[accelerometers.grid]\n{grid}\n[acquisition]\nruns = [[1, 2]]")
+    assert error.where.endswith("accelerometers.grid.x_m[1]")
+    assert "sensor point 2" in error.problem
+    assert "off the aircraft" in error.problem
+    assert "'wing-right'" in error.problem
+
+
+def test_a_sensor_on_an_edge_is_on_the_aircraft(tmp_path: Path) -> None:
+    file = tmp_path / "edge.toml"
+    grid = "node = [1]\nx_m = [0.842]\ny_m = [1.464]"
+    file.write_text(f"{_HEAD}[accelerometers.grid]\n{grid}\n[acquisition]\nruns = [[1]]", encoding="utf-8")
+    assert load_scenario(file).accelerometers.grid.node == (1,)
+
+
+def test_sensor_off_the_part_that_it_names(refused: Refused) -> None:
+    grid = 'node = [1]\nx_m = [0.5]\ny_m = [0.5]\nattached_to = ["wing-left"]'
+    error = refused(f"[accelerometers.grid]\n{grid}\n[acquisition]\nruns = [[1]]")
+    assert "off the part it is attached to, 'wing-left'" in error.problem
+
+
+def test_inches_are_recognised(refused: Refused) -> None:
+    grid = "node = [1]\nx_m = [19.03]\ny_m = [17.87]"
+    error = refused(f"[accelerometers.grid]\n{grid}\n[acquisition]\nruns = [[1]]")
+    assert "inches" in error.advice
+    assert "0.4834, 0.4539" in error.advice
+
+
+@pytest.mark.parametrize(
+    ("lines", "key"),
+    [
+        ("[shaker]\nposition_m = [0.635, 0.5, 0.0]", "shaker.position_m"),
+        ("[suspension]\nhook_m = [-0.5, 0.0, 0.03]", "suspension.hook_m"),
+    ],
+)
+def test_drive_point_and_hook_off_the_aircraft(refused: Refused, lines: str, key: str) -> None:
+    error = refused(lines)
+    assert error.where.endswith(key)
+    assert " off " in error.problem
+
+
+def test_all_mistakes_are_told_at_once(refused: Refused) -> None:
+    error = refused('[suspension]\nstiffness_n_per_m = -1.0\nlenght_m = 1.0\n[shaker]\ndrive = "steam"')
+    assert error.problem == "3 mistakes"
+    for words in ("suspension.stiffness_n_per_m: is -1", "free_length_m", "shaker.drive"):
+        assert words in error.advice
+
+
+def test_not_more_than_ten_mistakes_are_listed(refused: Refused) -> None:
+    error = refused("[shaker]\n" + "\n".join(f"junk_{i} = 0" for i in range(13)))
+    assert error.problem == "13 mistakes"
+    assert error.advice.count("\n") == 10
+    assert error.advice.endswith("and 3 more.")
+
+
+def test_beams_that_hold_each_other(refused: Refused) -> None:
+    stations = "position_m = [[0.5, 0.0, 0.0], [0.5, 0.0, 0.3]]\n" + "\n".join(
+        f"{column} = [1.0, 1.0]"
+        for column in ("bending_stiffness_n_m2", "torsional_stiffness_n_m2", "mass_kg_per_m", "pitch_inertia_kg_m")
+    )
+    beams = [
+        f'[[airframe.beam]]\nname = "{a}"\nparent = "{b}"\nnormal = [0, 1, 0]\n[airframe.beam.stations]\n{stations}\n'
+        for a, b in (("fin", "tail"), ("tail", "fin"))
+    ]
+    error = refused("".join(beams))
+    assert error.where.endswith("airframe.beam[1].parent")
+    assert "circle" in error.problem
+
+
+# The file itself
+
+
+def _refusal(path: Path | str) -> InputError:
+    with pytest.raises(InputError) as caught:
+        load_scenario(path)
+    return caught.value
+
+
+def test_missing_file_names_its_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").touch()
+    assert "mine.toml" in _refusal(tmp_path / "mien.toml").advice
+    assert "does not exist" in _refusal(tmp_path / "nowhere" / "mine.toml").advice
+
+
+def test_folder_in_place_of_a_file(tmp_path: Path) -> None:
+    assert "folder" in _refusal(tmp_path).problem
+
+
+@pytest.mark.parametrize("content", [b"", b"\n\n", b"# only a comment\n"])
+def test_empty_file(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "x.toml").write_bytes(content)
+    error = _refusal(tmp_path / "x.toml")
+    assert "empty" in error.problem
+    assert "extends" in error.advice
+
+
+def test_text_that_is_not_utf_8(tmp_path: Path) -> None:
+    (tmp_path / "x.toml").write_bytes(b'name = "x"\nsummary = "Sk\xf6ll"\n')
+    error = _refusal(tmp_path / "x.toml")
+    assert error.where.endswith("x.toml, line 2")
+    assert "UTF-8" in error.problem
+
+
+def test_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
+    (tmp_path / "x.toml").write_bytes(b"\xef\xbb\xbf" + _HEAD.encode())
+    assert load_scenario(tmp_path / "x.toml").name == "mine"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column"),
+    [
+        ('name = "x"\nseed = 1,5\n', 2, 9),
+        ('name = "x"\nsummary = "y\n', 2, 13),
+        ('name = "x"\n[shaker\n', 2, 8),
+        ('name = "x"\nruns = [1, 2\n', 2, 13),
+        ('name = "x"\nname = "y"\n', 2, 11),
+        ('name = "x"\nseed\n', 2, 5),
+    ],
+)
+def test_toml_mistakes_have_line_and_column(tmp_path: Path, text: str, line: int, column: int) -> None:
+    (tmp_path / "x.toml").write_text(text, encoding="utf-8")
+    error = _refusal(tmp_path / "x.toml")
+    assert error.where.endswith(f"line {line}, column {column}")
+    assert "not TOML" in error.problem
+    assert error.advice
+
+
+def test_unknown_bundled_name() -> None:
+    error = _refusal("hati-unsymetric")
+    assert "Did you mean hati-unsymmetric" in error.advice
+    assert "quick" in _refusal("zzz").advice
+
+
+def test_bare_file_has_everything_missing(tmp_path: Path) -> None:
+    (tmp_path / "x.toml").write_text('name = "x"\nsummary = "y"\n[suspension]\n', encoding="utf-8")
+    error = _refusal(tmp_path / "x.toml")
+    assert "airframe: is missing" in error.advice
+    assert "suspension.hook_m: is missing. Write hook_m" in error.advice

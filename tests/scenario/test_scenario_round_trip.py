@@ -1,0 +1,73 @@
+"""Scenario to TOML and back, and the schema for editors."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vgvt.scenario import Item, Scenario, bundled_scenarios, load_scenario, scenario_json_schema, to_toml
+
+_QUICK = load_scenario("quick")
+_TEXT = st.text(st.characters(blacklist_categories=["Cs"]), max_size=40)
+_NUMBER = st.floats(-1e6, 1e6, allow_nan=False)
+
+
+def _again(scenario: Scenario) -> Scenario:
+    return Scenario.model_validate(tomllib.loads(to_toml(scenario)))
+
+
+@pytest.mark.parametrize("name", bundled_scenarios())
+def test_bundled_scenarios_come_back_equal(name: str, tmp_path: Path) -> None:
+    scenario = load_scenario(name)
+    assert _again(scenario) == scenario
+    (tmp_path / "resolved.toml").write_text(to_toml(scenario), encoding="utf-8")
+    assert load_scenario(tmp_path / "resolved.toml") == scenario
+
+
+@given(_TEXT, st.tuples(_NUMBER, _NUMBER, _NUMBER), st.floats(5e-324, 1e300), st.lists(_TEXT, max_size=4))
+@settings(max_examples=100, deadline=None)
+def test_any_text_and_number_comes_back(
+    text: str, point: tuple[float, float, float], mass_kg: float, sources: list[str]
+) -> None:
+    item = Item(name=f"item {text}", mass_kg=mass_kg, position_m=point)
+    airframe = _QUICK.airframe.model_copy(
+        update={"configuration": text, "item": (*_QUICK.airframe.item, item), "sources": tuple(sources)}
+    )
+    scenario = _QUICK.model_copy(update={"airframe": airframe, "summary": text})
+    assert _again(scenario) == scenario
+
+
+def test_the_text_is_complete() -> None:
+    tables = tomllib.loads(to_toml(_QUICK))
+    assert "extends" not in tables
+    assert set(tables) == set(Scenario.model_fields)
+    assert set(tables["suspension"]) == set(type(_QUICK.suspension).model_fields)
+
+
+def _tables(schema: dict[str, Any]) -> list[dict[str, Any]]:
+    return [schema, *schema["$defs"].values()]
+
+
+def test_json_schema_refuses_unknown_keys_and_states_units() -> None:
+    schema = scenario_json_schema()
+    assert json.loads(json.dumps(schema)) == schema
+    assert all(table["additionalProperties"] is False for table in _tables(schema))
+    spring = schema["$defs"]["Suspension"]["properties"]["stiffness_n_per_m"]
+    assert spring["description"] == "Unit: N/m."
+    assert spring["exclusiveMinimum"] == 0
+    assert set(schema["properties"]) == set(Scenario.model_fields)
+    assert {"airframe", "shaker", "name"} <= set(schema["required"])
+
+
+def test_json_schema_of_an_extending_file_asks_for_the_differences_only() -> None:
+    schema = scenario_json_schema(extending=True)
+    assert schema["required"] == ["extends", "name", "summary"]
+    assert "extends" in schema["properties"]
+    assert not any("required" in table for table in _tables(schema)[1:])
+    assert "extends" not in scenario_json_schema()["properties"]

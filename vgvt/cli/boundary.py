@@ -1,0 +1,129 @@
+"""Where a command meets the shell: exit statuses, error messages and the error object of --json."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, NoReturn
+
+import typer
+
+from vgvt.cli.console import log
+from vgvt.cli.document import write_document
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+BROKEN_PIPE = 128 + 13
+
+
+class CommandError(Exception):
+    """A command that could not do its work although its input was good; exit status 1."""
+
+    def __init__(self, problem: str, advice: str = "") -> None:
+        self.problem = problem
+        self.advice = advice
+        super().__init__(problem + (f"\n  {advice}" if advice else ""))
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run one command line; returns the exit status and never raises for an expected failure.
+
+    With ``--json`` among the arguments an error becomes the one object on
+    stdout, {"error": {"kind", "message", ...}}; the message goes to stderr as well.
+    VGVT_TRACEBACK=1 lets an unexpected exception through.
+    """
+    as_json = "--json" in arguments
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        with warnings.catch_warnings(), _signals():
+            warnings.showwarning = _log_warning
+            status = _dispatch(arguments)
+        sys.stdout.flush()
+    except (KeyboardInterrupt, typer.Abort):
+        status = INTERRUPTED
+    except Exception as error:  # noqa: BLE001  the last line of defence: a message instead of a traceback
+        return _explain(error, as_json)
+    if status == INTERRUPTED:
+        return _report(INTERRUPTED, "interrupted", "interrupted", as_json)
+    return status
+
+
+@contextmanager
+def _signals() -> Iterator[None]:
+    """Ctrl-C also where a script's background job would ignore it; a polite kill cleans up like Ctrl-C."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def leave(number: int, _: FrameType | None) -> NoReturn:
+        raise SystemExit(128 + number)
+
+    before = {
+        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+        signal.SIGTERM: signal.signal(signal.SIGTERM, leave),
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _dispatch(arguments: Sequence[str]) -> int:
+    from vgvt.cli.app import app
+
+    command = typer.main.get_command(app)
+    status: Any = command.main(args=list(arguments), prog_name="vgvt", standalone_mode=False)
+    return status if isinstance(status, int) else DONE
+
+
+def _explain(error: Exception, as_json: bool) -> int:
+    from vgvt.data.errors import InputError  # here, because it brings numpy and --help is to be quick
+
+    if isinstance(error, InputError):
+        details = {"where": error.where, "problem": error.problem, "advice": error.advice}
+        return _report(BAD_INPUT, "input", str(error), as_json, details)
+    if isinstance(error, CommandError):
+        details = {"problem": error.problem, "advice": error.advice}
+        return _report(FAILED, "failure", str(error), as_json, details)
+    if isinstance(error, OSError) and error.errno == errno.EPIPE:
+        # The interpreter flushes stdout once more on exit; give it somewhere to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    if _is_usage_error(error):
+        return _report(BAD_INPUT, "usage", _usage_message(error), as_json)
+    if os.environ.get("VGVT_TRACEBACK"):
+        raise error
+    first_line = (str(error).strip().splitlines() or [""])[0]
+    message = f"failed: {type(error).__name__}: {first_line} (run with VGVT_TRACEBACK=1 to see where)"
+    return _report(FAILED, "failure", message, as_json)
+
+
+def _report(status: int, kind: str, message: str, as_json: bool, details: dict[str, str] | None = None) -> int:
+    log(f"vgvt: {message}")
+    if as_json:
+        write_document({"error": {"kind": kind, "exit_status": status, "message": message, **(details or {})}})
+    return status
+
+
+def _is_usage_error(error: Exception) -> bool:
+    # Typer carries its own copy of click or uses the installed one, by version: known by what it can do.
+    return hasattr(error, "format_message") and hasattr(error, "exit_code")
+
+
+def _usage_message(error: Any) -> str:
+    context = getattr(error, "ctx", None)
+    path = context.command_path if context is not None else "vgvt"
+    return f"{error.format_message()}\n  '{path} --help' shows what can be written"
+
+
+def _log_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    log(f"vgvt: warning: {message}")

@@ -1,0 +1,185 @@
+"""A modal model as JSON, and back: what identify prints is what score reads."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vgvt.data import Dof, InputError, ModalModel, Outcome
+
+_ADVICE = "write it with: vgvt identify CAMPAIGN --identifier NAME --json > claim.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """What an identifier said about a campaign in a band."""
+
+    identifier: str
+    band_hz: tuple[float, float]
+    model: ModalModel
+
+
+def mode_documents(model: ModalModel) -> list[dict[str, Any]]:
+    """One document a mode, with the keys of the contract; what is not known is None."""
+    count = len(model)
+    unknown = np.full(count, np.nan)
+    frequency_std = unknown if model.natural_frequency_std_hz is None else model.natural_frequency_std_hz
+    damping_std = unknown if model.damping_ratio_std is None else model.damping_ratio_std
+    documents = []
+    for k in range(count):
+        document: dict[str, Any] = {
+            "frequency_hz": model.natural_frequency_hz[k],
+            "frequency_std_hz": frequency_std[k],
+            "damping_ratio": model.damping_ratio[k],
+            "damping_ratio_std": damping_std[k],
+            "shape": [
+                {"dof": dof.label, "real": value.real, "imag": value.imag}
+                for dof, value in zip(model.dofs, model.shapes[k], strict=True)
+            ],
+            "label": model.labels[k] if model.labels else "",
+            "flags": list(model.flags[k]) if model.flags else [],
+        }
+        if model.modal_mass_kg is not None:
+            document["modal_mass_kg"] = model.modal_mass_kg[k]
+        documents.append(document)
+    return documents
+
+
+def claim_document(claim: Claim) -> dict[str, Any]:
+    """The document of ``vgvt identify`` and of a file under claims/."""
+    return {
+        "identifier": claim.identifier,
+        "band_hz": list(claim.band_hz),
+        "outcome": claim.model.outcome.value,
+        "method": claim.model.method,
+        "settings": dict(claim.model.settings),
+        "advice": list(claim.model.advice),
+        "modes": mode_documents(claim.model),
+    }
+
+
+def read_claim(path: Path) -> Claim:
+    """Read a claim; InputError names the file and the key that is wrong."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(str(path), "there is no such file", _ADVICE) from None
+    except IsADirectoryError:
+        raise InputError(str(path), "this is a folder, not a claim", _ADVICE) from None
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(str(path), f"not a JSON document ({error})", _ADVICE) from None
+    if not isinstance(document, dict):
+        raise InputError(str(path), "a claim is a JSON object", _ADVICE)
+    try:
+        return Claim(
+            identifier=str(_get(document, "identifier")),
+            band_hz=_band(_get(document, "band_hz")),
+            model=_model(document),
+        )
+    except _BadKeyError as error:
+        raise InputError(f"{path}: {error.key}", error.problem, _ADVICE) from None
+    except ValueError as error:
+        raise InputError(str(path), str(error), _ADVICE) from None
+
+
+class _BadKeyError(Exception):
+    def __init__(self, key: str, problem: str) -> None:
+        self.key = key
+        self.problem = problem
+        super().__init__(key)
+
+
+def _model(document: dict[str, Any]) -> ModalModel:
+    outcome = str(document.get("outcome", Outcome.FOUND.value))
+    if outcome not in {o.value for o in Outcome}:
+        raise _BadKeyError("outcome", f"{outcome!r} is none of {', '.join(o.value for o in Outcome)}")
+    modes = _get(document, "modes")
+    if not isinstance(modes, list):
+        raise _BadKeyError("modes", "expected a list of modes")
+    rows = [_Mode.read(mode, f"modes[{k}]") for k, mode in enumerate(modes)]
+    dofs = rows[0].dofs if rows else ()
+    for k, row in enumerate(rows):
+        if row.dofs != dofs:
+            raise _BadKeyError(f"modes[{k}].shape", "its DOFs differ from those of modes[0]")
+    return ModalModel(
+        natural_frequency_hz=np.array([row.frequency_hz for row in rows]),
+        damping_ratio=np.array([row.damping_ratio for row in rows]),
+        shapes=np.array([row.shape for row in rows], dtype=complex).reshape(len(rows), len(dofs)),
+        dofs=dofs,
+        natural_frequency_std_hz=np.array([row.frequency_std_hz for row in rows]),
+        damping_ratio_std=np.array([row.damping_ratio_std for row in rows]),
+        labels=tuple(row.label for row in rows),
+        flags=tuple(row.flags for row in rows),
+        method=str(document.get("method", "")),
+        outcome=Outcome(outcome),
+        advice=tuple(str(text) for text in document.get("advice", ())),
+        settings={str(key): str(value) for key, value in document.get("settings", {}).items()},
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Mode:
+    frequency_hz: float
+    frequency_std_hz: float
+    damping_ratio: float
+    damping_ratio_std: float
+    dofs: tuple[Dof, ...]
+    shape: tuple[complex, ...]
+    label: str
+    flags: tuple[str, ...]
+
+    @classmethod
+    def read(cls, mode: Any, where: str) -> _Mode:
+        if not isinstance(mode, dict):
+            raise _BadKeyError(where, "expected an object")
+        points = _get(mode, "shape", where)
+        if not isinstance(points, list) or not all(isinstance(point, dict) for point in points):
+            raise _BadKeyError(f"{where}.shape", 'expected a list of {"dof", "real", "imag"}')
+        return cls(
+            frequency_hz=_number(mode, "frequency_hz", where),
+            frequency_std_hz=_number_or_nan(mode, "frequency_std_hz", where),
+            damping_ratio=_number_or_nan(mode, "damping_ratio", where),
+            damping_ratio_std=_number_or_nan(mode, "damping_ratio_std", where),
+            dofs=tuple(_dof(point, f"{where}.shape[{i}]") for i, point in enumerate(points)),
+            shape=tuple(
+                complex(_number(point, "real", f"{where}.shape[{i}]"), _number(point, "imag", f"{where}.shape[{i}]"))
+                for i, point in enumerate(points)
+            ),
+            label=str(mode.get("label") or ""),
+            flags=tuple(str(flag) for flag in mode.get("flags") or ()),
+        )
+
+
+def _get(document: dict[str, Any], key: str, where: str = "") -> Any:
+    if key not in document:
+        raise _BadKeyError(f"{where}.{key}" if where else key, "this key is missing")
+    return document[key]
+
+
+def _dof(point: dict[str, Any], where: str) -> Dof:
+    try:
+        return Dof.from_label(str(_get(point, "dof", where)))
+    except ValueError as error:
+        raise _BadKeyError(f"{where}.dof", str(error)) from None
+
+
+def _number(document: dict[str, Any], key: str, where: str) -> float:
+    value = _get(document, key, where)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+        raise _BadKeyError(f"{where}.{key}", f"expected a number, got {value!r}")
+    return float(value)
+
+
+def _number_or_nan(document: dict[str, Any], key: str, where: str) -> float:
+    return float("nan") if document.get(key) is None else _number(document, key, where)
+
+
+def _band(value: Any) -> tuple[float, float]:
+    numbers = isinstance(value, list) and len(value) == 2 and all(isinstance(v, (int, float)) for v in value)
+    if not numbers or not 0 <= value[0] < value[1]:
+        raise _BadKeyError("band_hz", f"expected [low, high] with 0 <= low < high, got {value!r}")
+    return (float(value[0]), float(value[1]))

@@ -1,0 +1,85 @@
+"""Words and progress for people: logs and bars on stderr, tables on stdout."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+ProgressReport = Callable[[float, str], None]
+
+_SECONDS_BETWEEN_LINES = 10.0
+
+
+def log(message: str) -> None:
+    """Write one line to stderr."""
+    sys.stderr.write(f"{message}\n")
+    sys.stderr.flush()
+
+
+def show(*renderables: RenderableType) -> None:
+    """Write tables and text to stdout, as wide as the terminal (120 columns where there is none)."""
+    from rich.console import Console
+
+    # Without markup, so that square brackets in names and paths stay what they are.
+    console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 120, highlight=False, markup=False)
+    # Rendered first and written in one go, so that a closed pipe is an ordinary OSError.
+    with console.capture() as capture:
+        for renderable in renderables:
+            console.print(renderable)
+    sys.stdout.write(capture.get())
+
+
+@contextmanager
+def progress(title: str) -> Iterator[ProgressReport]:
+    """A function (fraction, message) that shows how far a long piece of work is.
+
+    On a terminal a bar with the time left; elsewhere a line every ten seconds.
+    """
+    if sys.stderr.isatty():
+        yield from _bar(title)
+    else:
+        yield _lines(title)
+
+
+def _bar(title: str) -> Iterator[ProgressReport]:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TextColumn("took"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+
+        def report(fraction: float, message: str) -> None:
+            bar.update(task, completed=fraction, description=f"{title}: {message}" if message else title)
+
+        yield report
+
+
+def _lines(title: str) -> ProgressReport:
+    start = time.monotonic()
+    last = start
+
+    def report(fraction: float, message: str) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last < _SECONDS_BETWEEN_LINES:
+            return
+        last = now
+        left = (now - start) * (1 - fraction) / fraction if fraction > 0 else float("nan")
+        log(f"{title}: {message} {100 * fraction:.0f} %" + (f", {left:.0f} s left" if left == left else ""))
+
+    return report

@@ -1,0 +1,78 @@
+"""``vgvt identify``: a campaign becomes a claim, without the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vgvt.cli.console import log, show
+from vgvt.cli.document import write_document
+from vgvt.cli.options import BandOption, CampaignArgument, JsonOption
+
+if TYPE_CHECKING:
+    from vgvt.cli.claim import Claim
+    from vgvt.data import Campaign
+    from vgvt.identification import Identifier
+
+
+def identify(
+    campaign: CampaignArgument,
+    identifier: Annotated[str, typer.Option(metavar="NAME", help="See: vgvt list identifiers.")] = "quadrature",
+    band: BandOption = None,
+    setting: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the identifier; may be given again.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the claim to a file too.")] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Identify frequencies, damping ratios and shapes from a campaign.
+
+    Exit status 0 also when there is nothing to find; 1 when the identifier
+    declined or did not converge.
+    """
+    from vgvt.cli.claim import claim_document
+    from vgvt.cli.options import parsed_settings
+    from vgvt.data import Outcome
+    from vgvt.files import open_campaign
+
+    method = made_identifier(identifier, parsed_settings(setting or []))
+    claim = claimed(method, open_campaign(campaign), band)
+    document = claim_document(claim)
+    if out is not None:
+        write_claim(out, document)
+    if as_json:
+        write_document(document)
+    else:
+        from vgvt.cli.tables import claim_table
+
+        show(claim_table(claim))
+        for line in claim.model.advice:
+            log(line)
+    return 0 if claim.model.outcome in (Outcome.FOUND, Outcome.NOTHING_FOUND) else 1
+
+
+def made_identifier(name: str, settings: dict[str, Any]) -> Identifier:
+    """The identifier with its settings; InputError for a name or a setting that it does not have."""
+    from vgvt.identification import make_identifier
+
+    return make_identifier(name, **settings)
+
+
+def claimed(method: Identifier, campaign: Campaign, band: tuple[float, float] | None) -> Claim:
+    """What the method says about the campaign."""
+    from vgvt.cli.claim import Claim
+    from vgvt.identification import run_identifier
+
+    band_hz = campaign.band_hz if band is None else band
+    return Claim(identifier=method.name, band_hz=band_hz, model=run_identifier(method, campaign, band_hz))
+
+
+def write_claim(path: Path, document: dict[str, Any]) -> None:
+    """Write a claim's document, whole or not at all."""
+    from vgvt.cli.document import document_text
+    from vgvt.files.atomically import replacing
+
+    with replacing(path) as temporary:
+        temporary.write_text(document_text(document), encoding="utf-8")

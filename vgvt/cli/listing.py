@@ -1,0 +1,87 @@
+"""``vgvt list``: what there is to choose from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import typer
+
+from vgvt.cli.console import show
+from vgvt.cli.document import write_document
+from vgvt.cli.options import JsonOption
+
+list_app = typer.Typer(help="List scenarios, identifiers or effects.", no_args_is_help=False)
+
+
+@list_app.callback(invoke_without_command=True)
+def list_what(context: typer.Context) -> None:
+    """List scenarios, identifiers or effects."""
+    if context.invoked_subcommand is None:
+        raise typer.BadParameter("say what to list: scenarios, identifiers or effects", ctx=context)
+
+
+@list_app.command()
+def scenarios(as_json: JsonOption = False) -> int:
+    """List the bundled scenarios."""
+    from vgvt.scenario import bundled_scenarios, load_scenario
+
+    items: list[dict[str, Any]] = []
+    for name in bundled_scenarios():
+        scenario = load_scenario(name)
+        acquisition, excitation = scenario.acquisition, scenario.excitation
+        items.append(
+            {
+                "name": name,
+                "summary": scenario.summary,
+                "lesson": scenario.lesson,
+                "aircraft": scenario.airframe.name,
+                "runs": len(acquisition.runs),
+                "duration_s": excitation.record_s,
+                "sample_rate_hz": acquisition.sample_rate_hz,
+                "band_hz": list(excitation.band_hz),
+            }
+        )
+    return _list(items, ("name", "aircraft", "runs", "duration_s", "sample_rate_hz", "summary"), as_json)
+
+
+@list_app.command()
+def identifiers(as_json: JsonOption = False) -> int:
+    """List the installed identification methods and their settings."""
+    from vgvt.identification import available_identifiers, settings_of
+
+    items: list[dict[str, Any]] = []
+    for name, cls in available_identifiers().items():
+        needs: Any = getattr(cls, "needs", None)
+        settings = [{"name": s.name, "type": s.type, "default": s.default, "meaning": s.doc} for s in settings_of(cls)]
+        items.append(
+            {
+                "name": name,
+                "summary": str(getattr(cls, "summary", "")),
+                "needs": [str(need.name).lower() for need in needs or ()],
+                "settings": settings,
+                "setting": ", ".join(f"{s['name']}={s['default']}" for s in settings),
+            }
+        )
+    return _list(items, ("name", "summary", "setting"), as_json)
+
+
+@list_app.command()
+def effects(as_json: JsonOption = False) -> int:
+    """List the installed effects: physics that a scenario can switch on."""
+    from importlib.metadata import entry_points
+
+    items = [
+        {"name": point.name, "summary": str(getattr(point.load(), "summary", ""))}
+        for point in sorted(entry_points(group="vgvt.effects"), key=lambda point: point.name)
+    ]
+    return _list(items, ("name", "summary"), as_json)
+
+
+def _list(items: list[dict[str, Any]], columns: tuple[str, ...], as_json: bool) -> int:
+    if as_json:
+        write_document({"items": items})
+        return 0
+    from vgvt.cli.tables import items_table
+
+    show(items_table(items, columns) if items else "none installed")
+    return 0

@@ -1,0 +1,59 @@
+"""Options that several commands share, and their checks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from vgvt.scenario.model import Scenario
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print exactly one JSON object on stdout.")]
+BandOption = Annotated[
+    tuple[float, float] | None,
+    typer.Option("--band", metavar="LOW HIGH", help="Frequency band in Hz; the excited band when left out."),
+]
+SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed of the noise, instead of the scenario's own.")]
+EngineOption = Annotated[
+    str | None, typer.Option(metavar="mujoco|linear", help="Engine of the simulation, instead of the scenario's own.")
+]
+ScenarioArgument = Annotated[
+    str, typer.Argument(metavar="SCENARIO", help="Name of a bundled scenario or path of a .toml file.")
+]
+CampaignArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="CAMPAIGN", help="A campaign.nc, a run folder, the .toml that describes records, or a data set's name."
+    ),
+]
+
+
+def resolved_scenario(name: str, seed: int | None, engine: str | None) -> Scenario:
+    """The scenario with the command line's seed and engine put in."""
+    from vgvt.data import InputError
+    from vgvt.scenario import load_scenario
+
+    scenario = load_scenario(name)
+    changes: dict[str, Any] = {}
+    if seed is not None:
+        changes["seed"] = seed
+    if engine is not None:
+        if engine not in ("mujoco", "linear"):
+            raise InputError("--engine", f"there is no engine {engine!r}", "write mujoco or linear")
+        changes["simulation"] = scenario.simulation.model_copy(update={"engine": engine})
+    return scenario.model_copy(update=changes) if changes else scenario
+
+
+def parsed_settings(pairs: list[str]) -> dict[str, str]:
+    """Settings written as key=value; the identifier gives the text its type."""
+    from vgvt.data import InputError
+
+    settings: dict[str, str] = {}
+    for pair in pairs:
+        key, equals, text = pair.partition("=")
+        key = key.strip().replace("-", "_")
+        if not equals or not key.isidentifier():
+            raise InputError("--setting", f"{pair!r} is not a setting", "write key=value, like --setting order=12")
+        settings[key] = text.strip()
+    return settings

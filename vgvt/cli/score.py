@@ -1,0 +1,88 @@
+"""``vgvt score``: a claim against the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vgvt.cli.console import log, show
+from vgvt.cli.document import write_document
+from vgvt.cli.options import BandOption, JsonOption
+
+if TYPE_CHECKING:
+    from vgvt.cli.claim import Claim
+    from vgvt.cli.run_folder import RunFolder
+    from vgvt.data import Scorecard, Truth
+
+
+def score(
+    claim: Annotated[Path, typer.Argument(metavar="CLAIM", help="A claim's .json, or a run folder.")],
+    truth: Annotated[
+        Path | None, typer.Argument(metavar="TRUTH", help="The truth.nc; left out, the one in the claim's run folder.")
+    ] = None,
+    band: BandOption = None,
+    identifier: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which claim of a run folder; may be left out for a single one.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Score a claim against the truth: errors, MAC, missed and false modes."""
+    from vgvt.cli.claim import read_claim
+    from vgvt.files.truth import read_truth
+
+    claim_path, truth_path = _paths(claim, truth, identifier)
+    said = read_claim(claim_path)
+    card = scored(read_truth(truth_path), said, band)
+    if as_json:
+        write_document(card.as_dict())
+        return 0
+    from vgvt.cli.tables import score_table
+
+    show(score_table(card))
+    for line in card.advice:
+        log(line)
+    return 0
+
+
+def scored(truth: Truth, claim: Claim, band: tuple[float, float] | None) -> Scorecard:
+    """The scorecard of a claim in the band that it was made for, unless another is asked for."""
+    from dataclasses import replace
+
+    from vgvt_scoreboard import score as score_model
+
+    from vgvt.data import InputError
+
+    band_hz = claim.band_hz if band is None else band
+    if not 0 <= band_hz[0] < band_hz[1]:
+        raise InputError("--band", f"{band_hz[0]:g} {band_hz[1]:g} is not a band", "write LOW and HIGH in Hz")
+    return replace(score_model(truth, claim.model, band_hz), identifier=claim.identifier)
+
+
+def _paths(claim: Path, truth: Path | None, identifier: str | None) -> tuple[Path, Path]:
+    from vgvt.cli.run_folder import RunFolder
+    from vgvt.data import InputError
+
+    if claim.is_dir():
+        folder = RunFolder(claim)
+        return _claim_of(folder, identifier), truth or folder.truth
+    beside = RunFolder(claim.parent.parent).truth
+    if truth is None and not beside.exists():
+        raise InputError(
+            str(claim), "no truth was named and none lies beside it", "write: vgvt score CLAIM.json TRUTH.nc"
+        )
+    return claim, truth or beside
+
+
+def _claim_of(folder: RunFolder, identifier: str | None) -> Path:
+    from vgvt.data import InputError
+
+    names = sorted(path.stem for path in (folder.path / "claims").glob("*.json"))
+    if not names:
+        raise InputError(str(folder.path), "this folder holds no claims", "make one with: vgvt run SCENARIO")
+    if identifier is None and len(names) > 1:
+        raise InputError(str(folder.path), f"holds claims of {', '.join(names)}", "choose one with --identifier NAME")
+    if identifier is not None and identifier not in names:
+        raise InputError(str(folder.path), f"holds no claim of {identifier!r}", f"it holds those of {', '.join(names)}")
+    return folder.claim(identifier or names[0])

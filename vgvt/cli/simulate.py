@@ -1,0 +1,136 @@
+"""``vgvt simulate``: a scenario becomes a campaign and, sealed beside it, the truth."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vgvt.cli.console import log, progress, show
+from vgvt.cli.document import write_document
+from vgvt.cli.options import EngineOption, JsonOption, ScenarioArgument, SeedOption
+
+if TYPE_CHECKING:
+    from vgvt.cli.run_folder import RunFolder
+    from vgvt.data import Campaign, Truth
+    from vgvt.scenario.model import Scenario
+
+OutOption = Annotated[
+    Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for the files; runs/SCENARIO when left out.")
+]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace the run that the folder holds.")]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulated:
+    """A campaign on disk, the truth beside it and how long it took."""
+
+    folder: RunFolder
+    scenario: Scenario
+    campaign: Campaign
+    truth: Truth
+    timing_s: dict[str, float]
+    resumed: bool
+
+
+def simulate(
+    scenario: ScenarioArgument,
+    out: OutOption = None,
+    seed: SeedOption = None,
+    engine: EngineOption = None,
+    force: ForceOption = False,
+    as_json: JsonOption = False,
+) -> int:
+    """Simulate the test of a scenario and keep its campaign and its sealed truth."""
+    result = simulated(scenario, out, seed, engine, force)
+    if as_json:
+        write_document(simulation_document(result))
+        return 0
+    from vgvt.cli.tables import truth_table
+
+    show(truth_table(result.truth, result.campaign.band_hz), f"campaign {result.folder.campaign}")
+    return 0
+
+
+def simulated(name: str, out: Path | None, seed: int | None, engine: str | None, force: bool) -> Simulated:
+    """Simulate into a run folder, or take the campaign that it already holds."""
+    from vgvt.cli.options import resolved_scenario
+    from vgvt.cli.run_folder import default_folder, prepared_folder, scenario_sha256
+
+    original = resolved_scenario(name, None, None)
+    scenario = resolved_scenario(name, seed, engine)
+    path = out if out is not None else default_folder(scenario, original.seed, original.simulation.engine)
+    was_there = path.exists()
+    folder, reusable = prepared_folder(path, scenario_sha256(scenario), force)
+    try:
+        timing = {} if reusable else _simulate_into(folder, scenario)
+    except BaseException:
+        log(f"the simulation had not ended; nothing was kept in {path}" if not was_there else f"{path} is as it was")
+        if not was_there:
+            _remove_empty(path)
+        raise
+    if reusable:
+        log(f"took the campaign that {path} already holds; --force simulates it again")
+    from vgvt.files import read_campaign
+    from vgvt.files.truth import read_truth
+
+    # Read back even when just written, so that a first and a resumed run see the same numbers.
+    campaign, truth = read_campaign(folder.campaign), read_truth(folder.truth)
+    return Simulated(folder, scenario, campaign, truth, timing, reusable)
+
+
+def simulation_document(result: Simulated) -> dict[str, Any]:
+    """The document of ``vgvt simulate``; ``vgvt run`` adds the identifiers to it."""
+    from vgvt_scoreboard import merge_truth
+
+    from vgvt.cli.claim import mode_documents
+
+    return {
+        "scenario": result.scenario.name,
+        "folder": result.folder.path,
+        "campaign": result.folder.campaign,
+        "seed": result.scenario.seed,
+        "engine": result.scenario.simulation.engine,
+        "resumed": result.resumed,
+        "truth": {
+            "bare": mode_documents(result.truth.bare),
+            "as_tested": mode_documents(merge_truth(result.truth).model),
+        },
+        "timing_s": dict(result.timing_s),
+    }
+
+
+def _simulate_into(folder: RunFolder, scenario: Scenario) -> dict[str, float]:
+    from vgvt.cli.run_folder import scenario_sha256
+    from vgvt.files import write_campaign, write_manifest
+    from vgvt.files.atomically import replacing
+    from vgvt.files.truth import write_truth
+    from vgvt.scenario import to_toml
+    from vgvt.simulation import simulate as simulate_scenario
+
+    with progress(f"simulate {scenario.name}") as report:
+        result = simulate_scenario(scenario, progress=report)
+    facts = {
+        "scenario": scenario.name,
+        "scenario_sha256": scenario_sha256(scenario),
+        "engine": scenario.simulation.engine,
+    }
+    # The manifest goes first and comes last: a folder with a manifest holds a whole campaign.
+    folder.forget_results()
+    start = time.perf_counter()
+    with replacing(folder.scenario) as temporary:
+        temporary.write_text(to_toml(scenario), encoding="utf-8")
+    write_truth(folder.truth, result.truth)
+    write_campaign(folder.campaign, result.campaign, manifest={**facts, "seed": scenario.seed})
+    timing = {**result.timing_s, "write": time.perf_counter() - start}
+    write_manifest(folder.path, seeds={"scenario": scenario.seed}, facts={**facts, "timing_s": timing})
+    return timing
+
+
+def _remove_empty(path: Path) -> None:
+    for folder in (path / "sealed", path):
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()

@@ -1,0 +1,24 @@
+"""Did-you-mean: the known word nearest to a mistyped one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The known word that a person most likely meant, or None where nothing is close."""
+    by_folded = {k.casefold(): k for k in known}
+    typed = word.casefold()
+    match = get_close_matches(typed, list(by_folded), n=1, cutoff=0.6)
+    # A shortened name is too far from the whole one for a measure of likeness.
+    longer = sorted(k for k in by_folded if len(typed) > 2 and k.startswith(typed))
+    return by_folded[(match or longer)[0]] if match or longer else None
+
+
+def choose_one_of(word: str, known: Iterable[str]) -> str:
+    """Advice for a person: ``did you mean 'x'?`` where one is close, then the whole list."""
+    names = sorted(known)
+    guess = nearest(word, names)
+    question = f"did you mean {guess!r}? " if guess else ""
+    return f"{question}choose one of: {', '.join(names)}"

@@ -1,0 +1,39 @@
+"""Files appear whole or not at all: written beside their place, then renamed into it."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from vgvt.data import InputError
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A temporary path in the folder of ``path`` that takes its name when the block ends well.
+
+    On an exception the temporary file goes and whatever stood at ``path`` stays.
+    Folders are made as needed. InputError when the place cannot be written.
+    """
+    final = Path(path)
+    temporary = final.with_name(f".{final.name}.{uuid.uuid4().hex[:8]}.part")
+    try:
+        final.parent.mkdir(parents=True, exist_ok=True)
+        temporary.touch(exist_ok=False)
+    except OSError as error:
+        raise InputError(str(final), f"cannot be written: {error.strerror or error}", "choose another place") from error
+    try:
+        yield temporary
+        _flush_to_disk(temporary)
+        temporary.replace(final)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _flush_to_disk(path: Path) -> None:
+    """Without this a power cut may leave the new name with the old (no) content."""
+    with path.open("rb+") as stream:
+        os.fsync(stream.fileno())

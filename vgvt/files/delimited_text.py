@@ -1,0 +1,33 @@
+"""Columns of numbers in a text file (CSV and its relatives)."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+
+
+def read_delimited(path: Path, delimiter: str = ",", skip_rows: int = 0) -> NDArray[np.float64]:
+    """The table (rows, columns) of a text file; InputError when missing, ragged or not numeric.
+
+    Lines that start with # are left out; ``delimiter`` '' means white space.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message=".*input contained no data.*", category=UserWarning)
+            table = np.loadtxt(path, delimiter=delimiter or None, skiprows=skip_rows, ndmin=2, encoding="utf-8")
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read: {error.strerror or error}", "check the path") from error
+    except ValueError as error:
+        raise InputError(
+            str(path),
+            f"not a table of numbers ({error})",
+            "set skip_rows to the number of heading lines and delimiter to what stands between the columns",
+        ) from error
+    if not table.size:
+        raise InputError(str(path), "the file holds no samples", "leave this run out, or lower skip_rows")
+    return table

@@ -1,0 +1,157 @@
+"""From a sidecar and the record files that it describes to a campaign in SI."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, Channel, Geometry, InputError, Record
+from vgvt.files.delimited_text import read_delimited
+from vgvt.files.manifest import file_sha256
+from vgvt.files.mat import read_mat
+from vgvt.files.npz import read_npz
+from vgvt.files.sidecar import ChannelRow, RunRow, Sidecar
+
+_RATE_TOLERANCE = 1e-3
+
+
+def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
+    """The campaign that a sidecar describes; its files lie in ``folder``.
+
+    Samples come out in SI, aircraft axes. InputError names the file, and the
+    run and channel where it can: missing or damaged file, wrong hash, missing variable,
+    too few columns, no samples, a time axis that contradicts the sample rate.
+    """
+    runs: list[Record] = []
+    arrays: dict[str, NDArray[Any]] = {}
+    read = ""
+    for run in sidecar.run:
+        if run.file != read:
+            arrays, read = _read_file(sidecar, run, folder / run.file), run.file
+        runs.append(_record(sidecar, run, arrays, folder / run.file))
+    notes = dict(sidecar.notes)
+    notes |= {"summary": sidecar.summary} if sidecar.summary else {}
+    notes |= {"traps": "\n".join(sidecar.traps)} if sidecar.traps else {}
+    return Campaign(
+        name=sidecar.name,
+        geometry=Geometry(
+            nodes=sidecar.nodes.node,
+            positions_m=sidecar.axes.to_aircraft_m(sidecar.nodes.table),
+            lines=sidecar.nodes.lines,
+            outline_m=tuple(np.array(o, dtype=float) for o in sidecar.outline_m),
+        ),
+        runs=tuple(runs),
+        band_hz=sidecar.band_hz,
+        notes=notes,
+    )
+
+
+def _read_file(sidecar: Sidecar, run: RunRow, path: Path) -> dict[str, NDArray[Any]]:
+    """Every array of a file that the sidecar speaks of, once its hash is checked."""
+    records = sidecar.records
+    if not path.is_file():
+        fetch = f"fetch it with `vgvt data get {sidecar.name}`, or " if sidecar.source else ""
+        raise InputError(str(path), f"no such file (run {run.run})", f"{fetch}check records.folder and run.file")
+    if run.sha256 is not None and file_sha256(path) != run.sha256:
+        # A truncated file is the likelier cause, and its reader says so better than a hash does.
+        _read_arrays(sidecar, path)
+        raise InputError(
+            str(path),
+            f"not the file that the sidecar describes: its SHA-256 is not {run.sha256[:12]}... (run {run.run})",
+            "copy or download it again; if you changed it on purpose, leave sha256 out of the sidecar",
+        )
+    arrays = _read_arrays(sidecar, path)
+    if records.time_s:
+        _check_rate(path, run, np.ravel(arrays[records.time_s]), run.sample_rate_hz or records.sample_rate_hz)
+    return arrays
+
+
+def _read_arrays(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]]:
+    records = sidecar.records
+    if records.format == "csv":
+        return {"": read_delimited(path, records.delimiter, records.skip_rows)}
+    names = dict.fromkeys([c.variable or records.samples for c in sidecar.channel])
+    wanted = [*names, records.time_s] if records.time_s else [*names]
+    return read_mat(path, wanted) if records.format == "mat" else read_npz(path, wanted)
+
+
+def _check_rate(path: Path, run: RunRow, time_s: NDArray[Any], sample_rate_hz: float) -> None:
+    if time_s.size < 2:
+        raise InputError(str(path), f"run {run.run}: the time axis has {time_s.size} entries", "record again")
+    found = (time_s.size - 1) / (float(time_s[-1]) - float(time_s[0]) or np.nan)
+    if not abs(found - sample_rate_hz) <= _RATE_TOLERANCE * sample_rate_hz:
+        raise InputError(
+            f"{path}, run {run.run}",
+            f"the time axis says {found:.6g} Hz, the sidecar says {sample_rate_hz:.6g} Hz",
+            "correct sample_rate_hz, or leave time_s out where the time axis is known to be wrong",
+        )
+
+
+def _record(sidecar: Sidecar, run: RunRow, arrays: dict[str, NDArray[Any]], path: Path) -> Record:
+    columns = [_column(sidecar, run, channel, arrays, path) for channel in sidecar.channel]
+    lengths = {c.name: len(x) for c, x in zip(sidecar.channel, columns, strict=True)}
+    where = f"{path}, run {run.run}"
+    if len(set(lengths.values())) > 1:
+        raise InputError(where, f"the channels differ in length: {lengths}", "give channels of one recording")
+    if not columns[0].size:
+        raise InputError(where, "the record has no samples", "leave this run out, or find its data")
+    double = any(x.dtype.itemsize > 4 or x.dtype.kind != "f" for x in columns)
+    samples = np.empty((len(columns), columns[0].size), dtype=np.float64 if double else np.float32)
+    clipped, notes = [], list(run.notes)
+    for row, (channel, column) in enumerate(zip(sidecar.channel, columns, strict=True)):
+        np.multiply(column, channel.si_per_sample, out=samples[row], casting="same_kind")
+        bad = int(np.count_nonzero(~np.isfinite(column)))
+        if bad:
+            notes.append(f"{channel.name}: {bad} of {column.size} samples are not finite")
+        if channel.range_v is not None and float(np.nanmax(np.abs(column), initial=0.0)) >= channel.range_v:
+            clipped.append(channel.name)
+    return Record(
+        run=run.run,
+        sample_rate_hz=run.sample_rate_hz or sidecar.records.sample_rate_hz,
+        channels=tuple(_channel(sidecar, run, channel) for channel in sidecar.channel),
+        samples=samples,
+        overloaded=tuple(clipped),
+        notes=tuple(notes),
+    )
+
+
+def _channel(sidecar: Sidecar, run: RunRow, row: ChannelRow) -> Channel:
+    return Channel(
+        name=row.name,
+        quantity=row.kind,
+        role=row.role,
+        dof=sidecar.dof(row, run),
+        sensitivity_v_per_unit=row.v_per_si,
+        range_v=float("inf") if row.range_v is None else row.range_v,
+    )
+
+
+def _column(
+    sidecar: Sidecar, run: RunRow, channel: ChannelRow, arrays: dict[str, NDArray[Any]], path: Path
+) -> NDArray[Any]:
+    """One channel (N,) of one run, as it stands in the file."""
+    records = sidecar.records
+    name = "" if records.format == "csv" else channel.variable or records.samples
+    array, where = arrays[name], f"{path}, run {run.run}" + (f", {name!r}" if name else "")
+    if run.index is not None:
+        if array.ndim < 2 or run.index > array.shape[0]:
+            raise InputError(where, f"no run {run.index} in an array of shape {array.shape}", "correct run.index")
+        array = array[run.index - 1]
+    if array.ndim == 1:
+        array = array[:, None]
+    elif records.channels_are == "rows":
+        array = array.T
+    if array.ndim != 2:
+        raise InputError(where, f"shape {array.shape} is not samples × channels", "name another variable, or set index")
+    count = array.shape[1]
+    if channel.column > count or (records.columns is not None and records.columns != count):
+        wanted = records.columns or channel.column
+        raise InputError(
+            where,
+            f"{count} channel{'s' * (count != 1)}, but the sidecar speaks of {wanted} (channel {channel.name!r})",
+            "if samples run along the rows, set channels_are = 'rows'; otherwise correct the channel table",
+        )
+    return np.asarray(array[:, channel.column - 1])

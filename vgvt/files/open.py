@@ -1,0 +1,67 @@
+"""Open a campaign, whatever form it comes in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vgvt.data import Campaign, InputError
+from vgvt.data.suggestion import choose_one_of
+from vgvt.files.campaign_file import read_campaign
+from vgvt.files.locate import find_dataset
+
+CAMPAIGN_NAME = "campaign.nc"
+_SHIPPED = Path(__file__).parent / "measured"
+
+
+def measured_names() -> tuple[str, ...]:
+    """Names of the measured campaigns that vgvt knows how to read."""
+    return tuple(sorted(path.stem for path in _SHIPPED.glob("*.toml")))
+
+
+def open_campaign(source: str | Path) -> Campaign:
+    """The campaign of a campaign.nc, of a run folder that holds one, of a sidecar .toml, or of a measured name.
+
+    InputError says what is wrong with the source, or how to get the data.
+    """
+    path = Path(source)
+    if path.is_dir():
+        if not (path / CAMPAIGN_NAME).is_file():
+            raise InputError(str(path), f"the folder holds no {CAMPAIGN_NAME}", "give a run folder, or a file")
+        return read_campaign(path / CAMPAIGN_NAME)
+    if path.is_file():
+        return _open_sidecar(path) if path.suffix == ".toml" else read_campaign(path)
+    name = str(source)
+    if name in measured_names():
+        return _open_sidecar(_SHIPPED / f"{name}.toml")
+    if path.suffix or len(path.parts) > 1:
+        raise InputError(name, "no such file or folder", f"check the path; measured campaigns: {_listed()}")
+    raise InputError(
+        name,
+        "no such file, folder or measured campaign",
+        f"give the path of a campaign.nc, run folder or sidecar, or {choose_one_of(name, measured_names())}",
+    )
+
+
+def shipped_sidecar(name: str) -> Path:
+    """The sidecar of a measured campaign by name; InputError with the names there are."""
+    if name not in measured_names():
+        raise InputError(name, "no such measured campaign", choose_one_of(name, measured_names()))
+    return _SHIPPED / f"{name}.toml"
+
+
+def _open_sidecar(path: Path) -> Campaign:
+    # pydantic is slow to import, and a campaign.nc does not need it.
+    from vgvt.files.measured_records import read_measured
+    from vgvt.files.sidecar import Sidecar
+    from vgvt.files.strict import load_table
+
+    sidecar = load_table(path, Sidecar)
+    records = sidecar.records
+    if records.dataset:
+        first = (Path(records.folder) / sidecar.run[0].file).as_posix()
+        return read_measured(sidecar, find_dataset(records.dataset, first) / records.folder)
+    return read_measured(sidecar, path.parent / records.folder)
+
+
+def _listed() -> str:
+    return ", ".join(measured_names())

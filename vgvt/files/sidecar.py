@@ -1,0 +1,269 @@
+"""The sidecar: a small TOML file that says what measured records mean.
+
+Which files, at which rate, which column is which sensor with which calibration,
+where the sensors sat, and in whose axes. The how-to 'Describe your own
+records' explains every key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator, model_validator
+
+from vgvt.data import ChannelRole, Direction, Dof, Quantity
+from vgvt.files.strict import Finite, Positive, Table
+from vgvt.files.units import LENGTHS_M, QUANTITIES, Sensitivity, unit_in_si
+
+Sha256 = Field(default=None, pattern="^[0-9a-f]{64}$")
+
+
+class Source(Table):
+    """A public repository that the record files can be fetched from."""
+
+    repository: str = Field(pattern=r"^[\w.-]+/[\w.-]+$")
+    """Owner and name, like 'PAAW/mAEWing1'."""
+    commit: str
+    path: str
+    """The folder of the record files inside the repository."""
+    base_url: str = Field(default="https://raw.githubusercontent.com", pattern="^https?://")
+    licence: str = ""
+    licence_text: str = ""
+    """Written beside the records when they are fetched, as most licences ask."""
+
+    def url(self, file: str) -> str:
+        """Address of one record file."""
+        return "/".join((self.base_url.rstrip("/"), self.repository, self.commit, self.path.strip("/"), file))
+
+
+class Records(Table):
+    """What all record files have in common."""
+
+    format: Literal["mat", "npz", "csv"]
+    sample_rate_hz: Positive
+    dataset: str = ""
+    """Name of a data set that is looked up in VGVT_DATA; left out, files lie relative to the sidecar."""
+    folder: str = ""
+    """Folder of the files, in the data set or relative to the sidecar."""
+    samples: str = ""
+    """The variable (MAT) or array (npz) that holds the channels; a channel may name another."""
+    channels_are: Literal["columns", "rows"] = "columns"
+    columns: int | None = Field(default=None, ge=1)
+    """How many channels a file must hold; left out, any number that covers the channel table."""
+    time_s: str = ""
+    """A variable that holds the time axis; it is compared with sample_rate_hz."""
+    delimiter: str = ","
+    skip_rows: int = Field(default=0, ge=0)
+
+    @model_validator(mode="after")
+    def _time_needs_names(self) -> Self:
+        if self.format == "csv" and (self.samples or self.time_s):
+            raise ValueError("text files have no named variables; leave out samples and time_s")
+        return self
+
+
+class Axes(Table):
+    """How the axes of the position table lie in the aircraft: vgvt has x aft from the nose, y right, z up."""
+
+    unit: Literal["m", "cm", "mm", "in", "ft"] = "m"
+    aft: str = Field(default="x", pattern="^[+-]?[xyz]$")
+    """Which axis of the table points aft, like 'y' or '-x'."""
+    right: str = Field(default="y", pattern="^[+-]?[xyz]$")
+    up: str = Field(default="z", pattern="^[+-]?[xyz]$")
+    nose: tuple[Finite, Finite, Finite] = (0.0, 0.0, 0.0)
+    """Where the nose is, in the table's own axes and unit."""
+
+    @model_validator(mode="after")
+    def _every_axis_once(self) -> Self:
+        if {a[-1] for a in (self.aft, self.right, self.up)} != {"x", "y", "z"}:
+            raise ValueError(
+                f"aft = {self.aft!r}, right = {self.right!r}, up = {self.up!r} do not use every axis once; "
+                "write each of x, y, z in one of them"
+            )
+        return self
+
+    def to_aircraft_m(self, table: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Positions (P, 3) of the table in aircraft axes and metres."""
+        turn = np.zeros((3, 3))
+        for row, axis in enumerate((self.aft, self.right, self.up)):
+            turn[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
+        return np.asarray((table - np.array(self.nose)) @ turn.T * LENGTHS_M[self.unit])
+
+
+class Nodes(Table):
+    """Positions: columns of equal length, in the axes and unit of [axes]."""
+
+    node: tuple[int, ...] = Field(min_length=1)
+    x: tuple[Finite, ...]
+    y: tuple[Finite, ...]
+    z: tuple[Finite, ...] | None = None
+    """Left out, every point lies at z = 0."""
+    lines: tuple[tuple[int, ...], ...] = ()
+    """Polylines of node numbers, for drawings."""
+
+    @model_validator(mode="after")
+    def _columns_of_equal_length(self) -> Self:
+        for name in ("x", "y", "z"):
+            column = getattr(self, name)
+            if column is not None and len(column) != len(self.node):
+                raise ValueError(f"{name} has {len(column)} entries but node has {len(self.node)}; pair them")
+        _once("node", self.node)
+        unknown = sorted({n for line in self.lines for n in line} - set(self.node))
+        if unknown:
+            raise ValueError(f"lines name nodes without a position: {unknown}; add them to node, x and y")
+        return self
+
+    @property
+    def table(self) -> NDArray[np.float64]:
+        """Positions (P, 3) as written."""
+        return np.column_stack([self.x, self.y, self.z or np.zeros(len(self.node))])
+
+
+class ChannelRow(Table):
+    """One column of a record."""
+
+    name: str
+    quantity: str
+    role: ChannelRole
+    column: int = Field(default=1, ge=1)
+    """Counted from 1."""
+    variable: str = ""
+    """The variable or array of this channel where it is not records.samples."""
+    sensitivity: str | None = None
+    """Volts per unit at the converter, like '10 mV/g'; the file then holds volts."""
+    gain: Positive = 1.0
+    """Of a conditioner, where the sensitivity does not include it."""
+    unit: str | None = None
+    """The unit of the samples where the file holds physical units already."""
+    range_v: Positive | None = None
+    """Full scale of the converter; samples that reach it are reported as clipped."""
+    dof: str | None = None
+    """Node and direction in aircraft axes, like '100+Z', of a sensor that stays."""
+    direction: str | None = None
+    """Direction, like '+Z', of a sensor that moves; the runs say to which node."""
+
+    @field_validator("quantity")
+    @classmethod
+    def _known_quantity(cls, value: str) -> str:
+        if value not in QUANTITIES:
+            raise ValueError(f"{value!r} is not a quantity; choose one of: {', '.join(QUANTITIES)}")
+        return value
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.sensitivity is None) == (self.unit is None):
+            raise ValueError(
+                "give either sensitivity (the file holds volts) or unit (the file holds physical units); "
+                "like sensitivity = '10 mV/g' or unit = 'N'"
+            )
+        _ = self.v_per_si, self.si_per_sample
+        if self.role is ChannelRole.DRIVE:
+            return self
+        if (self.dof is None) == (self.direction is None):
+            raise ValueError(
+                "give either dof (a sensor that stays) or direction (one that moves); like dof = '100+Z' or "
+                "direction = '+Z'"
+            )
+        if self.dof is not None:
+            Dof.from_label(self.dof)
+        else:
+            Direction.from_label(str(self.direction))
+        return self
+
+    @property
+    def kind(self) -> Quantity:
+        """The quantity as the rest of the program knows it."""
+        return QUANTITIES[self.quantity]
+
+    @property
+    def v_per_si(self) -> float:
+        """Volts per SI unit, conditioner included; 1 where the file holds physical units."""
+        if self.sensitivity is None:
+            return 1.0
+        return Sensitivity.from_text(self.sensitivity).v_per_si(self.kind) * self.gain
+
+    @property
+    def si_per_sample(self) -> float:
+        """Factor from the numbers in the file to SI."""
+        return 1 / self.v_per_si if self.unit is None else unit_in_si(self.kind, self.unit)
+
+
+class RunRow(Table):
+    """One run: its file and where the moving sensors sat."""
+
+    run: int
+    file: str
+    sha256: str | None = Sha256
+    index: int | None = Field(default=None, ge=1)
+    """For a file that holds several runs along the first axis of its arrays: which one, counted from 1."""
+    sample_rate_hz: Positive | None = None
+    """Where it differs from the other runs."""
+    nodes: dict[str, int | str] = Field(default_factory=dict)
+    """Channel name to node number, or to a full label like '12-Z' where a sensor was turned."""
+    notes: tuple[str, ...] = ()
+
+
+class Sidecar(Table):
+    """A measured campaign, described."""
+
+    name: str
+    summary: str = ""
+    band_hz: tuple[Positive, Positive]
+    """The excited band."""
+    traps: tuple[str, ...] = ()
+    """What is known to be wrong in other descriptions of these records."""
+    notes: dict[str, str] = Field(default_factory=dict)
+    source: Source | None = None
+    records: Records
+    axes: Axes = Axes()
+    nodes: Nodes
+    outline_m: tuple[tuple[tuple[Finite, Finite, Finite], ...], ...] = ()
+    """Closed polylines of the planform for drawings, in aircraft axes and metres."""
+    channel: tuple[ChannelRow, ...] = Field(min_length=1)
+    run: tuple[RunRow, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if not self.band_hz[0] < self.band_hz[1]:
+            raise ValueError(f"band_hz = {list(self.band_hz)} does not increase; write [lowest, highest]")
+        _once("channel.name", (c.name for c in self.channel))
+        _once("run.run", (r.run for r in self.run))
+        for channel in self.channel:
+            if self.records.format != "csv" and not (channel.variable or self.records.samples):
+                raise ValueError(f"channel {channel.name!r} has no variable; name it there or as records.samples")
+        for run in self.run:
+            self._check_run(run)
+        return self
+
+    def _check_run(self, run: RunRow) -> None:
+        moving = {c.name for c in self.channel if c.direction is not None}
+        unknown, unplaced = sorted(set(run.nodes) - moving), sorted(moving - set(run.nodes))
+        if unknown:
+            raise ValueError(f"run {run.run}: nodes names {unknown}; the channels that move are {sorted(moving)}")
+        if unplaced:
+            raise ValueError(f"run {run.run}: no node for {', '.join(unplaced)}; add nodes = {{ {unplaced[0]} = 1 }}")
+        for channel in self.channel:
+            dof = self.dof(channel, run)
+            if dof is not None and dof.node not in self.nodes.node:
+                raise ValueError(
+                    f"run {run.run}: {channel.name} is at node {dof.node}, which has no position; add it to [nodes]"
+                )
+
+    def dof(self, channel: ChannelRow, run: RunRow) -> Dof | None:
+        """Where a channel measured in a run; None for the drive signal."""
+        if channel.dof is not None:
+            return Dof.from_label(channel.dof)
+        if channel.direction is None:
+            return None
+        place = run.nodes[channel.name]
+        return Dof.from_label(place) if isinstance(place, str) else Dof(place, Direction.from_label(channel.direction))
+
+
+def _once(what: str, values: Iterable[object]) -> None:
+    listed = list(values)
+    twice = sorted({str(v) for v in listed if listed.count(v) > 1})
+    if twice:
+        raise ValueError(f"{what} must be unique; twice: {', '.join(twice)}")

@@ -1,0 +1,165 @@
+"""Finds identifiers by entry point (group ``vgvt.identifiers``) and makes one by name with settings."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import types
+import typing
+import warnings
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from vgvt.data import InputError
+from vgvt.identification.protocol import Identifier
+
+GROUP = "vgvt.identifiers"
+
+
+class PluginWarning(UserWarning):
+    """An installed plugin could not be used."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Setting:
+    """One setting of an identifier, for listings: its name, type in words, default and meaning."""
+
+    name: str
+    type: str
+    default: str
+    doc: str
+
+
+def available_identifiers() -> dict[str, type]:
+    """Every usable installed identifier class by name, in alphabetical order.
+
+    A plugin that cannot be imported or is not an identifier is left out with a
+    ``PluginWarning`` that names it; it never breaks the others.
+    """
+    found: dict[str, type] = {}
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
+        loaded = _load(point)
+        if loaded is None:
+            continue
+        if point.name in found and found[point.name] is not loaded:
+            warnings.warn(
+                f"two identifiers are called {point.name!r}; {point.value} is left out", PluginWarning, stacklevel=2
+            )
+            continue
+        found[point.name] = loaded
+    return found
+
+
+def make_identifier(name: str, **settings: Any) -> Identifier:
+    """The identifier registered as ``name`` with some settings changed.
+
+    Settings given as text (from a command line or a file) become the type of
+    the field. Raises InputError for an unknown name, an unknown setting or a
+    value that does not fit, with what to write instead.
+    """
+    known = available_identifiers()
+    if name not in known:
+        raise InputError(f"identifier {name!r}", "no such identifier", _did_you_mean(name, list(known)))
+    cls = known[name]
+    fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
+    for key in settings:
+        if key not in fields:
+            raise InputError(f"identifier {name!r}", f"no setting {key!r}", _did_you_mean(key, list(fields)))
+    hints = typing.get_type_hints(cls)
+    values = {key: _convert(name, key, value, hints[key]) for key, value in settings.items()}
+    try:
+        made: Identifier = cls(**values)
+    except InputError:
+        raise
+    except (TypeError, ValueError) as error:
+        raise InputError(f"identifier {name!r}", str(error), _settings_line(cls)) from error
+    return made
+
+
+def settings_of(cls: type) -> tuple[Setting, ...]:
+    """The settings of an identifier class; their meaning is ``metadata={"doc": ...}`` of the field."""
+    hints = typing.get_type_hints(cls)
+    return tuple(
+        Setting(f.name, _type_name(hints[f.name]), _default_of(f), str(f.metadata.get("doc", "")))
+        for f in dataclasses.fields(cls)
+        if f.init
+    )
+
+
+def _load(point: EntryPoint) -> type | None:
+    try:
+        loaded = point.load()
+    except Exception as error:  # noqa: BLE001  whatever a third-party import raises must not stop the others
+        why = f"{type(error).__name__}: {error}"
+    else:
+        if (
+            isinstance(loaded, type)
+            and dataclasses.is_dataclass(loaded)
+            and callable(getattr(loaded, "identify", None))
+        ):
+            return loaded
+        why = "it is not a dataclass with a method identify(campaign, band_hz)"
+    warnings.warn(f"identifier plugin {point.name!r} ({point.value}) is left out: {why}", PluginWarning, stacklevel=3)
+    return None
+
+
+def _did_you_mean(word: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    guess = f"did you mean {close[0]!r}? " if close else ""
+    return f"{guess}known: {', '.join(known) if known else 'none'}"
+
+
+def _settings_line(cls: type) -> str:
+    return "settings: " + ", ".join(f"{s.name} ({s.type}, default {s.default})" for s in settings_of(cls))
+
+
+def _default_of(field: dataclasses.Field[Any]) -> str:
+    if field.default is not dataclasses.MISSING:
+        return str(field.default)
+    if field.default_factory is not dataclasses.MISSING:
+        return str(field.default_factory())
+    return "required"
+
+
+def _type_name(hint: Any) -> str:
+    if typing.get_origin(hint) is typing.Literal:
+        return " | ".join(map(str, typing.get_args(hint)))
+    if typing.get_origin(hint) in (typing.Union, types.UnionType):
+        return " | ".join(_type_name(h) for h in typing.get_args(hint))
+    return "none" if hint is type(None) else getattr(hint, "__name__", str(hint))
+
+
+def _convert(name: str, key: str, value: Any, hint: Any) -> Any:
+    """``value`` as the type of the field, InputError when no alternative of the type takes it."""
+    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    for one in typing.get_args(hint) if union else (hint,):
+        try:
+            return _as(value, one)
+        except (TypeError, ValueError):
+            continue
+    raise InputError(f"identifier {name!r}", f"{key} = {value!r} is not {_type_name(hint)}", f"give {_type_name(hint)}")
+
+
+def _as(value: Any, hint: Any) -> Any:
+    if typing.get_origin(hint) is typing.Literal:
+        if value in typing.get_args(hint):
+            return value
+        raise ValueError(value)
+    if hint is type(None) or hint is None:
+        if value is None or str(value).lower() == "none":
+            return None
+        raise ValueError(value)
+    if hint is bool:
+        if str(value).lower() in ("true", "false"):
+            return str(value).lower() == "true"
+        raise ValueError(value)
+    if hint in (int, float):
+        if isinstance(value, bool):
+            raise TypeError(value)
+        number = hint(value)
+        if isinstance(value, float) and number != value:
+            raise ValueError(value)
+        return number
+    if isinstance(hint, type) and not isinstance(value, hint):
+        raise TypeError(value)
+    return value

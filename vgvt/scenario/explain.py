@@ -1,0 +1,144 @@
+"""From a validator's findings to sentences that a test engineer can act on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import ValidationError
+
+from vgvt.scenario.base import MisfitError, Table
+from vgvt.scenario.vocabulary import TOP, fixed_length, guess, inner_table, meaning_of, table_at
+
+Key = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One mistake in a scenario: at which key, what is wrong, what to write."""
+
+    key: Key
+    text: str
+    advice: str = ""
+
+
+def key_path(key: Iterable[str | int]) -> str:
+    """``airframe.beam[0].name``: a key path as people write it, counting from 0 as the arrays do."""
+    text = ""
+    for step in key:
+        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else step
+    return text
+
+
+def problems_of(error: ValidationError) -> tuple[Problem, ...]:
+    """Every finding of the validator in plain words, one a key."""
+    found: dict[Key, Problem] = {}
+    for detail in error.errors(include_url=False):
+        problem = _explained(dict(detail))
+        found.setdefault(problem.key, problem)
+    return tuple(found.values())
+
+
+def _explained(detail: Mapping[str, Any]) -> Problem:
+    key: Key = tuple(detail["loc"])
+    kind, value, limits = detail["type"], detail["input"], detail.get("ctx", {})
+    name = next((step for step in reversed(key) if isinstance(step, str)), "")
+    table = _table_of(key)
+    if kind == "value_error":
+        error = limits["error"]
+        if isinstance(error, MisfitError):
+            return Problem((*key, *error.key), error.problem, error.advice)
+        return Problem(key, str(error))
+    if kind == "extra_forbidden":
+        return Problem(key, "is not a key of this table", guess(table, _place(key[:-1]), name) if table else "")
+    if kind == "missing" and key[-1] == name:
+        return Problem(key, "is missing", _write(table, key))
+    if kind == "missing":
+        return Problem(key[:-1], _wrong_count(table, name, value), _write(table, key))
+    if kind == "too_long" and table and fixed_length(table.model_fields[name].annotation):
+        return Problem(key, _wrong_count(table, name, value), _write(table, key))
+    if kind == "tuple_type" and isinstance(value, dict):
+        return Problem(
+            key, "is one table, but must be an array of tables", f"Write its heading as [[{key_path(key)}]]."
+        )
+    return Problem(key, _what_is_wrong(kind, value, limits), _write(table, key))
+
+
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+    "too_short": ("min_length", "at least"),
+    "too_long": ("max_length", "at most"),
+}
+
+_EXPECTED = {
+    "finite_number": "an ordinary number",
+    "float_type": "a number without quotes",
+    "int_type": "a whole number without quotes or decimals",
+    "int_from_float": "a whole number",
+    "string_type": 'text in "quotes"',
+    "bool_type": "true or false, without quotes",
+    "tuple_type": "a list in [brackets]",
+    "model_type": "a table of keys under a [heading]",
+    "string_pattern_mismatch": "lower-case letters, digits and hyphens, like my-aircraft-2",
+}
+
+
+def _what_is_wrong(kind: str, value: Any, limits: Mapping[str, Any]) -> str:
+    if kind in _BOUNDS:
+        limit, words = _BOUNDS[kind]
+        if "actual_length" in limits:
+            return f"has {limits['actual_length']} entries, but needs {words} {limits[limit]}"
+        return f"is {_shown(value)}, but must be {words} {limits[limit]:g}"
+    if kind == "literal_error":
+        return f"is {_shown(value)}, but must be {limits['expected']}"
+    return f"is {_shown(value)}, but must be {_EXPECTED.get(kind, 'of another kind')}"
+
+
+def _wrong_count(table: type[Table] | None, name: str, value: Any) -> str:
+    count = fixed_length(table.model_fields[name].annotation) if table else None
+    return f"is {_shown(value)}, but must have exactly {count} entries"
+
+
+def _table_of(key: Key) -> type[Table] | None:
+    """The table that holds the last named key of a path."""
+    steps = list(key)
+    while steps and isinstance(steps[-1], int):
+        steps.pop()
+    return table_at(tuple(steps[:-1]))
+
+
+def _heading(path: Key) -> str:
+    names = ".".join(step for step in path if isinstance(step, str))
+    return f"[[{names}]]" if isinstance(path[-1], int) else f"[{names}]"
+
+
+def _place(path: Key) -> str:
+    return f"in {_heading(path)}" if path else TOP
+
+
+def _write(table: type[Table] | None, key: Key) -> str:
+    """What to write at a key: its form, meaning and unit."""
+    name = next((step for step in reversed(key) if isinstance(step, str)), "")
+    field = table.model_fields.get(name) if table else None
+    if table is None or field is None:
+        return ""
+    meaning = meaning_of(table, name)
+    form = f"the table {_heading(key)}" if inner_table(field.annotation) is not None else f"{name} = …"
+    return f"Write {form}" + (f": {meaning}." if meaning else ".")
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"' if len(value) <= 40 else f'"{value[:37]}…"'
+    if isinstance(value, (list, tuple)):
+        inside = ", ".join(_shown(v) for v in value[:4])
+        return f"[{inside}{', …' if len(value) > 4 else ''}]"
+    if isinstance(value, dict):
+        return "a table"
+    return str(value)

@@ -1,0 +1,124 @@
+"""Scenarios that extend another: only the differences are written down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vgvt.data.errors import InputError
+from vgvt.scenario.library import bundled_path, bundled_scenarios
+from vgvt.scenario.toml_source import read_toml
+
+KeyPath = tuple[str | int, ...]
+
+OWN_WORDS = ("name", "summary", "lesson")
+"""Every file speaks for itself: these are not inherited."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The merged tables of a scenario file, and which file each key was written in."""
+
+    path: Path
+    tables: dict[str, Any]
+    written_in: dict[KeyPath, Path]
+
+    def file_of(self, key: KeyPath) -> Path:
+        """The file that wrote a key, or the nearest table around it."""
+        for length in range(len(key), 0, -1):
+            if key[:length] in self.written_in:
+                return self.written_in[key[:length]]
+        return self.path
+
+
+def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
+    """Read a scenario file and what it extends.
+
+    ``extends`` names a bundled scenario or a file relative to this one. Tables
+    merge key by key; arrays of tables whose entries have a name merge entry by
+    entry, new names last; anything else is replaced. ``name``, ``summary`` and
+    ``lesson`` are not inherited. InputError for a missing parent or a cycle.
+    """
+    place = path.resolve()
+    if place in chain:
+        circle = " -> ".join(p.name for p in (*chain[chain.index(place) :], place))
+        raise InputError(
+            f"{chain[-1]}: extends", f"the scenarios extend each other: {circle}", "Remove one of these extends lines."
+        )
+    tables = read_toml(path)
+    if "extends" not in tables:
+        return Source(path, tables, dict.fromkeys(_keys(tables), path))
+    parent = read_source(_parent_path(path, tables.pop("extends")), (*chain, place))
+    inherited = {key: value for key, value in parent.tables.items() if key not in OWN_WORDS}
+    written_in = {key: file for key, file in parent.written_in.items() if key[0] not in OWN_WORDS}
+    return Source(path, _merged(inherited, tables, (), written_in, path), written_in)
+
+
+def _parent_path(path: Path, name: Any) -> Path:
+    where = f"{path}: extends"
+    if not isinstance(name, str) or not name:
+        raise InputError(
+            where, f"is {name!r}, not a name", 'Write a bundled scenario or a file, like extends = "hati-unsymmetric".'
+        )
+    if name not in bundled_scenarios() and (name.endswith(".toml") or "/" in name):
+        parent = path.parent / name
+        if not parent.is_file():
+            raise InputError(where, f"there is no file {parent}", "Write the path relative to this file.")
+        return parent
+    return bundled_path(name, where)
+
+
+def _merged(
+    base: dict[str, Any], changes: dict[str, Any], at: KeyPath, written_in: dict[KeyPath, Path], path: Path
+) -> dict[str, Any]:
+    result = dict(base)
+    for key, value in changes.items():
+        here = (*at, key)
+        old = result.get(key)
+        if isinstance(value, dict) and isinstance(old, dict):
+            result[key] = _merged(old, value, here, written_in, path)
+        elif isinstance(old, list) and _is_named_array(value) and _is_named_array(old):
+            result[key] = _merged_array(old, value, here, written_in, path)
+        else:
+            result[key] = value
+            _forget(written_in, here)
+            written_in.update(dict.fromkeys((here, *((*here, *k) for k in _keys(value))), path))
+    return result
+
+
+def _merged_array(
+    base: list[dict[str, Any]],
+    changes: list[dict[str, Any]],
+    at: KeyPath,
+    written_in: dict[KeyPath, Path],
+    path: Path,
+) -> list[dict[str, Any]]:
+    result = list(base)
+    for entry in changes:
+        index = next((i for i, old in enumerate(result) if old["name"] == entry["name"]), len(result))
+        if index == len(result):
+            result.append({})
+            written_in[(*at, index)] = path
+        result[index] = _merged(result[index], entry, (*at, index), written_in, path)
+    return result
+
+
+def _is_named_array(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(v, dict) and "name" in v for v in value)
+
+
+def _forget(written_in: dict[KeyPath, Path], at: KeyPath) -> None:
+    for key in [k for k in written_in if k[: len(at)] == at]:
+        del written_in[key]
+
+
+def _keys(value: Any) -> list[KeyPath]:
+    """Key paths of everything inside a value."""
+    if isinstance(value, dict):
+        inside = value.items()
+    elif isinstance(value, list):
+        inside = enumerate(value)  # type: ignore[assignment]
+    else:
+        return []
+    return [path for key, v in inside for path in ((key,), *((key, *k) for k in _keys(v)))]

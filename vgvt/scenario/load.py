@@ -1,0 +1,68 @@
+"""From a text file to a scenario, with every mistake in it told at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from vgvt.data.errors import InputError
+from vgvt.scenario.explain import Problem, key_path, problems_of
+from vgvt.scenario.inheritance import Source, read_source
+from vgvt.scenario.library import bundled_path
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.placement import placement_problems
+
+_SHOWN_AT_ONCE = 10
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """The scenario of a bundled name like ``quick`` or of a TOML file.
+
+    Text that ends in ``.toml`` or holds a path separator is a file; other text
+    is a bundled name, or else a file of that name. InputError names the file,
+    the key and what to write, for up to ten mistakes at once.
+    """
+    source = read_source(scenario_path(name_or_path))
+    try:
+        scenario = Scenario.model_validate(source.tables)
+    except ValidationError as error:
+        raise _refusal(source, problems_of(error)) from None
+    problems = placement_problems(scenario)
+    if problems:
+        raise _refusal(source, problems)
+    return scenario
+
+
+def scenario_path(name_or_path: str | Path) -> Path:
+    """The file that a bundled name or a path means; InputError for an unknown name."""
+    if isinstance(name_or_path, Path):
+        return name_or_path
+    separators = [os.sep, os.altsep] if os.altsep else [os.sep]
+    if name_or_path.endswith(".toml") or any(s in name_or_path for s in separators):
+        return Path(name_or_path)
+    try:
+        return bundled_path(name_or_path)
+    except InputError:
+        if Path(name_or_path).exists():
+            return Path(name_or_path)
+        raise
+
+
+def _refusal(source: Source, problems: Sequence[Problem]) -> InputError:
+    first = problems[0]
+    if len(problems) == 1:
+        place = key_path(first.key)
+        return InputError(f"{source.file_of(first.key)}" + (f": {place}" if place else ""), first.text, first.advice)
+    lines = [_line(source, problem) for problem in problems[:_SHOWN_AT_ONCE]]
+    if len(problems) > _SHOWN_AT_ONCE:
+        lines.append(f"… and {len(problems) - _SHOWN_AT_ONCE} more.")
+    return InputError(str(source.path), f"{len(problems)} mistakes", "\n  ".join(lines))
+
+
+def _line(source: Source, problem: Problem) -> str:
+    file = source.file_of(problem.key)
+    where = f" (written in {file})" if file != source.path else ""
+    return f"{key_path(problem.key) or 'scenario'}{where}: {problem.text}. {problem.advice}".rstrip()

@@ -1,0 +1,84 @@
+"""Cross spectra of one response with its references, summed over segments and runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrossSpectra:
+    """Sums over all averages, for one response X and R references F, over L lines.
+
+    ``reference`` (R, R, L) is sum F_i F_j*, ``cross`` (R, L) is sum X F_j*,
+    ``response`` (L,) is sum |X|^2. ``averages`` counts what independent averages
+    they are worth. ``noise`` (L,), for one reference, is the sum of |F|^2 times the noise power of X.
+    """
+
+    first_run: int
+    averages: float
+    reference: NDArray[np.complex128]
+    cross: NDArray[np.complex128]
+    response: NDArray[np.float64]
+    noise: NDArray[np.float64] | None = None
+
+    def plus(self, other: CrossSpectra) -> CrossSpectra:
+        """The sums over the averages of both."""
+        return CrossSpectra(
+            self.first_run,
+            self.averages + other.averages,
+            self.reference + other.reference,
+            self.cross + other.cross,
+            self.response + other.response,
+            None if self.noise is None or other.noise is None else self.noise + other.noise,
+        )
+
+    def h1(self) -> NDArray[np.complex128]:
+        """Least squares with all noise on the response, (R, L): S_xf S_ff^-1; NaN where there is no force."""
+        if self.reference.shape[0] == 1:
+            power = self.reference[0, 0].real
+            blank = np.full_like(self.cross, np.nan)
+            return np.asarray(np.divide(self.cross, power, out=blank, where=power > 0))
+        return np.asarray(np.einsum("jl,lji->il", self.cross, self._inverse()))
+
+    def h2(self) -> NDArray[np.complex128]:
+        """Least squares with all noise on the one reference, (1, L): S_xx / S_fx."""
+        below = self.cross[0].conj()
+        blank = np.full_like(self.cross, np.nan)
+        return np.asarray(np.divide(self.response[None], below[None], out=blank, where=np.abs(below)[None] > 0))
+
+    def hv(self) -> NDArray[np.complex128]:
+        """Total least squares for one reference, (1, L), both signals scaled to their own power.
+
+        Then it is the geometric mean of H1 and H2. Rocklin, Crowley and Vold,
+        A comparison of H1, H2 and Hv frequency response functions, IMAC III, 1985.
+        """
+        power = self.reference[0, 0].real
+        size = np.sqrt(np.divide(self.response, power, out=np.full_like(power, np.nan), where=power > 0))
+        return np.asarray(size * np.exp(1j * np.angle(self.cross)))
+
+    def coherence(self) -> NDArray[np.float64]:
+        """Ordinary (one reference) or multiple coherence with all references, (L,), 0..1."""
+        explained = (self.h1() * self.cross.conj()).real.sum(axis=0)
+        ratio = np.divide(explained, self.response, out=np.zeros_like(explained), where=self.response > 0)
+        return np.asarray(np.clip(ratio, 0.0, 1.0))
+
+    def variance(self, values: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Variance E|G - EG|^2 of an averaged estimate ``values`` (R, L), from the scatter over the averages.
+
+        |G|^2 (1 - coherence) / (coherence (n - R)); Bendat and Piersol, Random
+        Data, 4th ed., chapter 9, with the degrees of freedom that the fit uses taken off.
+        """
+        first, freedom = self.h1(), self.averages - self.reference.shape[0]
+        unexplained = self.response * (1 - self.coherence()) / freedom
+        if self.reference.shape[0] == 1:
+            spread = unexplained / self.reference[0, 0].real
+            enlarged = np.divide(np.abs(values), np.abs(first), out=np.ones(first.shape), where=np.abs(first) > 0)
+            return np.asarray(spread * enlarged**2)
+        return np.asarray(unexplained * np.einsum("lii->il", self._inverse()).real)
+
+    def _inverse(self) -> NDArray[np.complex128]:
+        inverse = np.linalg.pinv(self.reference.transpose(2, 0, 1), hermitian=True)
+        return np.asarray(inverse, dtype=np.complex128)

@@ -1,0 +1,163 @@
+"""Frequency response functions of a campaign, roving sensors and repeated runs included."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, FrequencyResponseSet, InputError
+from vgvt.data.suggestion import choose_one_of
+from vgvt.signals.assemble import Key, ResponseEstimate, assemble
+from vgvt.signals.cross import CrossSpectra
+from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
+from vgvt.signals.plan import Plan, make_plan
+from vgvt.signals.usable import UsableRun, usable_runs
+
+ESTIMATORS = {
+    "ratio": "whole-record spectra divided, no window; for sweeps that start and end at rest",
+    "local_polynomial": "whole-record spectra, local fit that takes out leakage and states a variance",
+    "h1": "averaged, noise on the response; for random excitation or repeated runs",
+    "h2": "averaged, noise on the force; one reference",
+    "hv": "averaged, noise on both; one reference",
+}
+
+
+def estimate_frf(
+    campaign: Campaign,
+    estimator: str = "ratio",
+    segment_s: float | None = None,
+    *,
+    window: str = "hann",
+    overlap: float = 0.5,
+    band_hz: tuple[float, float] | None = None,
+    local_variance: bool = False,
+    polynomial_order: int = 2,
+    half_width: int = 8,
+) -> FrequencyResponseSet:
+    """Frequency responses of all runs on one frequency axis: values (responses, references, lines), SI.
+
+    ``ratio`` divides whole-record spectra, without window or averaging, as the
+    authors of the Hati test did (AIAA 2016-1753) and as a single sweep needs;
+    runs that repeat a DOF are averaged, weighted by the power of their force. ``h1``, ``h2`` and
+    ``hv`` average windowed segments of ``segment_s`` (Bendat and Piersol, Random
+    Data, chapter 6; ISO 7626-2), over repeated runs too; without ``segment_s``
+    they average whole records and need repeats. ``local_polynomial`` fits
+    ``polynomial_order`` over 2 ``half_width`` + 1 lines (Schoukens et al. 2009);
+    ``local_variance`` gives ``ratio`` a variance by the same fit. The line at 0 Hz
+    is left out, means are removed; ``band_hz`` keeps only some lines.
+
+    ``12-Z`` in one run and ``12+Z`` in another are one response, labelled as first
+    seen. Channels that cannot be used are left out and named in ``remarks``.
+    Variance and coherence are None where the estimator cannot tell.
+    InputError: unusable reference, no response left, runs that do not share
+    rate (and length, for whole records), or too few averages.
+    """
+    if estimator not in ESTIMATORS:
+        raise InputError("estimator", f"unknown: {estimator!r}", choose_one_of(estimator, ESTIMATORS))
+    if estimator in ("ratio", "local_polynomial") and segment_s is not None:
+        raise InputError("segment_s", f"the {estimator} estimator takes whole records", "leave it out, or use 'h1'")
+    runs, remarks = usable_runs(campaign)
+    plan, more = make_plan(campaign.name, runs, segment_s, window, overlap, band_hz)
+    local = (polynomial_order, half_width)
+    if estimator == "local_polynomial":
+        estimates = _local_estimates(runs, plan, local)
+    else:
+        noise_fit = local if local_variance and estimator == "ratio" else None
+        sums = _summed(runs, plan, noise_fit)
+        for key, total in sums.items():
+            _check_averages(f"{campaign.name}, response {key[0]}", total, estimator)
+            _check_independent_forces(campaign, key, total, plan)
+        estimates = {key: _resolve(total, estimator) for key, total in sums.items()}
+    return assemble(campaign.name, estimates, plan, (*remarks, *more))
+
+
+def _summed(runs: tuple[UsableRun, ...], plan: Plan, noise_fit: tuple[int, int] | None) -> dict[Key, CrossSpectra]:
+    """Cross spectra of every response, summed over the segments of all runs that measured it."""
+    sums: dict[Key, CrossSpectra] = {}
+    for run in runs:
+        for key, spectra in _cross_spectra(run, plan, noise_fit):
+            sums[key] = sums[key].plus(spectra) if key in sums else spectra
+    return sums
+
+
+def _cross_spectra(run: UsableRun, plan: Plan, noise_fit: tuple[int, int] | None) -> Iterable[tuple[Key, CrossSpectra]]:
+    """The cross spectra of every response of one run; the force spectra are shared between them."""
+    references, full = plan.forces(run)
+    force = full[:, :, plan.lines]
+    auto = np.einsum("isl,jsl->ijl", force, force.conj())
+    averages = plan.cuts[run.run].effective_averages()
+    for channel, samples in zip(run.responses, run.response_samples, strict=True):
+        spectrum = plan.spectrum(run.run, channel, samples)
+        noise = None
+        if noise_fit is not None and len(references) == 1:
+            noise = local_polynomial_fit(spectrum, full[0], plan.lines, *noise_fit).noise_power[0] * auto[0, 0].real
+        response = spectrum[:, plan.lines]
+        cross = np.einsum("sl,jsl->jl", response, force.conj())
+        power = (np.abs(response) ** 2).sum(axis=0)
+        yield (plan.label(channel), references), CrossSpectra(run.run, averages, auto, cross, power, noise)
+
+
+def _resolve(total: CrossSpectra, estimator: str) -> ResponseEstimate:
+    values = {"ratio": total.h1, "h1": total.h1, "h2": total.h2, "hv": total.hv}[estimator]()
+    # With less than half an average to spare the scatter says nothing.
+    spare = total.averages - total.reference.shape[0] >= 0.5
+    variance = total.variance(values) if spare else None
+    if total.noise is not None:
+        power = total.reference[0, 0].real
+        blank = np.full_like(power, np.nan)
+        variance = np.divide(total.noise, power**2, out=blank, where=power > 0)[None]
+    coherence = np.broadcast_to(total.coherence(), values.shape) if spare else None
+    return ResponseEstimate(total.first_run, values, variance, coherence)
+
+
+def _local_estimates(runs: tuple[UsableRun, ...], plan: Plan, local: tuple[int, int]) -> dict[Key, ResponseEstimate]:
+    """Local polynomial fits of every run; repeats are combined with the inverse of their variance."""
+    fits: dict[Key, list[tuple[int, LocalFit]]] = {}
+    for run in runs:
+        references, full = plan.forces(run)
+        for channel, samples in zip(run.responses, run.response_samples, strict=True):
+            spectrum = plan.spectrum(run.run, channel, samples)
+            fit = local_polynomial_fit(spectrum, full[:, 0], plan.lines, *local)
+            fits.setdefault((plan.label(channel), references), []).append((run.run, fit))
+    return {key: _combined(parts) for key, parts in fits.items()}
+
+
+def _combined(parts: list[tuple[int, LocalFit]]) -> ResponseEstimate:
+    weights = [1 / np.maximum(fit.variance[0], np.finfo(float).tiny) for _, fit in parts]
+    total = np.sum(weights, axis=0)
+    values = np.sum([w * fit.values[0] for w, (_, fit) in zip(weights, parts, strict=True)], axis=0) / total
+    return ResponseEstimate(parts[0][0], values, np.asarray(1 / total), None)
+
+
+def _check_averages(where: str, total: CrossSpectra, estimator: str) -> None:
+    """InputError when the averages cannot hold the estimate."""
+    inputs = total.reference.shape[0]
+    if estimator in ("h2", "hv") and inputs > 1:
+        raise InputError(where, f"{estimator} is defined for one reference, there are {inputs}", "use 'h1'")
+    least = inputs if estimator == "ratio" else inputs + 0.5
+    if total.averages < least:
+        raise InputError(
+            where,
+            f"{estimator} with {inputs} reference{'s' * (inputs > 1)} needs more averages than the "
+            f"{total.averages:.3g} there are",
+            "give segment_s (a fraction of the record), repeat the runs, or use 'ratio' for a single sweep",
+        )
+
+
+def _check_independent_forces(campaign: Campaign, key: Key, total: CrossSpectra, plan: Plan) -> None:
+    """InputError when several forces are copies of one another within the excited band."""
+    frequency: NDArray[np.float64] = plan.frequency_hz[plan.lines]
+    excited = (frequency >= campaign.band_hz[0]) & (frequency <= campaign.band_hz[1])
+    if total.reference.shape[0] == 1 or not excited.any():
+        return
+    spectra = total.reference[:, :, excited]
+    size = np.maximum(np.sqrt(np.einsum("iil->il", spectra).real), np.finfo(float).tiny)
+    condition = np.linalg.cond((spectra / (size[:, None] * size[None])).transpose(2, 0, 1))
+    if np.median(condition) > 1e8:
+        raise InputError(
+            f"{campaign.name}, references {', '.join(map(str, key[1]))}",
+            "the forces are copies of one another in every average, so their responses cannot be told apart",
+            "drive the shakers with independent signals, or change their phases from run to run",
+        )

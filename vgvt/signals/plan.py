@@ -1,0 +1,125 @@
+"""What all runs of an estimate must share: cuts, frequency axis, quantity and the sign of each direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Channel, Dof, InputError, Quantity
+from vgvt.signals.spectra import Segmentation, segment_spectra, welch_segments, whole_record
+from vgvt.signals.usable import UsableRun
+
+_TIME_DERIVATIVES = {Quantity.DISPLACEMENT: 0, Quantity.VELOCITY: 1, Quantity.ACCELERATION: 2}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """How the runs of a campaign are brought to common frequency lines, labels and one quantity.
+
+    ``frequency_hz`` are all lines of the spectra, ``lines`` the indices of those
+    asked for. ``labels`` gives the first-seen label of each unsigned DOF.
+    """
+
+    cuts: dict[int, Segmentation]
+    frequency_hz: NDArray[np.float64]
+    lines: NDArray[np.intp]
+    quantity: Quantity
+    labels: dict[Dof, Dof]
+
+    def spectrum(self, run: int, channel: Channel, samples: NDArray[np.floating]) -> NDArray[np.complex128]:
+        """Spectra (segments, all lines) of a channel along its labelled direction, responses in ``quantity``."""
+        spectrum = segment_spectra(samples, self.cuts[run])
+        if dof_of(channel).direction.sign != self.label(channel).direction.sign:
+            spectrum *= -1
+        if channel.quantity in _TIME_DERIVATIVES and channel.quantity is not self.quantity:
+            steps = _TIME_DERIVATIVES[self.quantity] - _TIME_DERIVATIVES[channel.quantity]
+            spectrum *= (2j * np.pi * self.frequency_hz) ** steps
+        return spectrum
+
+    def forces(self, run: UsableRun) -> tuple[tuple[Dof, ...], NDArray[np.complex128]]:
+        """The references of a run in the order of their DOFs, and their spectra (R, segments, all lines)."""
+        order = sorted(range(len(run.references)), key=lambda i: dof_of(run.references[i]).unsigned)
+        spectra = [self.spectrum(run.run, run.references[i], run.reference_samples[i]) for i in order]
+        return tuple(self.label(run.references[i]) for i in order), np.array(spectra)
+
+    def label(self, channel: Channel) -> Dof:
+        """The label under which the DOF of a channel was first seen, whatever its sign."""
+        return self.labels[dof_of(channel).unsigned]
+
+
+def make_plan(
+    where: str,
+    runs: tuple[UsableRun, ...],
+    segment_s: float | None,
+    window: str,
+    overlap: float,
+    band_hz: tuple[float, float] | None,
+) -> tuple[Plan, tuple[str, ...]]:
+    """The plan and remarks on it; InputError when the runs cannot be brought together."""
+    cuts = _cuts(where, runs, segment_s, window, overlap)
+    frequency = cuts[runs[0].run].frequency_hz(runs[0].sample_rate_hz)
+    low, high = band_hz or (0.0, np.inf)
+    lines = np.flatnonzero((frequency >= low) & (frequency <= high) & (frequency > 0))
+    if lines.size < 2:
+        raise InputError(where, f"fewer than two frequency lines in {low:g} to {high:g} Hz", "widen the band")
+    quantity, remarks = _common_quantity(where, runs)
+    labels: dict[Dof, Dof] = {}
+    for channel in (c for run in runs for c in (*run.references, *run.responses)):
+        labels.setdefault(dof_of(channel).unsigned, dof_of(channel))
+    return Plan(cuts, frequency, lines, quantity, labels), remarks
+
+
+def dof_of(channel: Channel) -> Dof:
+    """The DOF of a response or reference, which always has one."""
+    assert channel.dof is not None, "Channel refuses responses and references without a DOF"
+    return channel.dof
+
+
+def _common_quantity(where: str, runs: tuple[UsableRun, ...]) -> tuple[Quantity, tuple[str, ...]]:
+    """The quantity that all responses share, else acceleration, to which the others are differentiated."""
+    found = {c.quantity for run in runs for c in run.responses}
+    if len(found) == 1:
+        return found.pop(), ()
+    if not found <= set(_TIME_DERIVATIVES):
+        raise InputError(
+            where,
+            f"responses of different kinds: {', '.join(sorted(q.name.lower() for q in found))}",
+            "only displacement, velocity and acceleration can be brought to one quantity; estimate the rest separately",
+        )
+    return Quantity.ACCELERATION, ("displacements and velocities are differentiated to acceleration",)
+
+
+def _cuts(
+    where: str, runs: tuple[UsableRun, ...], segment_s: float | None, window: str, overlap: float
+) -> dict[int, Segmentation]:
+    """How each run is cut; InputError unless all end up on the same frequency axis."""
+    _check_common(where, "sample rate", "Hz", {r.run: r.sample_rate_hz for r in runs}, "resample them to one rate")
+    if segment_s is None:
+        advice = "cut or zero-pad them to one length, or use 'h1' with segment_s"
+        _check_common(where, "length", "samples", {r.run: float(r.samples) for r in runs}, advice)
+        return {r.run: whole_record(r.samples) for r in runs}
+    shortest = min(runs, key=lambda r: r.samples)
+    segment = round(segment_s * shortest.sample_rate_hz)
+    if not 2 <= segment <= shortest.samples:
+        raise InputError(
+            "segment_s",
+            f"a segment of {segment_s} s does not fit run {shortest.run}",
+            f"write at most {shortest.samples / shortest.sample_rate_hz:.4g} s",
+        )
+    return {r.run: welch_segments(r.samples, segment, window, overlap) for r in runs}
+
+
+def _check_common(where: str, what: str, unit: str, of_run: Mapping[int, float], advice: str) -> None:
+    first = next(iter(of_run.values()))
+    if all(abs(v - first) <= 1e-9 * abs(first) for v in of_run.values()):
+        return
+    by_value = sorted(of_run.items(), key=lambda item: item[1])
+    lists = [
+        f"{value:.10g} {unit} in run {', '.join(str(run) for run, _ in members)}"
+        for value, members in groupby(by_value, key=lambda item: item[1])
+    ]
+    raise InputError(where, f"the runs differ in {what}: {'; '.join(lists)}", f"{advice}; or estimate them separately")

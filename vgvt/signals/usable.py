@@ -1,0 +1,95 @@
+"""Which channels of a campaign can go into a frequency response, and why the others cannot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, Channel, ChannelRole, InputError, Record
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UsableRun:
+    """The sound channels of one run; samples are views of the record's."""
+
+    run: int
+    sample_rate_hz: float
+    references: tuple[Channel, ...]
+    reference_samples: tuple[NDArray[np.floating], ...]
+    responses: tuple[Channel, ...]
+    response_samples: tuple[NDArray[np.floating], ...]
+
+    @property
+    def samples(self) -> int:
+        """Length of the record in samples."""
+        return int(self.reference_samples[0].size)
+
+
+def usable_runs(campaign: Campaign) -> tuple[tuple[UsableRun, ...], tuple[str, ...]]:
+    """The runs with their sound channels, and a remark for every channel left out or doubtful.
+
+    InputError when a run has no sound reference, or when no response is left in the whole campaign.
+    """
+    remarks: list[str] = []
+    runs = tuple(_usable_run(campaign.name, record, remarks) for record in campaign.runs)
+    sound = tuple(run for run in runs if run.responses)
+    if not sound:
+        raise InputError(
+            campaign.name,
+            "no response channel can be used" + "".join(f"\n    {r}" for r in remarks),
+            "check the channel table: at least one response with samples that are finite and not constant is needed",
+        )
+    return sound, tuple(remarks)
+
+
+def fault_of(samples: NDArray[np.floating], sample_rate_hz: float) -> str | None:
+    """Why one channel (N,) cannot be used, or None: samples that are not finite, or all the same."""
+    # One pass over the samples without a mask as long as the record: NaN and inf survive min and max.
+    low, high = float(samples.min()), float(samples.max())
+    if not (np.isfinite(low) and np.isfinite(high)):
+        bad = np.flatnonzero(~np.isfinite(samples))
+        return f"{bad.size} of {samples.size} samples are not finite (first at {bad[0] / sample_rate_hz:.4g} s)"
+    if low == high:
+        return f"dead: every sample is {low:g}"
+    return None
+
+
+def _usable_run(campaign: str, record: Record, remarks: list[str]) -> UsableRun:
+    references = [(c, x) for c, x in zip(record.channels, record.samples, strict=True) if _is(c, ChannelRole.REFERENCE)]
+    responses = [(c, x) for c, x in zip(record.channels, record.samples, strict=True) if _is(c, ChannelRole.RESPONSE)]
+    if not references:
+        raise InputError(
+            f"{campaign}, run {record.run}",
+            "no reference (force) channel",
+            "give one channel the role 'reference', or leave this run out",
+        )
+    for channel, samples in references:
+        fault = fault_of(samples, record.sample_rate_hz)
+        if fault is not None:
+            raise InputError(
+                f"{campaign}, run {record.run}, channel {channel.name} ({channel.dof})",
+                f"the reference cannot be used: {fault}",
+                f"repair the record or leave run {record.run} out; a frequency response needs the force of its own run",
+            )
+    sound = []
+    for channel, samples in responses:
+        fault = fault_of(samples, record.sample_rate_hz)
+        if fault is None:
+            sound.append((channel, samples))
+        else:
+            remarks.append(f"run {record.run}: {channel.name} ({channel.dof}) left out, {fault}")
+    remarks += [f"run {record.run}: {name} clipped; it is used as it is" for name in record.overloaded]
+    return UsableRun(
+        record.run,
+        record.sample_rate_hz,
+        tuple(c for c, _ in references),
+        tuple(x for _, x in references),
+        tuple(c for c, _ in sound),
+        tuple(x for _, x in sound),
+    )
+
+
+def _is(channel: Channel, role: ChannelRole) -> bool:
+    return channel.role is role

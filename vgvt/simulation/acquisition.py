@@ -1,0 +1,101 @@
+"""From physical quantities to what the data acquisition writes down: sensor, conditioner, converter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.signal
+from numpy.typing import NDArray
+
+from vgvt.data import Channel, ChannelRole, Quantity, Record
+from vgvt.scenario.instruments import NoiseSpectrum
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.streams import named_stream
+from vgvt.signals.noise import coloured_noise
+from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.rig import GRAVITY_M_PER_S2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Chain:
+    """One channel on its way: volts at the converter per SI unit, noise in SI units, AC coupling."""
+
+    channel: Channel
+    noise: NoiseSpectrum | None
+    noise_unit: float
+    high_pass_hz: float
+
+
+def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDArray[np.float64]) -> Record:
+    """The record of a run (counted from 0) as the converter delivers it, in SI units.
+
+    ``command_v`` (samples,); ``readings`` (points + 1, samples) hold the run's
+    accelerations, m/s^2, and the force, N. Each channel is AC coupled, gets its
+    sensor's and the converter's noise from a random stream of its own, is clipped
+    and rounded to the converter's steps.
+    """
+    scenario = layout.scenario
+    points = layout.run_points(run)
+    chains = [_drive(scenario), _force(layout), *(_acceleration(scenario, p) for p in points)]
+    signals = np.vstack([command_v, readings[-1], readings[:-1]])
+    overloaded = []
+    for chain, row in zip(chains, signals, strict=True):
+        if _through(scenario, chain, run, row):
+            overloaded.append(chain.channel.name)
+    channels = tuple(chain.channel for chain in chains)
+    return Record(run + 1, scenario.acquisition.sample_rate_hz, channels, signals, tuple(overloaded))
+
+
+def _drive(scenario: Scenario) -> _Chain:
+    channel = Channel("drive", Quantity.GENERAL, ChannelRole.DRIVE, range_v=scenario.acquisition.range_v)
+    return _Chain(channel, None, 1.0, 0.0)
+
+
+def _force(layout: Plan) -> _Chain:
+    transducer = layout.scenario.transducer
+    channel = Channel(
+        "force",
+        Quantity.EXCITATION_FORCE,
+        ChannelRole.REFERENCE,
+        layout.drive.dof,
+        sensitivity_v_per_unit=transducer.sensitivity_v_per_n * transducer.conditioner_gain,
+        range_v=layout.scenario.acquisition.range_v,
+    )
+    return _Chain(channel, transducer.noise, 1.0, transducer.high_pass_hz)
+
+
+def _acceleration(scenario: Scenario, point: MeasurementPoint) -> _Chain:
+    sensors = scenario.accelerometers
+    channel = Channel(
+        f"acceleration {point.dof}",
+        Quantity.ACCELERATION,
+        ChannelRole.RESPONSE,
+        point.dof,
+        sensitivity_v_per_unit=sensors.sensitivity_v_per_g * sensors.conditioner_gain / GRAVITY_M_PER_S2,
+        range_v=scenario.acquisition.range_v,
+    )
+    return _Chain(channel, sensors.noise, GRAVITY_M_PER_S2, sensors.high_pass_hz)
+
+
+def _through(scenario: Scenario, chain: _Chain, run: int, row: NDArray[np.float64]) -> bool:
+    """Send one channel (samples,) through its chain, in place; True where it clipped."""
+    acquisition = scenario.acquisition
+    rate, name = acquisition.sample_rate_hz, chain.channel.name
+    if chain.high_pass_hz > 0:
+        numerator, denominator = scipy.signal.butter(1, chain.high_pass_hz, "highpass", fs=rate)
+        row[:] = scipy.signal.lfilter(numerator, denominator, row)
+    if chain.noise is not None:
+        generator = named_stream(scenario.seed, "sensor noise", run, name)
+        density = np.array(chain.noise.density) * chain.noise_unit
+        row += coloured_noise(generator, row.size, rate, chain.noise.frequency_hz, density)
+    row *= chain.channel.sensitivity_v_per_unit
+    if acquisition.noise_v_per_rthz > 0:
+        generator = named_stream(scenario.seed, "converter noise", run, name)
+        row += generator.standard_normal(row.size) * acquisition.noise_v_per_rthz * np.sqrt(rate / 2)
+    step = 2 * acquisition.range_v / 2**acquisition.bits
+    highest = acquisition.range_v - step
+    clipped = bool(np.any((row < -acquisition.range_v) | (row > highest)))
+    np.clip(np.round(row / step) * step, -acquisition.range_v, highest, out=row)
+    row /= chain.channel.sensitivity_v_per_unit
+    return clipped

@@ -1,0 +1,148 @@
+"""The airframe as a MuJoCo model: a centre body free in six directions, and chains for its beams.
+
+The centre body hangs on three slide and three hinge joints instead of a free
+joint: the same six freedoms without quaternions, so that the suspension's small
+yaw stiffness has a joint to act on and mass and stiffness matrices refer to
+plain coordinates. (The pitch axis would lock at 90 degrees; a hung aircraft
+stays within a few.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
+from vgvt.simulation.chain import Chain, Link, cut
+from vgvt.simulation.inertia import MassMoments, lump
+
+ROOT = "body"
+ROOT_JOINTS = ("slide-x", "slide-y", "slide-z", "yaw", "pitch", "roll")
+_ROOT_AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AirframeParts:
+    """Where things are on the airframe: chains by beam name and the origin (3,) of every body frame.
+
+    Body frames are parallel to the aircraft axes in the unloaded shape.
+    """
+
+    airframe: Airframe
+    chains: dict[str, Chain]
+    origin_m: dict[str, NDArray[np.float64]]
+
+    def carrier(self, part: str, position_m: NDArray[np.float64]) -> str:
+        """Name of the rigid body that carries a point (3,) of a part ('body' or a beam)."""
+        part = part_name(self.airframe, part, float(position_m[1]))
+        if part == ROOT:
+            return ROOT
+        chain = self.chains[part]
+        return self._body(chain, chain.link_at(chain.table.nearest_arc_m(position_m)))
+
+    def shares(self, part: str, position_m: NDArray[np.float64]) -> tuple[tuple[str, float], ...]:
+        """The rigid bodies that share a lump at a point (3,) of a part, and their fractions."""
+        part = part_name(self.airframe, part, float(position_m[1]))
+        if part == ROOT:
+            return ((ROOT, 1.0),)
+        chain = self.chains[part]
+        arc = chain.table.nearest_arc_m(position_m)
+        return tuple((self._body(chain, link), share) for link, share in chain.shares(arc))
+
+    def _body(self, chain: Chain, link: Link | None) -> str:
+        return link.name if link is not None else self.carrier(chain.parent, chain.table.point_m(0.0))
+
+
+def cut_airframe(airframe: Airframe) -> AirframeParts:
+    """Cut all beams into chains and lay down the body frames."""
+    chains = {beam.name: cut(beam) for beam in expanded_beams(airframe)}
+    origin = {ROOT: np.array(airframe.body.centre_of_gravity_m)}
+    for chain in chains.values():
+        origin |= {link.name: link.position_m for link in chain.links}
+    return AirframeParts(airframe, chains, origin)
+
+
+def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
+    """The bare airframe, without gravity, springs to the ground or damping."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    spec.option.gravity = np.zeros(3)
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    # Nothing touches anything in a ground vibration test: skip the constraint stages of every step.
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    moments = _moments(parts)
+    root = spec.worldbody.add_body(name=ROOT, pos=parts.origin_m[ROOT])
+    for name, axis in zip(ROOT_JOINTS, _ROOT_AXES, strict=True):
+        kind = mujoco.mjtJoint.mjJNT_SLIDE if name.startswith("slide") else mujoco.mjtJoint.mjJNT_HINGE
+        root.add_joint(name=name, type=kind, axis=axis)
+    _set_inertial(root, moments[ROOT], parts.origin_m[ROOT])
+    for chain in _parents_first(parts):
+        parent = parts.carrier(chain.parent, chain.table.point_m(0.0))
+        for link in chain.links:
+            body = spec.body(parent).add_body(name=link.name, pos=link.position_m - parts.origin_m[parent])
+            _add_hinges(body, link)
+            _set_inertial(body, moments[link.name], link.position_m)
+            parent = link.name
+    return spec
+
+
+def _moments(parts: AirframeParts) -> dict[str, MassMoments]:
+    body = parts.airframe.body
+    cg = np.array(body.centre_of_gravity_m)
+    moments = {ROOT: lump(body.mass_kg, cg, np.diag(body.inertia_kg_m2))}
+    for chain in parts.chains.values():
+        moments |= {link.name: link.moments for link in chain.links}
+    for chain in parts.chains.values():
+        moments[parts.carrier(chain.parent, chain.table.point_m(0.0))] += chain.stub
+    for item in expanded_items(parts.airframe):
+        position = np.array(item.position_m)
+        whole = lump(item.mass_kg, position, np.diag(item.inertia_kg_m2))
+        for name, share in parts.shares(item.attached_to, position):
+            moments[name] += whole.scaled(share)
+    return moments
+
+
+def _parents_first(parts: AirframeParts) -> list[Chain]:
+    """Chains in an order in which the parent's bodies exist before the child's; ValueError for a loop."""
+    waiting, placed = list(parts.chains.values()), [ROOT]
+    order: list[Chain] = []
+    while waiting:
+        ready = [c for c in waiting if c.parent in placed]
+        if not ready:
+            raise ValueError(f"beams hang on each other in a loop: {', '.join(c.name for c in waiting)}")
+        order += ready
+        placed += [c.name for c in ready]
+        waiting = [c for c in waiting if c not in ready]
+    return order
+
+
+def _add_hinges(body: mujoco.MjsBody, link: Link) -> None:
+    for hinge in link.hinges:
+        body.add_joint(
+            name=f"{link.name}/{hinge.kind}",
+            type=mujoco.mjtJoint.mjJNT_HINGE,
+            axis=hinge.axis,
+            stiffness=[hinge.stiffness_n_m_per_rad, 0.0, 0.0],
+        )
+
+
+def _set_inertial(body: mujoco.MjsBody, moments: MassMoments, origin_m: NDArray[np.float64]) -> None:
+    rigid = moments.rigid_body()
+    inertia = rigid.inertia_kg_m2
+    principal, axes = np.linalg.eigh(inertia)
+    # A flat body sits on the edge of the triangle inequality, which rounding may cross: lift it back.
+    principal[0] = max(principal[0], (principal[2] - principal[1]) * (1 + 1e-12))
+    principal[0] = max(principal[0], 1e-12 * principal[2])
+    if np.linalg.det(axes) < 0:
+        axes[:, 0] *= -1
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, axes.ravel())
+    body.explicitinertial = True
+    body.mass = rigid.mass_kg
+    body.ipos = rigid.centre_of_gravity_m - origin_m
+    body.iquat = quaternion
+    body.inertia = principal

@@ -1,0 +1,181 @@
+"""Put a scenario together as MuJoCo models: bare, hung and instrumented, with the shaker attached."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Direction, Dof, RigidBodyProperties
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.planform import part_at, surface_height_m
+from vgvt.simulation.airframe import ROOT, AirframeParts, airframe_spec, cut_airframe
+from vgvt.simulation.damping import add_structural_damping
+from vgvt.simulation.inertia import NOTHING, lump
+from vgvt.simulation.linear import settle
+from vgvt.simulation.rig import (
+    DRIVE_SITE,
+    STINGER,
+    TRANSDUCER,
+    add_point_mass,
+    add_shaker,
+    hang,
+    hung_mass_kg,
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasurementPoint:
+    """A place for a sensor: its DOF, site name, position (3,) and the rigid body that carries it."""
+
+    dof: Dof
+    site: str
+    position_m: NDArray[np.float64]
+    carrier: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """A scenario with its airframe cut and every point placed: what all runs share.
+
+    ``grid`` are the accelerometer points in the order of the scenario, ``drive`` the shaker's.
+    """
+
+    scenario: Scenario
+    parts: AirframeParts
+    grid: tuple[MeasurementPoint, ...]
+    drive: MeasurementPoint
+
+    @property
+    def points(self) -> tuple[MeasurementPoint, ...]:
+        """Grid points, then the drive point."""
+        return (*self.grid, self.drive)
+
+    def run_points(self, run: int) -> tuple[MeasurementPoint, ...]:
+        """The points that carry an accelerometer in a run (counted from 0), in the order of the channels."""
+        by_node = {p.dof.node: p for p in self.grid}
+        return tuple(by_node[node] for node in self.scenario.acquisition.runs[run])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rig:
+    """A compiled model at its equilibrium ``qpos`` (nq,)."""
+
+    model: mujoco.MjModel
+    qpos: NDArray[np.float64]
+
+
+def plan(scenario: Scenario) -> Plan:
+    """Cut the airframe and place every point of the scenario on it."""
+    airframe, grid = scenario.airframe, scenario.accelerometers.grid
+    parts = cut_airframe(airframe)
+    count = len(grid.node)
+    directions = [Direction.from_label(d) for d in grid.direction or ("+Z",) * count]
+    points = []
+    for k in range(count):
+        x, y = grid.x_m[k], grid.y_m[k]
+        height = grid.z_m[k] if grid.z_m is not None else 0.0
+        part = grid.attached_to[k] if grid.attached_to is not None else part_at(airframe, (x, y, height))
+        if grid.z_m is None:
+            height = surface_height_m(airframe, part, x, y)
+        position = np.array([x, y, height])
+        dof = Dof(grid.node[k], directions[k])
+        points.append(MeasurementPoint(dof, f"node-{dof.node}", position, parts.carrier(part, position)))
+    position = np.array(scenario.shaker.position_m)
+    carrier = parts.carrier(scenario.shaker.attached_to, position)
+    drive = MeasurementPoint(Dof(scenario.shaker.node, Direction.PLUS_Z), DRIVE_SITE, position, carrier)
+    return Plan(scenario, parts, tuple(points), drive)
+
+
+def bare_rig(layout: Plan) -> Rig:
+    """The airframe alone, free-free, unloaded, with sites at every point."""
+    model = _airframe_with_points(layout).compile()
+    return Rig(model, np.zeros(model.nq))
+
+
+def hung_rig(layout: Plan, run: int) -> Rig:
+    """Hung and instrumented, without the shaker: the structure as seen from the sensing element.
+
+    Only the part of the transducer between sensing element and structure
+    counts here, at the equilibrium of the whole.
+    """
+    whole = _hung_spec(layout, run, _transducer_side_mass(layout.scenario)).compile()
+    qpos = _settle(layout, whole)
+    structure_side = _hung_spec(layout, run, layout.scenario.transducer.end_mass_kg).compile()
+    return Rig(structure_side, qpos)
+
+
+def driven_rig(layout: Plan, run: int) -> Rig:
+    """The complete rig of a run, ready to be driven, with its sensors."""
+    spec = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
+    hung = spec.compile()
+    qpos = _settle(layout, hung)
+    data = mujoco.MjData(hung)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(hung, data)
+    drive = data.site(DRIVE_SITE)
+    push = drive.xmat.reshape(3, 3) @ layout.drive.dof.direction.unit_vector
+    add_shaker(spec, layout.scenario.shaker, layout.scenario.stinger, drive.xpos.copy(), push)
+    _add_sensors(spec, layout, run)
+    model = spec.compile()
+    return Rig(model, np.concatenate([qpos, np.zeros(model.nq - qpos.size)]))
+
+
+def rigid_body(rig: Rig) -> RigidBodyProperties:
+    """Mass, centre of gravity and inertia of everything that hangs on the centre body, from the compiled model."""
+    data = mujoco.MjData(rig.model)
+    data.qpos[:] = rig.qpos
+    mujoco.mj_kinematics(rig.model, data)
+    mujoco.mj_comPos(rig.model, data)
+    root = rig.model.body(ROOT).id
+    total = NOTHING
+    for body in range(rig.model.nbody):
+        if rig.model.body_rootid[body] == root:
+            axes = data.ximat[body].reshape(3, 3)
+            inertia = axes @ np.diag(rig.model.body_inertia[body]) @ axes.T
+            total += lump(float(rig.model.body_mass[body]), data.xipos[body].copy(), inertia)
+    return total.rigid_body()
+
+
+def _transducer_side_mass(scenario: Scenario) -> float:
+    return scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
+
+
+def _settle(layout: Plan, model: mujoco.MjModel) -> NDArray[np.float64]:
+    try:
+        return settle(model)
+    except RuntimeError as error:
+        raise RuntimeError(f"scenario {layout.scenario.name!r}: {error}") from error
+
+
+def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
+    spec = airframe_spec(layout.parts)
+    add_structural_damping(spec, layout.scenario.airframe.damping)
+    for point in layout.points:
+        origin = layout.parts.origin_m[point.carrier]
+        spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - origin)
+    return spec
+
+
+def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> mujoco.MjSpec:
+    scenario = layout.scenario
+    spec = _airframe_with_points(layout)
+    airframe_mass = rigid_body(bare_rig(layout)).mass_kg
+    hang(spec, layout.parts, scenario.suspension, hung_mass_kg(scenario, airframe_mass, run))
+    for point in layout.run_points(run):
+        name = f"accelerometer-{point.dof.node}"
+        add_point_mass(spec, layout.parts, name, point.carrier, point.position_m, scenario.accelerometers.mass_kg)
+    drive = layout.drive
+    add_point_mass(spec, layout.parts, TRANSDUCER, drive.carrier, drive.position_m, transducer_mass_kg)
+    return spec
+
+
+def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
+    site, tendon = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TENDON
+    kind = mujoco.mjtSensor
+    for point in (*layout.run_points(run), layout.drive):
+        spec.add_sensor(name=point.site, type=kind.mjSENS_ACCELEROMETER, objtype=site, objname=point.site)
+    for name, quantity in (("stinger-length", kind.mjSENS_TENDONPOS), ("stinger-rate", kind.mjSENS_TENDONVEL)):
+        spec.add_sensor(name=name, type=quantity, objtype=tendon, objname=STINGER)

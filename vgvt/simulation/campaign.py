@@ -1,0 +1,164 @@
+"""Simulate a campaign: from a scenario to the records a lab would bring home, and the truth beside them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, Geometry, Truth
+from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.model import Scenario
+from vgvt.signals import linear_chirp
+from vgvt.simulation.acquisition import record
+from vgvt.simulation.assembly import Plan, Rig, driven_rig, plan
+from vgvt.simulation.linear_engine import respond
+from vgvt.simulation.mujoco_engine import Progress, step_runs
+from vgvt.simulation.state_space import StateSpace, state_space
+from vgvt.simulation.stepping import substeps
+from vgvt.simulation.truth import assemble_truth
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SimulationResult:
+    """A campaign, the truth to seal beside it, and where the time went in seconds."""
+
+    campaign: Campaign
+    truth: Truth
+    timing_s: dict[str, float]
+
+
+def simulate(
+    scenario: Scenario, *, engine: str | None = None, progress: Callable[[float, str], None] | None = None
+) -> SimulationResult:
+    """Simulate every run of a scenario with the 'mujoco' or the 'linear' engine (default: the scenario's).
+
+    ``progress(fraction, message)`` is called now and then. Deterministic for a
+    seed, whatever the number of threads.
+    """
+    engine = engine or scenario.simulation.engine
+    if engine not in ("mujoco", "linear"):
+        raise ValueError(f"engine must be 'mujoco' or 'linear', got {engine!r}")
+    clock = _Clock()
+    layout = plan(scenario)
+    runs = range(len(scenario.acquisition.runs))
+    rigs = [driven_rig(layout, run) for run in runs]
+    models = [state_space(layout, rig, layout.points) for rig in rigs]
+    truth = assemble_truth(layout, models)
+    clock.lap("assemble")
+    if engine == "linear":
+        readings = _linear_readings(layout, models, progress)
+    else:
+        readings = _mujoco_readings(layout, rigs, models, progress)
+    clock.lap("simulate")
+    command = drive_command(scenario, sample_times_s(scenario))
+    records = tuple(record(layout, run, command.copy(), readings[run]) for run in runs)
+    clock.lap("acquire")
+    excitation = scenario.excitation
+    notes = {
+        "aircraft": " ".join((scenario.airframe.name, scenario.airframe.configuration)).strip(),
+        "excitation": f"{excitation.kind} {excitation.start_hz:g} to {excitation.stop_hz:g} Hz "
+        f"in {excitation.duration_s:g} s",
+        "engine": engine,
+        "seed": str(scenario.seed),
+    }
+    return SimulationResult(
+        Campaign(scenario.name, geometry(layout), records, excitation.band_hz, notes), truth, clock.laps
+    )
+
+
+def sample_times_s(scenario: Scenario, steps_per_sample: int = 1) -> NDArray[np.float64]:
+    """The sampling instants of a record, or the time steps between them, from 0 to the last sample inclusive."""
+    rate = scenario.acquisition.sample_rate_hz
+    samples = round(scenario.excitation.record_s * rate) + 1
+    return np.arange((samples - 1) * steps_per_sample + 1) / (rate * steps_per_sample)
+
+
+def drive_command(scenario: Scenario, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The command in volts, shape of ``time_s``."""
+    e = scenario.excitation
+    sweep = linear_chirp(time_s - e.lead_in_s, e.start_hz, e.stop_hz, e.duration_s, e.taper_s)
+    return e.amplitude_v * sweep
+
+
+def geometry(layout: Plan) -> Geometry:
+    """The test geometry: sensor points and drive point, with lines along each row and the outline for drawings."""
+    nodes = tuple(p.dof.node for p in layout.points)
+    return Geometry(nodes, np.array([p.position_m for p in layout.points]), _rows(layout), _outline(layout))
+
+
+def _linear_readings(layout: Plan, models: list[StateSpace], progress: Progress | None) -> list[NDArray[np.float64]]:
+    rate = layout.scenario.acquisition.sample_rate_hz
+    command = drive_command(layout.scenario, sample_times_s(layout.scenario))
+    rows = {p.dof.node: i for i, p in enumerate(layout.points)}
+    readings = []
+    for run, model in enumerate(models):
+        index = [rows[p.dof.node] for p in layout.run_points(run)] + [len(layout.points)]
+        readings.append(respond(model.outputs(index), command, rate))
+        if progress is not None:
+            progress((run + 1) / len(models), f"run {run + 1} of {len(models)} solved")
+    return readings
+
+
+def _mujoco_readings(
+    layout: Plan, rigs: list[Rig], models: list[StateSpace], progress: Progress | None
+) -> list[NDArray[np.float64]]:
+    scenario = layout.scenario
+    rate = scenario.acquisition.sample_rate_hz
+    poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in models])
+    count = substeps(poles, rate, scenario.simulation.step_s)
+    step = 1.0 / (rate * count)
+    for rig in rigs:
+        rig.model.opt.timestep = step
+    command = drive_command(scenario, sample_times_s(scenario, count) + step / 2)
+    return step_runs(layout, rigs, command, count, rate, progress)
+
+
+def _rows(layout: Plan) -> tuple[tuple[int, ...], ...]:
+    """Lines through the grid points of each part: forward and aft of its axis, from the root to the tip."""
+    lines = []
+    for chain in layout.parts.chains.values():
+        rows: dict[bool, list[tuple[float, int]]] = {False: [], True: []}
+        links = {link.name for link in chain.links}
+        for point in (p for p in layout.grid if p.carrier in links):
+            arc = chain.table.nearest_arc_m(point.position_m)
+            aft = (point.position_m - chain.table.point_m(arc)) @ chain.table.frame(arc)[2] > 0
+            rows[bool(aft)].append((arc, point.dof.node))
+        lines += [tuple(node for _, node in sorted(row)) for row in rows.values() if len(row) > 1]
+    return tuple(lines)
+
+
+def _outline(layout: Plan) -> tuple[NDArray[np.float64], ...]:
+    airframe = layout.scenario.airframe
+    outlines = []
+    if airframe.body.outline_m:
+        height = airframe.body.centre_of_gravity_m[2]
+        outlines.append(np.array([(x, y, height) for x, y in airframe.body.outline_m]))
+    for beam in expanded_beams(airframe):
+        stations = beam.stations
+        if stations.forward_edge_m is None and stations.aft_edge_m is None:
+            continue
+        table = layout.parts.chains[beam.name].table
+        arcs = table.axis.arc_length_m
+        aft = np.array([table.frame(arc)[2] for arc in arcs])
+        forward_edge = table.point_m(arcs) - table.column("forward_edge_m", arcs)[:, None] * aft
+        aft_edge = table.point_m(arcs) + table.column("aft_edge_m", arcs)[:, None] * aft
+        outlines.append(np.vstack([forward_edge, aft_edge[::-1]]))
+    return tuple(outlines)
+
+
+class _Clock:
+    """Seconds between laps."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        """Book the time since the last lap under a name."""
+        now = time.perf_counter()
+        self.laps[name] = now - self._last
+        self._last = now

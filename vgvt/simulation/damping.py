@@ -1,0 +1,43 @@
+"""Structural damping that gives each mode of the bare airframe the ratio the scenario asks for.
+
+A fixed tendon over the elastic joints with the coefficients M φ and the damper
+d adds d (Mφ)(Mφ)ᵀ to C: damping of one mode and no other, and none of the rigid
+body, whose joints have no share in M φ. Above the limit plain joint dampers
+take over, in proportion to stiffness, which also keep the chain's highest,
+physically meaningless modes quiet; what they add below is taken off the tendons.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import scipy.linalg
+
+from vgvt.scenario.airframe import Damping
+from vgvt.simulation.linear import linearise
+
+RIGID_MODES = 6
+
+
+def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
+    """Add tendons and joint dampers to the bare airframe's ``spec`` (before rig and instruments are)."""
+    model = spec.compile()
+    bare = linearise(model, np.zeros(model.nq))
+    eigenvalues, shapes = scipy.linalg.eigh(bare.stiffness, bare.mass)
+    omega = np.sqrt(np.maximum(eigenvalues[RIGID_MODES:], 0.0))
+    shapes = shapes[:, RIGID_MODES:]
+    limit = 2 * np.pi * damping.limit_hz
+    ratios = np.full(omega.size, damping.damping_ratio)
+    ratios[: len(damping.modal)] = damping.modal[: omega.size]
+    # The smallest ratio, so that no tendon would have to take more away than it gives.
+    per_stiffness = 2 * ratios[omega <= limit].min(initial=damping.damping_ratio) / limit
+    for joint in spec.joints:
+        if joint.stiffness[0] > 0:
+            joint.damping = [per_stiffness * joint.stiffness[0], 0.0, 0.0]
+    for r in np.flatnonzero(omega <= limit):
+        coefficient = 2 * ratios[r] * omega[r] - per_stiffness * omega[r] ** 2
+        tendon = spec.add_tendon(name=f"modal-damping-{r + 1}", damping=[coefficient, 0.0, 0.0])
+        weights = bare.mass @ shapes[:, r]
+        for joint in spec.joints:
+            if joint.stiffness[0] > 0:
+                tendon.wrap_joint(joint.name, weights[model.joint(joint.name).dofadr[0]])

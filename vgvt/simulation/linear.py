@@ -1,0 +1,118 @@
+"""The linearised model: M, C, K and the maps of sensors and actuators at an equilibrium.
+
+Mass comes from MuJoCo's composite inertia; stiffness and damping are central
+differences of the joint forces, which hold gravity, the spring's tension and
+every passive element. Sensor rows are analytic Jacobians of their sites.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+# Forces here are linear up to geometry: this step leaves truncation and round-off near 1e-9 of the spring.
+_STEP = 1e-5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearModel:
+    """M q'' + C q' + K q = B u about an equilibrium; all square arrays (nv, nv), SI.
+
+    ``displacement`` (P, nv) are rows of point displacements: w = displacement q.
+    """
+
+    mass: NDArray[np.float64]
+    damping: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    displacement: NDArray[np.float64]
+    equilibrium: NDArray[np.float64]
+
+    @property
+    def freedoms(self) -> int:
+        """Number of coordinates."""
+        return int(self.mass.shape[0])
+
+
+def joint_force(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
+    """The force (nv,) that accelerates the joints: passive and actuator minus bias, at the state in ``data``."""
+    mujoco.mj_forward(model, data)
+    return np.asarray(data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias)
+
+
+def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
+    """Full joint-space inertia (nv, nv) at the position in ``data``."""
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return full
+
+
+def linearise(
+    model: mujoco.MjModel, qpos: NDArray[np.float64], points: tuple[tuple[str, NDArray[np.float64]], ...] = ()
+) -> LinearModel:
+    """Linearise at rest at ``qpos`` (nq,), with displacement rows for ``points``: (site name, direction (3,)).
+
+    The current of a shaker's coil is no joint coordinate: it stays at zero here.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mass = mass_matrix(model, data)
+    rows = np.array([site_row(model, data, site, direction) for site, direction in points]).reshape(-1, model.nv)
+
+    def force_at_position(change: NDArray[np.float64]) -> NDArray[np.float64]:
+        data.qpos[:] = qpos + change
+        return joint_force(model, data)
+
+    stiffness = -_central_differences(force_at_position, model.nv)
+    data.qpos[:] = qpos
+
+    def force_at_velocity(change: NDArray[np.float64]) -> NDArray[np.float64]:
+        data.qvel[:] = change
+        return joint_force(model, data)
+
+    damping = -_central_differences(force_at_velocity, model.nv)
+    return LinearModel(mass, damping, stiffness, rows, qpos.copy())
+
+
+def site_row(
+    model: mujoco.MjModel, data: mujoco.MjData, site: str, direction: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Row (nv,) of a site's displacement along a direction (3,) fixed to the site, at the position in ``data``."""
+    site_id = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, site)
+    jacobian = np.zeros((3, model.nv))
+    mujoco.mj_jacSite(model, data, jacobian, None, site_id)
+    turned: NDArray[np.float64] = data.site_xmat[site_id].reshape(3, 3) @ direction
+    return turned @ jacobian
+
+
+def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 50) -> NDArray[np.float64]:
+    """The static equilibrium (nq,) by Newton's method from the unloaded shape.
+
+    Raises RuntimeError where the aircraft has none nearby, as with a hook far
+    below the centre of gravity.
+    """
+    qpos = np.zeros(model.nq)
+    data = mujoco.MjData(model)
+    for _ in range(iterations):
+        data.qpos[:], data.qvel[:] = qpos, 0.0
+        force = joint_force(model, data)
+        if np.abs(force).max() < tolerance_n:
+            return qpos
+        step = np.linalg.solve(linearise(model, qpos).stiffness, force)
+        # Far from equilibrium the spring's geometry bends the path: never turn or swing by more than this at once.
+        qpos = qpos + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
+    raise RuntimeError(
+        f"the hung aircraft found no equilibrium in {iterations} iterations (largest joint force left "
+        f"{np.abs(force).max():.2g}); is suspension.hook_m above the centre of gravity?"
+    )
+
+
+def _central_differences(
+    function: Callable[[NDArray[np.float64]], NDArray[np.float64]], size: int
+) -> NDArray[np.float64]:
+    changes = np.eye(size) * _STEP
+    return np.array([(function(change) - function(-change)) / (2 * _STEP) for change in changes]).T

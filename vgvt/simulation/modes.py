@@ -1,0 +1,69 @@
+"""Modes of a linearised model, with general viscous damping.
+
+The quadratic eigenproblem in state-space form; residues follow from
+a_r = ψᵀ(2 λ M + C)ψ, R = ψ ψᵀ / a_r for symmetric M, C and K
+(Ewins, Modal Testing, 2nd ed., chapter 2).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from vgvt.data import Dof, ModalModel
+from vgvt.simulation.linear import LinearModel
+
+# Slower than any suspension: what lies below is a free rigid-body motion.
+_SLOWEST_HZ = 0.02
+
+
+def eigenpairs(model: LinearModel) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Oscillating poles λ (R,) with positive imaginary part, by frequency, and vectors ψ (nv, R).
+
+    ψ is scaled so that ψᵀ(2 λ M + C)ψ = 1: residues are then plain products.
+    """
+    n = model.freedoms
+    lower = -np.linalg.solve(model.mass, np.hstack([model.stiffness, model.damping]))
+    system = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower])
+    poles, vectors = scipy.linalg.eig(system)
+    keep = np.flatnonzero(poles.imag > 2 * np.pi * _SLOWEST_HZ)
+    keep = keep[np.argsort(np.abs(poles[keep]))]
+    poles, shapes = poles[keep], vectors[:n, keep]
+    scale = np.einsum("ir,ij,jr->r", shapes, model.mass, shapes) * 2 * poles
+    scale = scale + np.einsum("ir,ij,jr->r", shapes, model.damping, shapes)
+    return poles, shapes / np.sqrt(scale)
+
+
+def modal_model(
+    model: LinearModel,
+    dofs: tuple[Dof, ...],
+    reference: int,
+    limit_hz: float,
+    labels: tuple[str, ...] = (),
+    method: str = "truth",
+) -> ModalModel:
+    """The modes up to ``limit_hz`` seen at ``dofs``, the rows of the model's displacement map.
+
+    ``reference`` is the index of the drive point among them. Shapes are real-normalised:
+    the largest entry is +1, and ``modal_mass_kg`` belongs to that scale.
+    """
+    poles, vectors = eigenpairs(model)
+    below = np.abs(poles) <= 2 * np.pi * limit_hz
+    poles, vectors = poles[below], vectors[:, below]
+    seen = (model.displacement @ vectors).T
+    residues = seen[:, :, None] * seen[:, None, [reference]]
+    largest = seen[np.arange(poles.size), np.argmax(np.abs(seen), axis=1)]
+    # A motion that no DOF can see keeps the scale of its own coordinates.
+    largest = np.where(np.abs(largest) > 0, largest, 1.0)
+    return ModalModel(
+        natural_frequency_hz=np.abs(poles) / (2 * np.pi),
+        damping_ratio=-poles.real / np.abs(poles),
+        shapes=seen / largest[:, None],
+        dofs=dofs,
+        modal_mass_kg=np.real(1 / (largest**2 * 2j * poles.imag)),
+        references=(dofs[reference],),
+        residues=residues,
+        labels=labels[: poles.size],
+        method=method,
+    )

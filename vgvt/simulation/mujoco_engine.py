@@ -1,0 +1,110 @@
+"""The mujoco engine: all runs of the campaign stepped together on a thread pool, Python outside the time loop."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+
+import mujoco
+import mujoco.batch
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.simulation.assembly import Plan, Rig
+from vgvt.simulation.state_space import mass_above_element_kg
+
+Progress = Callable[[float, str], None]
+# Long enough that the loop over chunks costs nothing, short enough for progress and Ctrl-C.
+_CHUNK_SAMPLES = 1000
+
+
+def step_runs(
+    layout: Plan,
+    rigs: list[Rig],
+    command_v: NDArray[np.float64],
+    steps_per_sample: int,
+    sample_rate_hz: float,
+    progress: Progress | None = None,
+    threads: int | None = None,
+) -> list[NDArray[np.float64]]:
+    """Accelerations and force, (points + 1, samples) a rig, at the sampling instants.
+
+    ``command_v`` holds the command in the middle of every time step, ((samples - 1) * steps_per_sample + 1,):
+    MuJoCo holds it through the step, and held there it lags and leads nothing.
+    Accelerations are those of the run's points less their value at rest, in
+    m/s^2; the last row is the force at the transducer's sensing element, N.
+    Raises FloatingPointError where a run diverges.
+    """
+    # One batch shares the layout of its arrays: runs with as many accelerometers go together.
+    groups: dict[int, list[int]] = {}
+    for run, rig in enumerate(rigs):
+        groups.setdefault(rig.model.nsensordata, []).append(run)
+    readings: dict[int, NDArray[np.float64]] = {}
+    for k, runs in enumerate(groups.values()):
+        kept = _step_together(
+            [rigs[run] for run in runs],
+            layout.scenario.shaker.amplifier_gain * command_v,
+            steps_per_sample,
+            sample_rate_hz,
+            _share(progress, k, len(groups)),
+            threads,
+        )
+        readings |= {run: _readings(layout, rigs[run], run, kept[i]) for i, run in enumerate(runs)}
+    return [readings[run] for run in range(len(rigs))]
+
+
+def _step_together(
+    rigs: list[Rig],
+    control: NDArray[np.float64],
+    steps_per_sample: int,
+    sample_rate_hz: float,
+    progress: Progress | None,
+    threads: int | None,
+) -> NDArray[np.float64]:
+    """Sensor readings (rigs, samples, nsensordata) of models with equal sizes."""
+    threads = threads or min(len(rigs), os.cpu_count() or 1)
+    batch = mujoco.batch.Batch(rigs[0].model, nsim=len(rigs), nthread=threads)
+    batch.set_models([rig.model for rig in rigs])
+    batch.bind("qpos")[:] = np.array([rig.qpos for rig in rigs])
+    samples = (control.size - 1) // steps_per_sample + 1
+    kept = np.empty((len(rigs), samples, rigs[0].model.nsensordata))
+    done = 0
+    while done < samples:
+        count = min(_CHUNK_SAMPLES, samples - done)
+        start = done * steps_per_sample
+        chunk = control[start : start + count * steps_per_sample]
+        record = batch.rollout(chunk.size, control=chunk[None, :, None], record=("sensordata",))["sensordata"]
+        kept[:, done : done + count] = record[:, ::steps_per_sample]
+        done += count
+        if not np.isfinite(kept[:, done - 1]).all():
+            raise FloatingPointError(
+                f"the simulation diverged at {done / sample_rate_hz:.2f} s; use a shorter simulation.step_s"
+            )
+        if progress is not None:
+            progress(done / samples, f"{done / sample_rate_hz:.0f} s of {samples / sample_rate_hz:.0f} s simulated")
+    return kept
+
+
+def _share(progress: Progress | None, part: int, parts: int) -> Progress | None:
+    if progress is None or parts == 1:
+        return progress
+    return lambda fraction, message: progress((part + fraction) / parts, message)
+
+
+def _readings(layout: Plan, rig: Rig, run: int, sensors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn MuJoCo's sensors (samples, nsensordata) into accelerations along the DOFs and the measured force."""
+    model, stinger = rig.model, layout.scenario.stinger
+
+    def acceleration(site: str, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        address = model.sensor(site).adr[0]
+        return np.asarray(sensors[:, address : address + 3] @ direction)
+
+    points = layout.run_points(run)
+    rows = [acceleration(p.site, p.dof.direction.unit_vector) for p in points]
+    stretch = sensors[:, model.sensor("stinger-length").adr[0]] - stinger.length_m
+    rate = sensors[:, model.sensor("stinger-rate").adr[0]]
+    push = -stinger.axial_stiffness_n_per_m * stretch - stinger.axial_damping_n_s_per_m * rate
+    drive = layout.drive
+    rows.append(push - mass_above_element_kg(layout) * acceleration(drive.site, drive.dof.direction.unit_vector))
+    readings = np.array(rows)
+    return np.asarray(readings - readings[:, :1])

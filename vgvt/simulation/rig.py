@@ -1,0 +1,114 @@
+"""The rig as edits of the airframe's MuJoCo model: suspension, instruments, shaker and stinger."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import Shaker, Stinger, Suspension
+from vgvt.simulation.airframe import ROOT, AirframeParts
+
+GRAVITY_M_PER_S2 = 9.80665
+DRIVE_SITE = "drive-point"
+TRANSDUCER = "force-transducer"
+STINGER = "stinger"
+SUSPENSION = "suspension"
+ARMATURE = "armature"
+
+
+def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung_mass_kg: float) -> None:
+    """Switch gravity on and hang the aircraft by its hook.
+
+    The spring's upper end is as high as it must be for the sag to bring the
+    hook back to its height in aircraft axes.
+    """
+    spec.option.gravity = [0.0, 0.0, -GRAVITY_M_PER_S2]
+    hook = np.array(suspension.hook_m)
+    spec.body(ROOT).add_site(name="hook", pos=hook - parts.origin_m[ROOT])
+    sag = hung_mass_kg * GRAVITY_M_PER_S2 / suspension.stiffness_n_per_m
+    top = hook + np.array([0.0, 0.0, suspension.free_length_m + sag])
+    spec.worldbody.add_site(name="frame", pos=top)
+    spring = spec.add_tendon(
+        name=SUSPENSION,
+        stiffness=[suspension.stiffness_n_per_m, 0.0, 0.0],
+        damping=[suspension.damping_n_s_per_m, 0.0, 0.0],
+        springlength=[suspension.free_length_m, suspension.free_length_m],
+    )
+    spring.wrap_site("frame")
+    spring.wrap_site("hook")
+    spec.joint("yaw").stiffness = [suspension.yaw_stiffness_n_m_per_rad, 0.0, 0.0]
+    for name in ("yaw", "pitch", "roll"):
+        spec.joint(name).damping = [suspension.rotation_damping_n_m_s_per_rad, 0.0, 0.0]
+    for name in ("slide-x", "slide-y"):
+        spec.joint(name).damping = [suspension.pendulum_damping_n_s_per_m, 0.0, 0.0]
+
+
+def add_point_mass(
+    spec: mujoco.MjSpec, parts: AirframeParts, name: str, carrier: str, position_m: NDArray[np.float64], mass_kg: float
+) -> None:
+    """A lumped mass on a rigid body of the airframe, as a body of its own so that it can be weighed."""
+    body = spec.body(carrier).add_body(name=name, pos=position_m - parts.origin_m[carrier])
+    # MuJoCo needs an inertia; that of a 2 mm ball is nothing here.
+    body.explicitinertial = True
+    body.ipos = np.zeros(3)  # left out, MuJoCo would add the body's own position once more
+    body.mass = max(mass_kg, 1e-12)
+    body.inertia = np.full(3, 0.4 * body.mass * 1e-6)
+
+
+def add_shaker(
+    spec: mujoco.MjSpec,
+    shaker: Shaker,
+    stinger: Stinger,
+    drive_point_m: NDArray[np.float64],
+    push: NDArray[np.float64],
+) -> None:
+    """The shaker below the hung aircraft's drive point (3,), with a stinger that just fits.
+
+    It is set up as a technician would: the stinger at right angles to the
+    surface as it hangs, along the unit vector ``push`` (3,).
+
+    Armature on its flexure, m x'' + c x' + k x = Bl i - F, the coil as a DC
+    motor on the slide, V = R i + L di/dt + Bl x', the stinger a tendon that
+    carries tension and compression. Its rest length is its length at
+    equilibrium, so that attaching it moves nothing.
+    """
+    foot = drive_point_m - stinger.length_m * push
+    armature = spec.worldbody.add_body(name=ARMATURE, pos=foot, gravcomp=1.0)
+    armature.add_joint(
+        name=ARMATURE,
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=push,
+        stiffness=[shaker.flexure_stiffness_n_per_m, 0.0, 0.0],
+        damping=[shaker.flexure_damping_n_s_per_m, 0.0, 0.0],
+    )
+    armature.explicitinertial = True
+    armature.ipos = np.zeros(3)
+    armature.mass = shaker.armature_mass_kg + 0.5 * stinger.mass_kg
+    armature.inertia = np.full(3, 1e-3 * armature.mass)
+    armature.add_site(name="stinger-foot")
+    rod = spec.add_tendon(
+        name=STINGER,
+        stiffness=[stinger.axial_stiffness_n_per_m, 0.0, 0.0],
+        damping=[stinger.axial_damping_n_s_per_m, 0.0, 0.0],
+        springlength=[stinger.length_m, stinger.length_m],
+    )
+    rod.wrap_site("stinger-foot")
+    rod.wrap_site(DRIVE_SITE)
+    coil = spec.add_actuator(name="coil", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=ARMATURE)
+    if shaker.drive == "current":
+        coil.set_to_motor()
+        coil.gainprm[0] = shaker.force_factor_n_per_a
+    else:
+        coil.set_to_dcmotor(
+            motorconst=[shaker.force_factor_n_per_a, shaker.force_factor_n_per_a],
+            resistance=shaker.coil_resistance_ohm,
+            inductance=[shaker.coil_inductance_h, 0.0],
+        )
+
+
+def hung_mass_kg(scenario: Scenario, airframe_mass_kg: float, run: int) -> float:
+    """What the spring carries in a run: airframe, transducer, half the stinger and the run's accelerometers."""
+    sensors = len(scenario.acquisition.runs[run]) * scenario.accelerometers.mass_kg
+    return airframe_mass_kg + sensors + scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg

@@ -1,0 +1,124 @@
+"""The driven rig as a linear state-space model: command in volts to measured force and accelerations.
+
+State x = [q, q', i]: joint coordinates about the equilibrium, their rates and
+the current of the coil (left out for a current drive or a coil without inductance).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig
+from vgvt.simulation.linear import LinearModel, linearise, site_row
+from vgvt.simulation.rig import ARMATURE, DRIVE_SITE, GRAVITY_M_PER_S2, STINGER
+
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u with u in volts of command.
+
+    ``state_matrix`` (n, n), ``input_matrix`` (n,), ``output_matrix`` (outputs, n),
+    ``feedthrough`` (outputs,). Outputs: accelerations of the points asked for,
+    m/s^2 as an accelerometer feels them (with its tilt in gravity), then the
+    force at the transducer's sensing element, N. ``linear`` are the matrices behind it.
+    """
+
+    linear: LinearModel
+    state_matrix: NDArray[np.float64]
+    input_matrix: NDArray[np.float64]
+    output_matrix: NDArray[np.float64]
+    feedthrough: NDArray[np.float64]
+
+    def outputs(self, index: list[int]) -> StateSpace:
+        """The same model with some of its outputs, in that order."""
+        return replace(self, output_matrix=self.output_matrix[index], feedthrough=self.feedthrough[index])
+
+
+def mass_above_element_kg(layout: Plan) -> float:
+    """Mass between the sensing element and the stinger: it is shaken, but its force is not measured."""
+    scenario = layout.scenario
+    return scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
+
+
+def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) -> StateSpace:
+    """The linear model of a driven rig, with the accelerations of ``points`` as outputs."""
+    model, shaker = rig.model, layout.scenario.shaker
+    linear = linearise(model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in points))
+    n = linear.freedoms
+    inverse_mass = np.linalg.inv(linear.mass)
+    pull = np.zeros(n)
+    pull[model.joint(ARMATURE).dofadr[0]] = 1.0
+    inductive = shaker.drive == "voltage" and shaker.coil_inductance_h > 0
+    size = 2 * n + (1 if inductive else 0)
+    a, b = np.zeros((size, size)), np.zeros(size)
+    a[:n, n : 2 * n] = np.eye(n)
+    a[n : 2 * n, :n] = -inverse_mass @ linear.stiffness
+    a[n : 2 * n, n : 2 * n] = -inverse_mass @ linear.damping
+    force_per_ampere = inverse_mass @ pull * shaker.force_factor_n_per_a
+    if inductive:
+        a[n : 2 * n, -1] = force_per_ampere
+        a[-1, n : 2 * n] = -pull * shaker.force_factor_n_per_a / shaker.coil_inductance_h
+        a[-1, -1] = -shaker.coil_resistance_ohm / shaker.coil_inductance_h
+        b[-1] = shaker.amplifier_gain / shaker.coil_inductance_h
+    else:
+        per_volt = shaker.amplifier_gain / (shaker.coil_resistance_ohm if shaker.drive == "voltage" else 1.0)
+        b[n : 2 * n] = force_per_ampere * per_volt
+    tilt = _tilt_rows(rig, points)
+    acceleration = linear.displacement @ a[n : 2 * n]
+    acceleration[:, :n] += tilt
+    force, force_feedthrough = _force_row(layout, rig, a[n : 2 * n], b[n : 2 * n])
+    return StateSpace(
+        linear,
+        a,
+        b,
+        np.vstack([acceleration, force]),
+        np.append(linear.displacement @ b[n : 2 * n], force_feedthrough),
+    )
+
+
+def _tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.float64]:
+    """What a small rotation of each sensor lets it feel of gravity, rows (points, nv)."""
+    data = _at_rest(rig)
+    rows = np.zeros((len(points), rig.model.nv))
+    for k, point in enumerate(points):
+        site = rig.model.site(point.site).id
+        rotation = np.zeros((3, rig.model.nv))
+        mujoco.mj_jacSite(rig.model, data, None, rotation, site)
+        direction = data.site_xmat[site].reshape(3, 3) @ point.dof.direction.unit_vector
+        rows[k] = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ rotation
+    return rows
+
+
+def _force_row(
+    layout: Plan, rig: Rig, rate_rows: NDArray[np.float64], rate_input: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Row of the force at the sensing element: the stinger's push less the inertia of what lies between."""
+    model, stinger = rig.model, layout.scenario.stinger
+    n = model.nv
+    data = _at_rest(rig)
+    rod = model.tendon(STINGER).id
+    length_row = np.zeros(n)
+    for j in range(n):
+        data.qvel[:] = 0.0
+        data.qvel[j] = 1.0
+        mujoco.mj_fwdVelocity(model, data)
+        length_row[j] = data.ten_velocity[rod]
+    drive_row = site_row(model, _at_rest(rig), DRIVE_SITE, _UP)
+    inertia = mass_above_element_kg(layout)
+    row = -inertia * (drive_row @ rate_rows)
+    row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * _tilt_rows(rig, (layout.drive,))[0]
+    row[n : 2 * n] -= stinger.axial_damping_n_s_per_m * length_row
+    return row, float(-inertia * drive_row @ rate_input)
+
+
+def _at_rest(rig: Rig) -> mujoco.MjData:
+    data = mujoco.MjData(rig.model)
+    data.qpos[:] = rig.qpos
+    mujoco.mj_forward(rig.model, data)
+    return data

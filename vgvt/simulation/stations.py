@@ -1,0 +1,92 @@
+"""The station table of a beam as functions of arc length along its elastic axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.scenario.airframe import Beam
+from vgvt.scenario.axis import Axis, beam_axis
+from vgvt.simulation.inertia import MassMoments
+
+# Three points integrate the quintic that a linear mass density times a quadratic moment can reach.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StationTable:
+    """A beam's axis with its columns, linear between the stations."""
+
+    beam: Beam
+    axis: Axis
+
+    @classmethod
+    def of(cls, beam: Beam) -> StationTable:
+        """The table of a beam whose mirror image is already written out."""
+        return cls(beam, beam_axis(beam))
+
+    @property
+    def length_m(self) -> float:
+        """Arc length from root to tip."""
+        return float(self.axis.arc_length_m[-1])
+
+    def column(self, name: str, arc_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A station column at some arc lengths; zero where the table leaves the column out."""
+        values = getattr(self.beam.stations, name)
+        if values is None:
+            return np.zeros_like(arc_m)
+        return np.asarray(np.interp(arc_m, self.axis.arc_length_m, values))
+
+    def point_m(self, arc_m: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """Positions (…, 3) on the axis."""
+        columns = [np.interp(arc_m, self.axis.arc_length_m, self.axis.position_m[:, k]) for k in range(3)]
+        return np.stack(columns, axis=-1)
+
+    def frame(self, arc_m: float) -> NDArray[np.float64]:
+        """Rows tangent, normal and aft at an arc length, shape (3, 3), orthonormal."""
+        i = self._segment(np.asarray(arc_m))
+        return np.array([self.axis.tangent[i], self.axis.normal[i], self.axis.aft[i]])
+
+    def nearest_arc_m(self, position_m: NDArray[np.float64]) -> float:
+        """Arc length of the point of the axis nearest to a position (3,)."""
+        leg = np.diff(self.axis.position_m, axis=0)
+        start = self.axis.position_m[:-1]
+        along = np.clip(((position_m - start) * leg).sum(axis=1) / (leg**2).sum(axis=1), 0.0, 1.0)
+        distance = np.linalg.norm(position_m - start - along[:, None] * leg, axis=1)
+        i = int(np.argmin(distance))
+        return float(self.axis.arc_length_m[i] + along[i] * self.axis.segment_length_m[i])
+
+    def compliance(self, name: str, start_m: float, stop_m: float) -> tuple[float, float]:
+        """Integral of 1/stiffness over a cell, rad/(N m), and the arc length of its centroid."""
+        arc, weight = self._gauss(start_m, stop_m)
+        share = weight / self.column(name, arc)
+        total = float(share.sum())
+        return total, float((share * arc).sum() / total)
+
+    def moments(self, start_m: float, stop_m: float) -> MassMoments:
+        """Mass moments of the piece between two arc lengths.
+
+        A section is thin: its mass lies along the chord, so the inertia about
+        the normal equals the pitch inertia and that about the chord is zero.
+        """
+        arc, weight = self._gauss(start_m, stop_m)
+        mass = weight * self.column("mass_kg_per_m", arc)
+        pitch = weight * self.column("pitch_inertia_kg_m", arc)
+        aft = self.axis.aft[self._segment(arc)]
+        centre = self.point_m(arc) + self.column("cg_offset_m", arc)[:, None] * aft
+        second = np.einsum("g,gi,gj->ij", mass, centre, centre) + np.einsum("g,gi,gj->ij", pitch, aft, aft)
+        return MassMoments(float(mass.sum()), mass @ centre, second)
+
+    def _segment(self, arc_m: NDArray[np.float64]) -> NDArray[np.intp]:
+        last = self.axis.arc_length_m.size - 2
+        return np.clip(np.searchsorted(self.axis.arc_length_m, arc_m, side="right") - 1, 0, last)
+
+    def _gauss(self, start_m: float, stop_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Gauss points and weights between two arc lengths, split at the stations, shapes (G,)."""
+        stations = self.axis.arc_length_m
+        edges = np.concatenate([[start_m], stations[(stations > start_m) & (stations < stop_m)], [stop_m]])
+        half = np.diff(edges)[:, None] / 2
+        middle = (edges[:-1, None] + edges[1:, None]) / 2
+        return (middle + half * _POINTS).ravel(), (half * _WEIGHTS).ravel()

@@ -1,0 +1,69 @@
+"""The sealed truth: modes of the bare airframe, of every run as tested, and with the shaker attached."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vgvt.data import ModalModel, Truth
+from vgvt.scenario.model import Scenario
+from vgvt.simulation.assembly import Plan, Rig, bare_rig, driven_rig, hung_rig, plan, rigid_body
+from vgvt.simulation.labels import mode_labels
+from vgvt.simulation.linear import linearise
+from vgvt.simulation.modes import eigenpairs, modal_model
+from vgvt.simulation.state_space import StateSpace, state_space
+
+
+def truth_of(scenario: Scenario) -> Truth:
+    """The truth of a scenario, without simulating it: takes well under a second a run."""
+    layout = plan(scenario)
+    driven = [driven_state_space(layout, run)[1] for run in range(len(scenario.acquisition.runs))]
+    return assemble_truth(layout, driven)
+
+
+def assemble_truth(layout: Plan, driven: list[StateSpace]) -> Truth:
+    """The truth from a plan and the state-space models of its runs with the shaker attached."""
+    scenario = layout.scenario
+    bare = bare_rig(layout)
+    count = len(scenario.acquisition.runs)
+    return Truth(
+        scenario=scenario.name,
+        rigid_body=rigid_body(bare),
+        bare=_modes(layout, bare),
+        runs=tuple(range(1, count + 1)),
+        as_tested=tuple(_modes(layout, hung_rig(layout, run)) for run in range(count)),
+        coupled=tuple(_coupled(layout, model) for model in driven),
+    )
+
+
+def limit_hz(scenario: Scenario) -> float:
+    """Highest mode in the truth: well above the swept band, so that out-of-band modes can be told."""
+    return max(2.0 * scenario.excitation.band_hz[1], 80.0)
+
+
+def driven_state_space(layout: Plan, run: int) -> tuple[Rig, StateSpace]:
+    """The complete rig of a run (counted from 0) and its state-space model at all points."""
+    rig = driven_rig(layout, run)
+    return rig, state_space(layout, rig, layout.points)
+
+
+def _modes(layout: Plan, rig: Rig) -> ModalModel:
+    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in layout.points))
+    labels = mode_labels(layout.parts, rig.model, eigenpairs(linear)[1])
+    dofs = tuple(p.dof for p in layout.points)
+    return modal_model(linear, dofs, len(dofs) - 1, limit_hz(layout.scenario), labels)
+
+
+def _coupled(layout: Plan, model: StateSpace) -> ModalModel:
+    """Oscillating poles of the driven rig, coil and all, with their shapes; no residues: the input is a voltage."""
+    poles, vectors = np.linalg.eig(model.state_matrix)
+    keep = np.flatnonzero((poles.imag > 0) & (np.abs(poles) <= 2 * np.pi * limit_hz(layout.scenario)))
+    keep = keep[np.argsort(np.abs(poles[keep]))]
+    seen = (model.linear.displacement @ vectors[: model.linear.freedoms, keep]).T
+    largest = seen[np.arange(keep.size), np.argmax(np.abs(seen), axis=1)]
+    return ModalModel(
+        natural_frequency_hz=np.abs(poles[keep]) / (2 * np.pi),
+        damping_ratio=-poles[keep].real / np.abs(poles[keep]),
+        shapes=seen / largest[:, None],
+        dofs=tuple(p.dof for p in layout.points),
+        method="truth",
+    )

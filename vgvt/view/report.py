@@ -1,0 +1,265 @@
+"""The report: one HTML file that needs nothing else, no network, no server, no other file."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vgvt._version import __version__
+from vgvt.data import Campaign, Dof, FrequencyResponseSet, Geometry, InputError, ModalModel, Scorecard, Truth
+from vgvt.view.figures import common_mac, frf_figure, mac_figure, sigma_figure
+from vgvt.view.sections import facts_section, modes_section, setup_section, shapes_section
+from vgvt.view.shape_drawing import shape_nodes
+from vgvt.view.shape_geometry import displacement, main_axis, mesh_of
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+_FRF_POINT_BUDGET = 60_000
+
+
+def write_report(
+    path: str | Path,
+    *,
+    title: str,
+    campaign: Campaign,
+    frf: FrequencyResponseSet | None,
+    claims: Mapping[str, ModalModel],
+    truth: Truth | None = None,
+    scorecards: Mapping[str, Scorecard] | None = None,
+    facts: Mapping[str, str] | None = None,
+) -> Path:
+    """Write the report of a campaign: modes, sigma plot, shapes, MAC matrices, FRFs and set-up.
+
+    ``claims`` and ``scorecards`` are by identifier name; without truth (a measured campaign) the
+    report shows claims alone. The file appears whole or not at all. InputError when it cannot be written.
+    """
+    page = render_report(title, campaign, frf, claims, truth, scorecards or {}, facts or {})
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _write_whole(target, page)
+    except OSError as error:
+        raise InputError(
+            str(target), f"the report cannot be written: {error.strerror}", "choose another path"
+        ) from error
+    return target
+
+
+def render_report(
+    title: str,
+    campaign: Campaign,
+    frf: FrequencyResponseSet | None,
+    claims: Mapping[str, ModalModel],
+    truth: Truth | None,
+    scorecards: Mapping[str, Scorecard],
+    facts: Mapping[str, str],
+) -> str:
+    """The same page as a string."""
+    figures: dict[str, Any] = {}
+    sections = {
+        "summary": ("Summary", facts_section(campaign, facts)),
+        "modes": ("Modes", modes_section(claims, scorecards)),
+        "sigma": ("Sigma plot", _sigma_section(campaign, frf, claims, truth, scorecards, figures)),
+        "shapes": ("Mode shapes", shapes_section(campaign, claims, scorecards, truth)),
+        "animation": ("Mode shapes in motion", _animation_section(campaign, claims, truth, figures)),
+        "mac": ("MAC", _mac_section(campaign, claims, truth, figures)),
+        "frf": ("Frequency responses", _frf_section(campaign, frf, claims, figures)),
+        "setup": ("Test set-up", setup_section(campaign)),
+    }
+    shown = {key: value for key, value in sections.items() if value[1]}
+    nav = "".join(f'<a href="#{key}">{name}</a>' for key, (name, _) in shown.items())
+    main = "".join(
+        f'<section id="{key}" aria-labelledby="{key}-title"><h2 id="{key}-title">{name}</h2>{body}</section>'
+        for key, (name, body) in shown.items()
+    )
+    return _page(title, nav, main, figures)
+
+
+def _sigma_section(
+    campaign: Campaign,
+    frf: FrequencyResponseSet | None,
+    claims: Mapping[str, ModalModel],
+    truth: Truth | None,
+    scorecards: Mapping[str, Scorecard],
+    figures: dict[str, Any],
+) -> str:
+    true_hz = _true_frequencies(campaign, truth, scorecards)
+    figures["sigma-data"] = _as_json(sigma_figure(frf, claims, true_hz, campaign.band_hz, scorecards))
+    text = "The largest singular value of all frequency responses: every mode that the test can see makes a peak."
+    if true_hz:
+        text += " Dashed vertical lines are the true modes; a cross is a claim that belongs to none."
+    return f'<p class="note">{text}</p>{_figure("sigma-data", "Sigma plot")}'
+
+
+def _animation_section(
+    campaign: Campaign, claims: Mapping[str, ModalModel], truth: Truth | None, figures: dict[str, Any]
+) -> str:
+    shown = dict(claims)
+    if truth is not None and truth.as_tested:
+        shown["truth"] = truth.as_tested[0].band(*campaign.band_hz)
+    scenes = [_scene(name, model, campaign.geometry) for name, model in shown.items() if len(model)]
+    scenes = [scene for scene in scenes if scene["nodes"]]
+    if not scenes:
+        return ""
+    outline = [np.round(np.asarray(ring).reshape(-1, 3), 4).tolist() for ring in campaign.geometry.outline_m]
+    figures["shape-data"] = {"outline": outline, "models": scenes}
+    options = "".join(f'<option value="{k}">{_e(scene["name"])}</option>' for k, scene in enumerate(scenes))
+    return (
+        '<div class="controls"><button id="viewer-play" type="button" aria-pressed="true">❚❚ Pause</button>'
+        f'<label>model <select id="viewer-model">{options}</select></label>'
+        '<label>mode <select id="viewer-mode"></select></label>'
+        '<label>deflection <input id="viewer-scale" type="range" min="5" max="100" value="45"></label></div>'
+        '<canvas id="stage" tabindex="0" role="img" aria-label="Animated mode shape, arrow keys turn it"></canvas>'
+        '<p class="note">Drag to turn, or use the arrow keys. A real shape stands, a complex one travels.</p>'
+    )
+
+
+def _scene(name: str, model: ModalModel, geometry: Geometry) -> dict[str, Any]:
+    nodes = shape_nodes(geometry, model)
+    mesh = mesh_of(geometry, nodes)
+    modes = []
+    for k in range(len(model)):
+        vectors = displacement(model, k, nodes)
+        label = f" · {model.labels[k]}" if model.labels and model.labels[k] else ""
+        modes.append(
+            {
+                "title": f"{model.natural_frequency_hz[k]:.2f} Hz{label}",
+                "re": np.round(vectors.real, 4).tolist(),
+                "im": np.round(vectors.imag, 4).tolist(),
+                "axis": main_axis(vectors),
+            }
+        )
+    return {
+        "name": name,
+        "nodes": np.round(mesh.positions_m, 4).tolist(),
+        "edges": mesh.edges,
+        "faces": mesh.faces,
+        "modes": modes,
+    }
+
+
+def _mac_section(
+    campaign: Campaign, claims: Mapping[str, ModalModel], truth: Truth | None, figures: dict[str, Any]
+) -> str:
+    true_model = truth.as_tested[0].band(*campaign.band_hz) if truth is not None and truth.as_tested else None
+    parts = []
+    for k, (name, claim) in enumerate(claims.items()):
+        if not len(claim):
+            continue
+        against = true_model if true_model is not None and len(true_model) and _share_dofs(claim, true_model) else None
+        figures[f"mac-data-{k}"] = _as_json(mac_figure(claim, against, claim_name=name))
+        what = "against the truth" if against is not None else "with itself"
+        drawing = _figure(f"mac-data-{k}", f"MAC of {name} {what}")
+        parts.append(f"<div><h3>{_e(name)} {what}</h3>{drawing}</div>")
+    note = "1 for shapes that are the same up to scale, 0 for orthogonal ones."
+    return f'<p class="note">{note}</p><div class="matrices">{"".join(parts)}</div>' if parts else ""
+
+
+def _frf_section(
+    campaign: Campaign, frf: FrequencyResponseSet | None, claims: Mapping[str, ModalModel], figures: dict[str, Any]
+) -> str:
+    if frf is None or not frf.responses:
+        return ""
+    pairs = [(response, reference) for reference in frf.references for response in frf.responses]
+    curves = len(pairs) * 2 * (1 + sum(claim.residues is not None for claim in claims.values()))
+    points = int(np.clip(_FRF_POINT_BUDGET / curves, 200, 900))
+    figures["frf-data"] = [_as_json(frf_figure(frf, claims, *pair, campaign.band_hz, points)) for pair in pairs]
+    first = _first_shown(frf.band(*campaign.band_hz), pairs)
+    options = "".join(
+        f'<option value="{k}"{" selected" if k == first else ""}>{_e(response)} / {_e(reference)}</option>'
+        for k, (response, reference) in enumerate(pairs)
+    )
+    return (
+        f'<div class="controls"><label>response / reference <select id="frf-select">{options}</select></label></div>'
+        '<div class="figure" id="frf-figure" role="figure" aria-label="Frequency response"></div>'
+    )
+
+
+def _first_shown(frf: FrequencyResponseSet, pairs: list[tuple[Dof, Dof]]) -> int:
+    """The driving point where it was measured, else the response that moves most."""
+    driving = [k for k, (response, reference) in enumerate(pairs) if response.unsigned == reference.unsigned]
+    power = (np.abs(frf.values) ** 2).sum(axis=2).T.ravel()
+    return driving[0] if driving else int(np.argmax(power))
+
+
+def _true_frequencies(
+    campaign: Campaign, truth: Truth | None, scorecards: Mapping[str, Scorecard]
+) -> tuple[float, ...]:
+    """What the scorecards call true (the average over the runs), else the first run's modes in the band."""
+    rows = {row.true_hz for card in scorecards.values() for row in (*card.modes, *card.unreached)} - {None}
+    if rows:
+        return tuple(sorted(f for f in rows if f is not None))
+    if truth is None or not truth.as_tested:
+        return ()
+    return tuple(float(f) for f in truth.as_tested[0].band(*campaign.band_hz).natural_frequency_hz)
+
+
+def _share_dofs(first: ModalModel, second: ModalModel) -> bool:
+    try:
+        common_mac(first, second)
+    except ValueError:
+        return False
+    return True
+
+
+def _figure(data: str, label: str) -> str:
+    return f'<div class="figure" data-figure="{data}" role="figure" aria-label="{_e(label)}"></div>'
+
+
+def _as_json(figure: Figure) -> Any:
+    return json.loads(figure.to_json())
+
+
+def _page(title: str, nav: str, main: str, figures: Mapping[str, Any]) -> str:
+    page = files("vgvt.view") / "page"
+    style, viewer, drawing = ((page / n).read_text(encoding="utf-8") for n in ("style.css", "viewer.js", "figures.js"))
+    data = "".join(
+        f'<script type="application/json" id="{key}">{_inline_json(value)}</script>' for key, value in figures.items()
+    )
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<link rel="icon" href="data:,"><title>{_e(title)}</title><style>{style}</style></head>\n<body>'
+        f'<header><h1>{_e(title)}</h1><nav aria-label="Sections">{nav}</nav></header>\n<main>{main}</main>\n'
+        f"<footer>vgvt {_e(__version__)}. This page holds all its data and asks nothing of the network.</footer>\n"
+        f"{data}\n<script>{_plotly_js()}</script>\n<script>{drawing}</script>\n<script>{viewer}</script></body></html>\n"
+    )
+
+
+def _plotly_js() -> str:
+    from plotly.offline import get_plotlyjs
+
+    return str(get_plotlyjs()).replace("</script", "<\\/script")
+
+
+def _inline_json(value: object) -> str:
+    """JSON that cannot end the script element it stands in."""
+    text = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _write_whole(target: Path, text: str) -> None:
+    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        Path(name).chmod(0o644)
+        Path(name).replace(target)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def _e(text: object) -> str:
+    return html.escape(str(text), quote=True)

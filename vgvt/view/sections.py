@@ -1,0 +1,230 @@
+"""The sections of the report as HTML; every text from outside is escaped here."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from vgvt.data import Campaign, ModalModel, ModeScore, ModeStatus, Scorecard, Truth
+from vgvt.view.shape_drawing import setup_drawing, shape_drawing
+
+_MARKS = {
+    ModeStatus.FOUND: "✓ found",
+    ModeStatus.MISSED: "– missed",
+    ModeStatus.FALSE: "✕ false",
+    ModeStatus.UNREACHED: "○ unreached",
+}
+_SCORE_COLUMNS = (
+    ("status", "status"),
+    ("true, Hz", ""),
+    ("claimed, Hz", ""),
+    ("± Hz", ""),
+    ("Δf, %", ""),
+    ("true ζ, %", ""),
+    ("claimed ζ, %", ""),
+    ("Δζ, %", ""),
+    ("MAC", ""),
+    ("mode", "words"),
+    ("remark", "remark"),
+)
+_CLAIM_COLUMNS = (
+    ("mode", ""),
+    ("frequency, Hz", ""),
+    ("± Hz", ""),
+    ("ζ, %", ""),
+    ("± %", ""),
+    ("name", "words"),
+    ("remark", "remark"),
+)
+
+
+def facts_section(campaign: Campaign, facts: Mapping[str, str]) -> str:
+    """The facts of the run and of the campaign."""
+    rates = sorted({f"{run.sample_rate_hz:g}" for run in campaign.runs})
+    longest = max(run.duration_s for run in campaign.runs)
+    overloaded = [f"run {run.run}: {', '.join(run.overloaded)}" for run in campaign.runs if run.overloaded]
+    items = {
+        "Campaign": campaign.name,
+        "Band": f"{campaign.band_hz[0]:g} to {campaign.band_hz[1]:g} Hz",
+        "Runs": f"{len(campaign.runs)} of up to {longest:g} s at {', '.join(rates)} Hz",
+        "Responses": f"{len(campaign.response_dofs)} degrees of freedom",
+        "Driven at": ", ".join(str(d) for d in campaign.reference_dofs) or "no measured force",
+        **({"Overloaded": "; ".join(overloaded)} if overloaded else {}),
+        **campaign.notes,
+        **facts,
+    }
+    cells = "".join(f"<div><dt>{_e(k)}</dt><dd>{_e(v)}</dd></div>" for k, v in items.items())
+    return f'<dl class="facts">{cells}</dl>'
+
+
+def modes_section(claims: Mapping[str, ModalModel], scorecards: Mapping[str, Scorecard]) -> str:
+    """One table an identifier: the score where there is a truth, else what it claims."""
+    parts = []
+    for name, claim in claims.items():
+        card = scorecards.get(name)
+        parts.append(f"<h3>{_e(name)}</h3>")
+        parts.append(_score_table(card) if card is not None else _claim_table(claim))
+        parts.append(_advice(claim.advice))
+    return "".join(parts) or '<p class="note">No identifier was run.</p>'
+
+
+def shapes_section(
+    campaign: Campaign,
+    claims: Mapping[str, ModalModel],
+    scorecards: Mapping[str, Scorecard],
+    truth: Truth | None,
+) -> str:
+    """Cards with the shape of every claimed mode, and of the true modes that nobody of an identifier's claims met."""
+    true_model = truth.as_tested[0] if truth is not None and truth.as_tested else None
+    dashed = ' A dashed line <span class="key line"></span> is the true shape.' if true_model is not None else ""
+    parts = [
+        '<p class="note">Above, the plan view: <span class="key" style="background:var(--positive)"></span>plus and '
+        '<span class="key" style="background:var(--negative)"></span>minus, larger dots move more. Below, the shape '
+        f"seen from behind.{dashed} Only measured points move; sign and scale carry no meaning.</p>"
+    ]
+    for name, claim in claims.items():
+        card = scorecards.get(name)
+        cards = [_claim_card(campaign, claim, k, card, true_model) for k in range(len(claim))]
+        if card is not None and true_model is not None:
+            lost = (*card.rows(ModeStatus.MISSED), *card.unreached)
+            seen = _at_measured(true_model, campaign)
+            cards += [_lost_card(campaign, seen, row) for row in lost]
+        inner = "".join(cards)
+        parts.append(f'<h3>{_e(name)}</h3><div class="cards">{inner}</div>' if cards else "")
+    return "".join(parts)
+
+
+def setup_section(campaign: Campaign) -> str:
+    """Where the sensors and the shaker were."""
+    return (
+        '<p class="note">Plan view, nose up. Dots are response points, triangles are drive points.</p>'
+        f'<div class="setup">{setup_drawing(campaign)}</div>'
+    )
+
+
+def _score_table(card: Scorecard) -> str:
+    summary = card.summary()
+    counts = [f"{card.found} found", f"{card.missed} missed", f"{card.false} false"]
+    if card.unreached:
+        counts.append(f"{len(card.unreached)} unreached")
+    for key, text in (
+        ("mean_abs_frequency_error_percent", "frequency within {:.2f} % on average"),
+        ("mean_abs_damping_error_percent", "damping within {:.0f} % on average"),
+        ("mean_mac", "mean MAC {:.3f}"),
+    ):
+        value = summary[key]
+        if value is not None:
+            counts.append(text.format(value))
+    listed = "".join(f"<li>{_e(c)}</li>" for c in counts)
+    rows = [_score_cells(row) for row in (*card.modes, *card.unreached)]
+    caption = f"Claims against the truth as tested, {card.band_hz[0]:g} to {card.band_hz[1]:g} Hz."
+    return f'<ul class="counts">{listed}</ul>' + _table(_SCORE_COLUMNS, rows, caption)
+
+
+def _score_cells(row: ModeScore) -> tuple[str, ...]:
+    return (
+        f'<span class="{row.status.value}">{_MARKS[row.status]}</span>',
+        _number(row.true_hz, "{:.3f}"),
+        _number(row.claimed_hz, "{:.3f}"),
+        _number(row.claimed_std_hz, "{:.3f}"),
+        _number(row.frequency_error_percent, "{:+.2f}"),
+        _percent(row.true_damping_ratio, "{:.2f}"),
+        _percent(row.claimed_damping_ratio, "{:.2f}"),
+        _number(row.damping_error_percent, "{:+.0f}"),
+        _number(row.mac, "{:.3f}"),
+        _e(row.label),
+        _e(row.remark),
+    )
+
+
+def _claim_table(claim: ModalModel) -> str:
+    if not len(claim):
+        return f'<p class="note">No modes: {_e(claim.outcome.value.replace("_", " "))}.</p>'
+    rows = []
+    for k in range(len(claim)):
+        std = claim.natural_frequency_std_hz[k] if claim.natural_frequency_std_hz is not None else None
+        damping_std = claim.damping_ratio_std[k] if claim.damping_ratio_std is not None else None
+        rows.append(
+            (
+                str(k + 1),
+                _number(claim.natural_frequency_hz[k], "{:.3f}"),
+                _number(std, "{:.3f}"),
+                _percent(claim.damping_ratio[k], "{:.2f}"),
+                _percent(damping_std, "{:.2f}"),
+                _e(claim.labels[k] if claim.labels else ""),
+                _e("; ".join(claim.flags[k]) if claim.flags else ""),
+            )
+        )
+    return _table(_CLAIM_COLUMNS, rows, "Claimed modes.")
+
+
+def _claim_card(
+    campaign: Campaign, claim: ModalModel, k: int, card: Scorecard | None, true_model: ModalModel | None
+) -> str:
+    row = next((r for r in card.modes if r.claimed_index == k), None) if card is not None else None
+    hertz = claim.natural_frequency_hz[k]
+    ratio = claim.damping_ratio[k]
+    words = [f"ζ {100 * ratio:.2f} %"] if np.isfinite(ratio) else []
+    name = claim.labels[k] if claim.labels else ""
+    if row is not None:
+        words.append(f'<span class="{row.status.value}">{_MARKS[row.status]}</span>')
+        name = name or row.label
+        if row.true_hz is not None and row.mac is not None:
+            words.append(f"true {row.true_hz:.2f} Hz, MAC {row.mac:.3f}")
+    if name:
+        words.append(_e(name))
+    reference = None
+    if row is not None and row.true_index is not None and true_model is not None:
+        reference = (true_model, row.true_index)
+    drawing = shape_drawing(campaign.geometry, claim, k, f"Mode {k + 1} at {hertz:.2f} Hz {name}", reference)
+    return (
+        f'<figure class="card"><figcaption><b>{hertz:.2f} Hz</b> · {" · ".join(words)}</figcaption>{drawing}</figure>'
+    )
+
+
+def _lost_card(campaign: Campaign, true_model: ModalModel, row: ModeScore) -> str:
+    drawing = shape_drawing(
+        campaign.geometry, true_model, row.true_index or 0, f"True mode at {row.true_hz:.2f} Hz, {row.status.value}"
+    )
+    words = " · ".join(filter(None, [f'<span class="{row.status.value}">{_MARKS[row.status]}</span>', _e(row.label)]))
+    return (
+        f'<figure class="card"><figcaption><b>{row.true_hz:.2f} Hz</b> · truth · {words}</figcaption>{drawing}</figure>'
+    )
+
+
+def _at_measured(true_model: ModalModel, campaign: Campaign) -> ModalModel:
+    known = {d.unsigned for d in true_model.dofs}
+    dofs = tuple(d for d in campaign.response_dofs if d.unsigned in known)
+    return true_model.at(dofs) if dofs else true_model
+
+
+def _table(columns: tuple[tuple[str, str], ...], rows: Sequence[tuple[str, ...]], caption: str) -> str:
+    """A table whose cells are HTML already; ``columns`` are (heading, class), columns without content are left out."""
+    shown = [k for k in range(len(columns)) if any(row[k] for row in rows)]
+    head = "".join(f'<th scope="col" class="{columns[k][1]}">{_e(columns[k][0])}</th>' for k in shown)
+    body = "".join(
+        "<tr>" + "".join(f'<td class="{columns[k][1]}">{row[k]}</td>' for k in shown) + "</tr>" for row in rows
+    )
+    return (
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{_e(caption)}">'
+        f"<table><caption>{_e(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def _advice(lines: tuple[str, ...]) -> str:
+    inner = "".join(f"<li>{_e(line)}</li>" for line in lines)
+    return f'<ul class="advice">{inner}</ul>' if inner else ""
+
+
+def _number(value: float | None, form: str) -> str:
+    return form.format(value).replace("-", "−") if value is not None and np.isfinite(value) else ""
+
+
+def _percent(value: float | None, form: str) -> str:
+    return _number(None if value is None else 100 * value, form)
+
+
+def _e(text: object) -> str:
+    return html.escape(str(text), quote=True)
