@@ -84,7 +84,7 @@ def _bell(
 
 
 def _reach(flank: NDArray[np.float64], drop_db: float) -> int:
-    """Lines from the top (first of ``flank``) to the first line below the drop, or to the trough before a rise of 3 dB."""
+    """Lines from the top, first of ``flank``, to the drop or to the trough before a rise of 3 dB."""
     from scipy.ndimage import uniform_filter1d
 
     below = np.flatnonzero(flank < flank[0] * 10 ** (-drop_db / 10))

@@ -69,15 +69,18 @@ def fit_modes(
     for window in fit_windows(peaks, spectra.frequency_hz, options.window_widths):
         own = sorted((window.peaks[i] for i in window.own), key=lambda p: -p.prominence_db)
         fit = _fit(spectra, window, options)
-        free = set(range(fit.common.poles.size)) if fit else set()
+        if fit is None:
+            refused.setdefault(_NO_POLE, []).extend(p.frequency_hz for p in own)
+            continue
+        free = set(range(fit.common.poles.size))
         for peak in own:
-            which = _nearest(fit, free, peak) if fit else None
-            problem = _NO_POLE if which is None else _problem(fit, which, peak, spectra, options)
-            if problem is None:
-                free.discard(which)
-                modes.append(_mode(fit, which, peak, options.own_frequency))
-            else:
-                refused.setdefault(problem, []).append(peak.frequency_hz)
+            which = _nearest(fit, free, peak)
+            problem = _NO_POLE if which is None else _problem(fit, which, spectra, options)
+            if which is None or problem is not None:
+                refused.setdefault(str(problem), []).append(peak.frequency_hz)
+                continue
+            free.discard(which)
+            modes.append(_mode(fit, which, peak, options.own_frequency))
     return tuple(sorted(modes, key=lambda m: m.natural_frequency_hz)), _remarks(refused)
 
 
@@ -143,7 +146,7 @@ def _block(run: RunSpectra, window: Window) -> Block:
     return Block(run.accelerance[:, cut], size, 1 / np.sqrt(noise + floor + 1e-300), leakage)
 
 
-def _problem(fit: _WindowFit, which: int, peak: SigmaPeak, spectra: CampaignSpectra, options: FitOptions) -> str | None:
+def _problem(fit: _WindowFit, which: int, spectra: CampaignSpectra, options: FitOptions) -> str | None:
     """Why a pole is not claimed as the mode behind a peak, None when it is."""
     pole = fit.common.poles[which]
     natural = float(abs(pole)) / (2 * np.pi)

@@ -150,7 +150,8 @@ def _relocated(problem: _Problem, z: NDArray[np.complex128]) -> NDArray[np.compl
     """Vector fitting: the zeros of sigma(s) become the next poles, as long as the error falls."""
     best, best_cost = z, _cost(problem, z)
     for _ in range(_RELOCATIONS):
-        left, right = [], []
+        left: list[NDArray[np.complex128]] = []
+        right: list[NDArray[np.complex128]] = []
         for block in problem.blocks:
             basis = np.linalg.qr(problem.design(block, z))[0]
             data = problem.data(block)
@@ -159,7 +160,8 @@ def _relocated(problem: _Problem, z: NDArray[np.complex128]) -> NDArray[np.compl
             for matrix, out, shape in ((stacked, left, (-1, z.size)), (data, right, (-1,))):
                 out.append((matrix - basis @ (basis.conj().T @ matrix)).reshape(*shape))
         sigma = -np.linalg.lstsq(np.vstack(left), np.concatenate(right), rcond=None)[0]
-        z = _stable(np.linalg.eigvals(np.diag(z) - np.outer(np.ones(z.size), sigma)))
+        moved = np.linalg.eigvals(np.diag(z) - np.outer(np.ones(z.size), sigma))
+        z = _stable(moved.astype(np.complex128))
         cost = _cost(problem, z)
         if cost >= best_cost * (1 - 1e-6):
             break
@@ -247,11 +249,15 @@ def _solution(problem: _Problem, z: NDArray[np.complex128], centre: float, half:
     order = np.argsort(z.imag)
     z = z[order]
     cost = _cost(problem, z)
-    residues, backgrounds, fitted, errors, freedom = [], [], [], [], 0
+    residues: list[NDArray[np.complex128]] = []
+    backgrounds: list[NDArray[np.complex128]] = []
+    fitted: list[NDArray[np.complex128]] = []
+    errors: list[NDArray[np.complex128]] = []
+    freedom = 0
     images = 0 if problem.mirror_at is None else z.size
     for block in problem.blocks:
         design, data = problem.design(block, z), problem.data(block)
-        found = np.linalg.lstsq(design, data, rcond=None)[0]
+        found = np.linalg.lstsq(design, data, rcond=None)[0].astype(np.complex128)
         smooth = z.size + images + problem.background
         unscale = 1 / (block.weight[:, None] * block.row_scale)
         residues.append((found[: z.size] / block.row_scale).T * half)

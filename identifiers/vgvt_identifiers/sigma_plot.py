@@ -44,7 +44,7 @@ class SigmaPeak:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SigmaPlot:
-    """Square of a sigma plot (K,), its noise floor (K,), its variance (K,), and over how many lines errors are shared."""
+    """Square of a sigma plot, its noise floor and its variance, all (K,); errors reach over ``correlated_lines``."""
 
     power: NDArray[np.float64]
     noise: NDArray[np.float64]

@@ -52,7 +52,7 @@ def merge_truth(truth: Truth) -> MergedTruth:
     mean_hz = np.array([f.mean() for f in frequency])
     order = np.argsort(mean_hz, kind="stable")
     average = replace(
-        first.select(order),
+        first,
         natural_frequency_hz=mean_hz[order],
         damping_ratio=np.array([d.mean() for d in damping])[order],
         shapes=np.array([_mean_shape(group) for group in members]).reshape(first.shapes.shape)[order],
@@ -60,6 +60,8 @@ def merge_truth(truth: Truth) -> MergedTruth:
         natural_frequency_std_hz=None,
         damping_ratio_std=None,
         modal_mass_kg=None,
+        labels=tuple(first.labels[i] for i in order) if first.labels else (),
+        flags=tuple(first.flags[i] for i in order) if first.flags else (),
     )
     return MergedTruth(
         model=average,

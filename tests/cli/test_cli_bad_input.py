@@ -206,10 +206,14 @@ def test_good_records_are_read(vgvt) -> None:
 @pytest.mark.parametrize(
     ("prepare", "words"),
     [
-        pytest.param(lambda: write_records(run=2, bad=np.nan), ("run2.mat", "1234"), id="NaN sample"),
-        pytest.param(lambda: write_records(run=2, bad=np.inf), ("run2.mat",), id="infinite sample"),
+        pytest.param(
+            lambda: write_records(run=2, bad=np.nan), ("mine.toml, run 2, channel accelerometer", "6.17 s"), id="NaN"
+        ),
+        pytest.param(lambda: write_records(run=1, bad=np.inf), ("mine.toml, run 1, channel accelerometer",), id="inf"),
         pytest.param(lambda: write_records(run=1, samples=0), ("run1.mat",), id="no samples"),
-        pytest.param(lambda: write_records(run=2, rate=100.0), ("100",), id="two rates"),
+        pytest.param(
+            lambda: write_records(run=2, rate=100.0), ("mine.toml, run 2", "100 Hz", "200 Hz"), id="two rates"
+        ),
         pytest.param(lambda: (write_records(), truncate(Path("run1.mat"))), ("run1.mat",), id="truncated MAT"),
         pytest.param(lambda: (write_records(), Path("run1.mat").unlink()), ("run1.mat",), id="missing MAT"),
     ],
@@ -222,6 +226,15 @@ def test_bad_records(vgvt, prepare: Callable[[], object], words: tuple[str, ...]
     for word in words:
         assert word in message
     assert result.document["error"]["advice"]
+
+
+def test_the_rest_of_bad_records_can_be_used(vgvt) -> None:
+    write_records(run=2, bad=np.nan)
+    assert vgvt("inspect", "mine.toml", "--json").document["runs"][1]["channels"][1]["fault"]
+    result = vgvt("identify", "mine.toml", "--leave-out-faulty", "--json")
+    assert result.status == 0
+    assert "run 2: accelerometer left out, 1 of 4000 samples are not finite" in result.err
+    assert "run 2 left out" in result.err
 
 
 @pytest.mark.parametrize(

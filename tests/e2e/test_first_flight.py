@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -32,7 +33,7 @@ def test_the_folder_is_whole(run_folder: Path) -> None:
     assert check_manifest(run_folder) == ()
     page = (run_folder / "report.html").read_text(encoding="utf-8")
     assert "quadrature" in page
-    assert not any(f'{attribute}="http' in page for attribute in ("src", "href"))
+    assert not re.search(r"<(?:script|link|img)[^>]*(?:src|href)=[\"']?(?:https?:)?//", page)
 
 
 def test_the_campaign_tells_nothing_of_the_true_modes(run_folder: Path) -> None:
@@ -56,9 +57,7 @@ def test_another_seed_is_another_record_of_the_same_aircraft(run_folder: Path, t
 
     again = tmp_path / "again"
     assert main(["simulate", "quick", "--engine", "linear", "--seed", "99", "--out", str(again)]) == 0
-    assert (
-        read_campaign(run_folder / "campaign.nc").runs[0].samples[1]
-        != read_campaign(again / "campaign.nc").runs[0].samples[1]
-    ).any()
+    first, other = (read_campaign(folder / "campaign.nc").runs[0] for folder in (run_folder, again))
+    assert (first.samples[1] != other.samples[1]).any()
     true = [read_truth(folder / "sealed" / "truth.nc").bare.natural_frequency_hz for folder in (run_folder, again)]
     assert (true[0] == true[1]).all()

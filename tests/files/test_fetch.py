@@ -52,8 +52,9 @@ class Handler(BaseHTTPRequestHandler):
 
 
 @pytest.fixture
-def server() -> Iterator[Server]:
-    """A web server on this machine."""
+def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
+    """A web server on this machine, asked without a proxy."""
+    monkeypatch.setenv("no_proxy", "127.0.0.1")
     server = Server(("127.0.0.1", 0), Handler)
     server.content, server.faults, server.asked = {}, {}, []
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})

@@ -77,8 +77,10 @@ def test_raw_records_and_decimated_copy_agree(campaigns: dict, responses: dict) 
     # Their axes differ by 0.008 % because the records differ by half a sample in length.
     values = np.array([np.interp(copy.frequency_hz, raw.frequency_hz, v) for v in raw.values[:, 0]])
     inside = (copy.frequency_hz > 3) & (copy.frequency_hz < 34)
-    difference = np.linalg.norm((values - copy.values[:, 0])[:, inside]) / np.linalg.norm(values[:, inside])
-    assert difference < 0.05
+    difference = np.abs(values - copy.values[:, 0])[:, inside]
+    # What differs is leakage of the last samples and noise, not gain or delay: small line by line, and in all.
+    assert np.median(difference / np.abs(values[:, inside])) < 0.02
+    assert np.linalg.norm(difference) < 0.1 * np.linalg.norm(values[:, inside])
     # Decimation keeps the time histories: force to within what lies above 100 Hz.
     for one, other in zip(of(RAW, campaigns).runs, of(COPY, campaigns).runs, strict=True):
         np.testing.assert_allclose(one.samples[1, ::10].std(), other.samples[1].std(), rtol=0.02)

@@ -109,6 +109,11 @@ def test_modes_outside_the_band_are_not_required_but_excuse_a_claim(truth, model
     assert edge.summary()["true_modes"] == 2
 
 
+def test_claims_outside_the_band_that_fit_nothing_are_left_out(truth, model) -> None:
+    card = score(truth, claim_of(model, [8.0, 25.0]), (3.0, 18.0))
+    assert (card.found, card.missed, card.false) == (1, 1, 0)
+
+
 def test_a_claim_just_outside_the_band_may_belong_to_a_mode_inside(truth, model) -> None:
     card = score(truth, claim_of(model, [32.1], SHAPES[3:]), (20.0, 32.0))
     assert (card.found, card.missed, card.false) == (1, 0, 0)
@@ -160,6 +165,20 @@ def test_merging_follows_modes_that_cross_between_runs(model, sealed) -> None:
     merged = merge_truth(sealed(first, second))
     assert merged.model.natural_frequency_hz == pytest.approx([19.1, 19.2])
     assert np.abs(merged.model.shapes - pair).max() < 1e-12
+
+
+def test_modes_whose_averages_cross_stay_whole(model, sealed) -> None:
+    """A rises and B falls from run to run until their averages change order; nothing is left behind."""
+    pair = np.array([[1, 1, 1, 1, 1], [1, -1, 1, -1, 2.0]])
+    first = model([19.0, 19.3], [0.010, 0.012], pair, drive=4)
+    second = model([19.1, 19.6], [0.012, 0.010], pair[::-1], drive=4)
+    merged = merge_truth(sealed(first, second))
+    assert merged.model.natural_frequency_hz == pytest.approx([19.2, 19.3])
+    assert merged.model.damping_ratio == pytest.approx([0.012, 0.010])
+    assert list(merged.index) == [1, 0]
+    assert np.abs(merged.model.shapes - pair[::-1]).max() < 1e-12
+    expected = (first.residues[[1, 0]] + second.residues) / 2
+    assert np.abs(merged.model.residues - expected).max() < 1e-15
 
 
 def test_a_truth_without_runs_is_bad_input(truth) -> None:

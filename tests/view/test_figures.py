@@ -138,6 +138,10 @@ def test_mesh_of_a_ladder_has_its_rungs_and_one_face_a_bay() -> None:
     mesh = mesh_of(geometry, geometry.nodes)
     assert len(mesh.edges) == 10
     assert {frozenset(face) for face in mesh.faces} == {frozenset(range(k, k + 4)) for k in (0, 2, 4)}
+    braced = replace(geometry, lines=(*geometry.lines, (1, 4)))
+    faces = {frozenset(face) for face in mesh_of(braced, geometry.nodes).faces}
+    assert frozenset({0, 1, 2, 3}) not in faces
+    assert {frozenset({0, 1, 3}), frozenset({0, 2, 3})} <= faces
     part = mesh_of(geometry, (1, 3, 4))
     assert part.edges == ((0, 1), (1, 2))
 

@@ -167,7 +167,7 @@ def test_a_place_that_cannot_be_written_is_bad_input(example, tmp_path: Path) ->
 
 
 def test_importing_the_view_loads_no_plotting_library() -> None:
-    heavy = ("plotly", "rich", "matplotlib", "scipy", "pandas")
+    heavy = ("plotly", "rich", "matplotlib", "scipy", "pandas", "xarray", "h5py", "mujoco")
     code = f"import sys, vgvt.view; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -19,7 +19,6 @@ from vgvt.cli.console import log
 from vgvt.cli.document import write_document
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-BROKEN_PIPE = 128 + 13
 
 
 class CommandError(Exception):
@@ -97,7 +96,7 @@ def _explain(error: Exception, as_json: bool) -> int:
     if isinstance(error, OSError) and error.errno == errno.EPIPE:
         # The interpreter flushes stdout once more on exit; give it somewhere to go.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return BROKEN_PIPE
+        return FAILED
     if _is_usage_error(error):
         return _report(BAD_INPUT, "usage", _usage_message(error), as_json)
     if os.environ.get("VGVT_TRACEBACK"):

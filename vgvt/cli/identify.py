@@ -25,6 +25,9 @@ def identify(
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the identifier; may be given again.")
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the claim to a file too.")] = None,
+    leave_out_faulty: Annotated[
+        bool, typer.Option("--leave-out-faulty", help="Go on without channels that hold NaN or are dead.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Identify frequencies, damping ratios and shapes from a campaign.
@@ -34,11 +37,11 @@ def identify(
     """
     from vgvt.cli.claim import claim_document
     from vgvt.cli.options import parsed_settings
+    from vgvt.cli.soundness import sound_campaign
     from vgvt.data import Outcome
-    from vgvt.files import open_campaign
 
     method = made_identifier(identifier, parsed_settings(setting or []))
-    claim = claimed(method, open_campaign(campaign), band)
+    claim = claimed(method, sound_campaign(campaign, leave_out_faulty), band)
     document = claim_document(claim)
     if out is not None:
         write_claim(out, document)

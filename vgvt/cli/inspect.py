@@ -37,14 +37,14 @@ def inspect(campaign: CampaignArgument, as_json: JsonOption = False) -> int:
             "sample_rate_hz": f"{run['sample_rate_hz']:g}",
             "rms": f"{channel['rms']:.4g}",
             "peak": f"{channel['peak']:.4g}",
-            "overload": "OVERLOAD" if channel["overloaded"] else "",
+            "remarks": channel["fault"] or ("clipped" if channel["overloaded"] else ""),
         }
         for run in document["runs"]
         for channel in run["channels"]
     ]
     show(
         items_table(
-            rows, ("run", "name", "role", "dof", "duration_s", "sample_rate_hz", "rms", "peak", "unit", "overload")
+            rows, ("run", "name", "role", "dof", "duration_s", "sample_rate_hz", "rms", "peak", "unit", "remarks")
         )
     )
     return 0
@@ -52,6 +52,9 @@ def inspect(campaign: CampaignArgument, as_json: JsonOption = False) -> int:
 
 def campaign_document(campaign: Campaign) -> dict[str, Any]:
     """What is in a campaign, as the document of ``vgvt inspect``."""
+    from vgvt.cli.soundness import channel_faults
+
+    faults = channel_faults(campaign)
     return {
         "name": campaign.name,
         "band_hz": list(campaign.band_hz),
@@ -62,11 +65,11 @@ def campaign_document(campaign: Campaign) -> dict[str, Any]:
         ],
         "responses": [dof.label for dof in campaign.response_dofs],
         "references": [dof.label for dof in campaign.reference_dofs],
-        "runs": [_run_document(record) for record in campaign.runs],
+        "runs": [_run_document(record, faults) for record in campaign.runs],
     }
 
 
-def _run_document(record: Record) -> dict[str, Any]:
+def _run_document(record: Record, faults: dict[tuple[int, str], str]) -> dict[str, Any]:
     import numpy as np
 
     samples = np.asarray(record.samples, dtype=float)
@@ -88,6 +91,7 @@ def _run_document(record: Record) -> dict[str, Any]:
                 "peak": np.abs(row).max(),
                 "range_v": channel.range_v,
                 "overloaded": channel.name in record.overloaded,
+                "fault": faults.get((record.run, channel.name)),
             }
             for channel, row in zip(record.channels, samples, strict=True)
         ],

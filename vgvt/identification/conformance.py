@@ -13,9 +13,9 @@ Each check raises AssertionError with the reason. The campaigns come from
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,18 +83,19 @@ def checks() -> tuple[Check, ...]:
 
 def is_a_frozen_dataclass_that_says_what_it_is(identifier: Identifier) -> None:
     """Fields are the settings, and it names itself, its source and its needs."""
-    cls = type(identifier)
-    assert dataclasses.is_dataclass(cls), f"{cls.__name__} must be a dataclass: its fields are its settings"
-    assert cls.__dataclass_params__.frozen, f"{cls.__name__} must be frozen: @dataclass(frozen=True)"  # type: ignore[attr-defined]
+    name = type(identifier).__name__
+    parameters: Any = getattr(identifier, "__dataclass_params__", None)
+    assert parameters is not None, f"{name} must be a dataclass: its fields are its settings"
+    assert parameters.frozen, f"{name} must be frozen: @dataclass(frozen=True)"
     for attribute in ("name", "summary"):
         value = getattr(identifier, attribute, "")
-        assert isinstance(value, str) and value.strip(), f"{cls.__name__}.{attribute} must be a text"
-    assert "\n" not in identifier.summary, f"{cls.__name__}.summary must be one line"
-    assert isinstance(getattr(identifier, "needs", None), Needs), f"{cls.__name__}.needs must be a Needs flag"
+        assert isinstance(value, str) and value.strip(), f"{name}.{attribute} must be a text"
+    assert "\n" not in identifier.summary, f"{name}.summary must be one line"
+    assert isinstance(getattr(identifier, "needs", None), Needs), f"{name}.needs must be a Needs flag"
     try:
         bibtex_entries(identifier.citation)
     except (AttributeError, TypeError, ValueError) as error:
-        raise AssertionError(f"{cls.__name__}.citation must be BibTeX of what it implements: {error}") from error
+        raise AssertionError(f"{name}.citation must be BibTeX of what it implements: {error}") from error
 
 
 def imports_nothing_that_knows_the_truth(identifier: Identifier) -> None:

@@ -43,9 +43,9 @@ def run_identifier(
     )
 
 
-def settings_text(identifier: Identifier) -> dict[str, str]:
-    """The settings of an identifier as text, by field name."""
-    if not dataclasses.is_dataclass(identifier):
+def settings_text(identifier: object) -> dict[str, str]:
+    """The settings of an identifier as text, by field name; TypeError for one that is not a dataclass."""
+    if not dataclasses.is_dataclass(identifier) or isinstance(identifier, type):
         raise TypeError(f"{type(identifier).__name__} is not a dataclass; an identifier's fields are its settings")
     return {f.name: str(getattr(identifier, f.name)) for f in dataclasses.fields(identifier)}
 

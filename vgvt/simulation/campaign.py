@@ -110,10 +110,9 @@ def _mujoco_readings(
     rate = scenario.acquisition.sample_rate_hz
     poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in models])
     count = substeps(poles, rate, scenario.simulation.step_s)
-    step = 1.0 / (rate * count)
     for rig in rigs:
-        rig.model.opt.timestep = step
-    command = drive_command(scenario, sample_times_s(scenario, count) + step / 2)
+        rig.model.opt.timestep = 1.0 / (rate * count)
+    command = drive_command(scenario, sample_times_s(scenario, count))
     return step_runs(layout, rigs, command, count, rate, progress)
 
 

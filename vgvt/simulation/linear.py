@@ -54,10 +54,7 @@ def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float6
 def linearise(
     model: mujoco.MjModel, qpos: NDArray[np.float64], points: tuple[tuple[str, NDArray[np.float64]], ...] = ()
 ) -> LinearModel:
-    """Linearise at rest at ``qpos`` (nq,), with displacement rows for ``points``: (site name, direction (3,)).
-
-    The current of a shaker's coil is no joint coordinate: it stays at zero here.
-    """
+    """Linearise at rest at ``qpos`` (nq,), with displacement rows for ``points``: (site name, direction (3,))."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     mass = mass_matrix(model, data)

@@ -29,8 +29,7 @@ def step_runs(
 ) -> list[NDArray[np.float64]]:
     """Accelerations and force, (points + 1, samples) a rig, at the sampling instants.
 
-    ``command_v`` holds the command in the middle of every time step, ((samples - 1) * steps_per_sample + 1,):
-    MuJoCo holds it through the step, and held there it lags and leads nothing.
+    ``command_v`` holds the command at every time step, ((samples - 1) * steps_per_sample + 1,).
     Accelerations are those of the run's points less their value at rest, in
     m/s^2; the last row is the force at the transducer's sensing element, N.
     Raises FloatingPointError where a run diverges.
@@ -43,7 +42,7 @@ def step_runs(
     for k, runs in enumerate(groups.values()):
         kept = _step_together(
             [rigs[run] for run in runs],
-            layout.scenario.shaker.amplifier_gain * command_v,
+            command_v,
             steps_per_sample,
             sample_rate_hz,
             _share(progress, k, len(groups)),
@@ -55,7 +54,7 @@ def step_runs(
 
 def _step_together(
     rigs: list[Rig],
-    control: NDArray[np.float64],
+    command_v: NDArray[np.float64],
     steps_per_sample: int,
     sample_rate_hz: float,
     progress: Progress | None,
@@ -66,13 +65,16 @@ def _step_together(
     batch = mujoco.batch.Batch(rigs[0].model, nsim=len(rigs), nthread=threads)
     batch.set_models([rig.model for rig in rigs])
     batch.bind("qpos")[:] = np.array([rig.qpos for rig in rigs])
-    samples = (control.size - 1) // steps_per_sample + 1
+    # The actuator integrates: its control is the command's rate of change, its activation the command itself.
+    rate = np.diff(command_v, append=command_v[-1]) * (steps_per_sample * sample_rate_hz)
+    batch.bind("act")[:] = command_v[0]
+    samples = (command_v.size - 1) // steps_per_sample + 1
     kept = np.empty((len(rigs), samples, rigs[0].model.nsensordata))
     done = 0
     while done < samples:
         count = min(_CHUNK_SAMPLES, samples - done)
         start = done * steps_per_sample
-        chunk = control[start : start + count * steps_per_sample]
+        chunk = rate[start : start + count * steps_per_sample]
         record = batch.rollout(chunk.size, control=chunk[None, :, None], record=("sensordata",))["sensordata"]
         kept[:, done : done + count] = record[:, ::steps_per_sample]
         done += count

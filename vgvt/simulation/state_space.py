@@ -1,7 +1,7 @@
 """The driven rig as a linear state-space model: command in volts to measured force and accelerations.
 
-State x = [q, q', i]: joint coordinates about the equilibrium, their rates and
-the current of the coil (left out for a current drive or a coil without inductance).
+State x = [q, q']: joint coordinates about the equilibrium and their rates; the
+coil's current is in there as the spring of its mechanical equivalent.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig
 from vgvt.simulation.linear import LinearModel, linearise, site_row
-from vgvt.simulation.rig import ARMATURE, DRIVE_SITE, GRAVITY_M_PER_S2, STINGER
+from vgvt.simulation.rig import COIL, DRIVE_SITE, GRAVITY_M_PER_S2, STINGER
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -48,37 +48,26 @@ def mass_above_element_kg(layout: Plan) -> float:
 
 def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) -> StateSpace:
     """The linear model of a driven rig, with the accelerations of ``points`` as outputs."""
-    model, shaker = rig.model, layout.scenario.shaker
+    model = rig.model
     linear = linearise(model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in points))
     n = linear.freedoms
     inverse_mass = np.linalg.inv(linear.mass)
-    pull = np.zeros(n)
-    pull[model.joint(ARMATURE).dofadr[0]] = 1.0
-    inductive = shaker.drive == "voltage" and shaker.coil_inductance_h > 0
-    size = 2 * n + (1 if inductive else 0)
-    a, b = np.zeros((size, size)), np.zeros(size)
-    a[:n, n : 2 * n] = np.eye(n)
-    a[n : 2 * n, :n] = -inverse_mass @ linear.stiffness
-    a[n : 2 * n, n : 2 * n] = -inverse_mass @ linear.damping
-    force_per_ampere = inverse_mass @ pull * shaker.force_factor_n_per_a
-    if inductive:
-        a[n : 2 * n, -1] = force_per_ampere
-        a[-1, n : 2 * n] = -pull * shaker.force_factor_n_per_a / shaker.coil_inductance_h
-        a[-1, -1] = -shaker.coil_resistance_ohm / shaker.coil_inductance_h
-        b[-1] = shaker.amplifier_gain / shaker.coil_inductance_h
-    else:
-        per_volt = shaker.amplifier_gain / (shaker.coil_resistance_ohm if shaker.drive == "voltage" else 1.0)
-        b[n : 2 * n] = force_per_ampere * per_volt
+    a, b = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
+    a[:n, n:] = np.eye(n)
+    a[n:, :n] = -inverse_mass @ linear.stiffness
+    a[n:, n:] = -inverse_mass @ linear.damping
+    pushed = model.actuator_trnid[model.actuator(COIL).id, 0]
+    b[n:] = inverse_mass[:, model.jnt_dofadr[pushed]] * model.actuator_gainprm[model.actuator(COIL).id, 0]
     tilt = _tilt_rows(rig, points)
-    acceleration = linear.displacement @ a[n : 2 * n]
+    acceleration = linear.displacement @ a[n:]
     acceleration[:, :n] += tilt
-    force, force_feedthrough = _force_row(layout, rig, a[n : 2 * n], b[n : 2 * n])
+    force, force_feedthrough = _force_row(layout, rig, a[n:], b[n:])
     return StateSpace(
         linear,
         a,
         b,
         np.vstack([acceleration, force]),
-        np.append(linear.displacement @ b[n : 2 * n], force_feedthrough),
+        np.append(linear.displacement @ b[n:], force_feedthrough),
     )
 
 
@@ -113,7 +102,7 @@ def _force_row(
     inertia = mass_above_element_kg(layout)
     row = -inertia * (drive_row @ rate_rows)
     row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * _tilt_rows(rig, (layout.drive,))[0]
-    row[n : 2 * n] -= stinger.axial_damping_n_s_per_m * length_row
+    row[n:] -= stinger.axial_damping_n_s_per_m * length_row
     return row, float(-inertia * drive_row @ rate_input)
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import os
-import tempfile
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -14,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vgvt._version import __version__
-from vgvt.data import Campaign, Dof, FrequencyResponseSet, Geometry, InputError, ModalModel, Scorecard, Truth
+from vgvt.data import Campaign, Dof, FrequencyResponseSet, Geometry, ModalModel, Scorecard, Truth
+from vgvt.files.atomically import replacing
 from vgvt.view.figures import common_mac, frf_figure, mac_figure, sigma_figure
 from vgvt.view.sections import facts_section, modes_section, setup_section, shapes_section
 from vgvt.view.shape_drawing import shape_nodes
@@ -44,15 +43,9 @@ def write_report(
     report shows claims alone. The file appears whole or not at all. InputError when it cannot be written.
     """
     page = render_report(title, campaign, frf, claims, truth, scorecards or {}, facts or {})
-    target = Path(path)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        _write_whole(target, page)
-    except OSError as error:
-        raise InputError(
-            str(target), f"the report cannot be written: {error.strerror}", "choose another path"
-        ) from error
-    return target
+    with replacing(path) as place:
+        place.write_text(page, encoding="utf-8", newline="\n")
+    return Path(path)
 
 
 def render_report(
@@ -247,18 +240,6 @@ def _inline_json(value: object) -> str:
     """JSON that cannot end the script element it stands in."""
     text = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def _write_whole(target: Path, text: str) -> None:
-    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        Path(name).chmod(0o644)
-        Path(name).replace(target)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 def _e(text: object) -> str:

@@ -1,0 +1,104 @@
+"""Running an identifier: the band is checked against the campaign, the claim against the contract."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from vgvt.data import Campaign, InputError, ModalModel, Outcome
+from vgvt.identification import ContractError, Needs, bibliography, bibtex_entries, run_identifier
+from vgvt.identification.conformance import without_force
+from vgvt.identification.example import Example
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """Claims the frequencies it is told to, whatever it sees."""
+
+    name: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "for tests"
+    citation: ClassVar[str] = "@misc{fixed, title = {Fixed}}\n\n@book{ewins2000, title = {Modal Testing}}"
+    needs: ClassVar[Needs] = Needs.FORCE_REFERENCE
+    claims_hz: tuple[float, ...] = ()
+    outcome: Outcome = Outcome.FOUND
+    advice: tuple[str, ...] = ()
+
+    def identify(self, campaign: Campaign, band_hz: tuple[float, float]) -> ModalModel:
+        """The claim as set."""
+        count, dofs = len(self.claims_hz), campaign.response_dofs
+        return ModalModel(
+            natural_frequency_hz=np.array(self.claims_hz, dtype=float),
+            damping_ratio=np.full(count, 0.01),
+            shapes=np.ones((count, len(dofs)), dtype=complex),
+            dofs=dofs,
+            outcome=self.outcome,
+            advice=self.advice,
+        )
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    return Example().campaign()
+
+
+def test_the_claim_is_stamped_with_method_and_settings(campaign: Campaign) -> None:
+    model = run_identifier(Fixed((10.0,)), campaign)
+    assert model.method == "fixed"
+    assert model.settings["claims_hz"] == "(10.0,)"
+
+
+@pytest.mark.parametrize(
+    ("band", "words"),
+    [
+        ((20.0, 10.0), "not 0 <= low < high"),
+        ((-1.0, 10.0), "not 0 <= low < high"),
+        ((5.0, float("nan")), "not 0 <= low < high"),
+        ((5.0, 500.0), "above half the sample rate"),
+        ((50.0, 60.0), "outside the excitation"),
+    ],
+)
+def test_a_band_the_records_cannot_hold_is_bad_input(campaign: Campaign, band: tuple[float, float], words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        run_identifier(Fixed((10.0,)), campaign, band)
+    assert "3 to 40 Hz" in str(caught.value)
+
+
+def test_a_band_beyond_the_excitation_is_remarked(campaign: Campaign) -> None:
+    model = run_identifier(Fixed((10.0,)), campaign, (1.0, 60.0))
+    assert any("beyond the excited one" in text for text in model.advice)
+
+
+def test_a_method_that_needs_a_force_is_declined_without_one(campaign: Campaign) -> None:
+    model = run_identifier(Fixed((10.0,)), without_force(campaign))
+    assert model.outcome is Outcome.DECLINED
+    assert "run 1" in model.advice[0]
+
+
+def test_claims_outside_the_band_break_the_contract(campaign: Campaign) -> None:
+    with pytest.raises(ContractError, match="outside the band"):
+        run_identifier(Fixed((10.0,)), campaign, (20.0, 30.0))
+
+
+def test_an_empty_claim_needs_a_reason(campaign: Campaign) -> None:
+    with pytest.raises(ContractError, match="without saying why"):
+        run_identifier(Fixed(), campaign)
+    model = run_identifier(Fixed(outcome=Outcome.NOTHING_FOUND, advice=("quiet",)), campaign)
+    assert model.advice == ("quiet",)
+
+
+def test_a_frequency_that_is_not_finite_breaks_the_contract(campaign: Campaign) -> None:
+    with pytest.raises(ContractError, match="not finite"):
+        run_identifier(Fixed((float("nan"),)), campaign)
+
+
+def test_the_bibliography_holds_every_key_once() -> None:
+    text = bibliography([Fixed(), Fixed((1.0,))])
+    assert list(bibtex_entries(text)) == ["ewins2000", "fixed"]
+
+
+def test_a_citation_that_is_no_bibtex_is_refused() -> None:
+    with pytest.raises(ValueError, match="no BibTeX entry"):
+        bibtex_entries("Ewins, Modal Testing, 2000")
