@@ -146,6 +146,17 @@ def test_mesh_of_a_ladder_has_its_rungs_and_one_face_a_bay() -> None:
     assert part.edges == ((0, 1), (1, 2))
 
 
+def test_rows_of_sensors_are_joined_by_ribs_where_they_face_each_other() -> None:
+    place = np.array([[x, y, 0.0] for y in (0.0, 2.0, 4.0) for x in (0.0, 1.0)])
+    rows = ((1, 3, 5), (2, 4, 6))
+    mesh = mesh_of(Geometry(tuple(range(1, 7)), place, rows), tuple(range(1, 7)))
+    assert {(0, 1), (2, 3), (4, 5)} <= set(mesh.edges)
+    assert len(mesh.edges) == 7
+    assert len(mesh.faces) == 2
+    apart = mesh_of(Geometry(tuple(range(1, 7)), place * [9.0, 1.0, 1.0], rows), tuple(range(1, 7)))
+    assert len(apart.edges) == 4
+
+
 def test_mesh_without_lines_joins_near_neighbours() -> None:
     place = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [50, 0, 0]], dtype=float)
     edges = mesh_of(Geometry((1, 2, 3, 4, 5), place), (1, 2, 3, 4, 5)).edges

@@ -25,13 +25,14 @@ def log(message: str) -> None:
 def show(*renderables: RenderableType) -> None:
     """Write tables and text to stdout, as wide as the terminal (120 columns where there is none)."""
     from rich.console import Console
+    from rich.text import Text
 
-    # Without markup, so that square brackets in names and paths stay what they are.
-    console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 120, highlight=False, markup=False)
+    console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 120, highlight=False)
     # Rendered first and written in one go, so that a closed pipe is an ordinary OSError.
     with console.capture() as capture:
         for renderable in renderables:
-            console.print(renderable)
+            # As Text, square brackets in names and paths stay what they are.
+            console.print(Text(renderable) if isinstance(renderable, str) else renderable)
     sys.stdout.write(capture.get())
 
 

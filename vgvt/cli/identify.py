@@ -48,9 +48,9 @@ def identify(
     if as_json:
         write_document(document)
     else:
-        from vgvt.cli.tables import claim_table
+        from vgvt.view import modal_table
 
-        show(claim_table(claim))
+        show(modal_table(claim.model, f"{claim.identifier}, {claim.band_hz[0]:g} to {claim.band_hz[1]:g} Hz"))
         for line in claim.model.advice:
             log(line)
     return 0 if claim.model.outcome in (Outcome.FOUND, Outcome.NOTHING_FOUND) else 1

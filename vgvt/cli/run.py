@@ -144,10 +144,10 @@ def _run_document(result: Simulated, judged: Judged, report: bool) -> dict[str, 
 
 
 def _show(result: Simulated, judged: Judged, report: bool) -> None:
-    from vgvt.cli.tables import score_table
+    from vgvt.view import scorecard_table
 
     for card in judged.scorecards.values():
-        show(score_table(card))
+        show(scorecard_table(card))
         for line in card.advice:
             log(line)
     total = judged.timing_s["total"]

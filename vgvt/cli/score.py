@@ -38,9 +38,9 @@ def score(
     if as_json:
         write_document(card.as_dict())
         return 0
-    from vgvt.cli.tables import score_table
+    from vgvt.view import scorecard_table
 
-    show(score_table(card))
+    show(scorecard_table(card))
     for line in card.advice:
         log(line)
     return 0

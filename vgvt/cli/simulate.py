@@ -49,9 +49,14 @@ def simulate(
     if as_json:
         write_document(simulation_document(result))
         return 0
-    from vgvt.cli.tables import truth_table
+    from vgvt.view import modal_table
 
-    show(truth_table(result.truth, result.campaign.band_hz), f"campaign {result.folder.campaign}")
+    truth, high_hz = result.truth, result.campaign.band_hz[1]
+    show(
+        modal_table(truth.bare.band(0.0, high_hz), f"true modes of the bare airframe, up to {high_hz:g} Hz"),
+        modal_table(truth.as_tested[0].band(0.0, high_hz), f"true modes as tested in run {truth.runs[0]}"),
+        f"campaign in {result.folder.campaign}",
+    )
     return 0
 
 

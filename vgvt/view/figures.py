@@ -88,6 +88,7 @@ def _lane(
     figure.add_scatter(
         x=frequency_hz, y=np.full(frequency_hz.size, lane), mode="markers+text", text=texts,
         textposition=positions, textfont={"size": 11}, cliponaxis=False, name=_plain(name), meta="lane",
+        customdata=frequency_hz.tolist(),
         marker={
             "symbol": ["x-thin-open" if w else style.symbol for w in wrong],
             "color": style.colour, "size": 9, "line": {"width": 2, "color": style.colour},

@@ -152,7 +152,8 @@ def _mac_section(
         against = true_model if true_model is not None and len(true_model) and _share_dofs(claim, true_model) else None
         figures[f"mac-data-{k}"] = _as_json(mac_figure(claim, against, claim_name=name))
         what = "against the truth" if against is not None else "with itself"
-        drawing = _figure(f"mac-data-{k}", f"MAC of {name} {what}")
+        width = max(46 * len(against if against is not None else claim) + 150, 300)
+        drawing = _figure(f"mac-data-{k}", f"MAC of {name} {what}", f' style="width:{width}px"')
         parts.append(f"<div><h3>{_e(name)} {what}</h3>{drawing}</div>")
     note = "1 for shapes that are the same up to scale, 0 for orthogonal ones."
     return f'<p class="note">{note}</p><div class="matrices">{"".join(parts)}</div>' if parts else ""
@@ -205,8 +206,8 @@ def _share_dofs(first: ModalModel, second: ModalModel) -> bool:
     return True
 
 
-def _figure(data: str, label: str) -> str:
-    return f'<div class="figure" data-figure="{data}" role="figure" aria-label="{_e(label)}"></div>'
+def _figure(data: str, label: str, attributes: str = "") -> str:
+    return f'<div class="figure" data-figure="{data}" role="figure" aria-label="{_e(label)}"{attributes}></div>'
 
 
 def _as_json(figure: Figure) -> Any:

@@ -16,6 +16,7 @@ _MARKS = {
     ModeStatus.FALSE: "✕ false",
     ModeStatus.UNREACHED: "○ unreached",
 }
+_LONG_FACT = 60
 _SCORE_COLUMNS = (
     ("status", "status"),
     ("true, Hz", ""),
@@ -45,7 +46,7 @@ def facts_section(campaign: Campaign, facts: Mapping[str, str]) -> str:
     rates = sorted({f"{run.sample_rate_hz:g}" for run in campaign.runs})
     longest = max(run.duration_s for run in campaign.runs)
     overloaded = [f"run {run.run}: {', '.join(run.overloaded)}" for run in campaign.runs if run.overloaded]
-    items = {
+    items: dict[str, str] = {
         "Campaign": campaign.name,
         "Band": f"{campaign.band_hz[0]:g} to {campaign.band_hz[1]:g} Hz",
         "Runs": f"{len(campaign.runs)} of up to {longest:g} s at {', '.join(rates)} Hz",
@@ -55,8 +56,14 @@ def facts_section(campaign: Campaign, facts: Mapping[str, str]) -> str:
         **campaign.notes,
         **facts,
     }
-    cells = "".join(f"<div><dt>{_e(k)}</dt><dd>{_e(v)}</dd></div>" for k, v in items.items())
+    ordered = sorted(items.items(), key=lambda item: len(str(item[1])) > _LONG_FACT)
+    cells = "".join(_fact(name, text) for name, text in ordered)
     return f'<dl class="facts">{cells}</dl>'
+
+
+def _fact(name: str, text: str) -> str:
+    css = ' class="long"' if len(str(text)) > _LONG_FACT else ""
+    return f"<div{css}><dt>{_e(name[:1].upper() + name[1:])}</dt><dd>{_e(text)}</dd></div>"
 
 
 def modes_section(claims: Mapping[str, ModalModel], scorecards: Mapping[str, Scorecard]) -> str:
@@ -110,8 +117,8 @@ def _score_table(card: Scorecard) -> str:
     if card.unreached:
         counts.append(f"{len(card.unreached)} unreached")
     for key, text in (
-        ("mean_abs_frequency_error_percent", "frequency within {:.2f} % on average"),
-        ("mean_abs_damping_error_percent", "damping within {:.0f} % on average"),
+        ("mean_abs_frequency_error_percent", "frequency within {:.2g} % on average"),
+        ("mean_abs_damping_error_percent", "damping within {:.2g} % on average"),
         ("mean_mac", "mean MAC {:.3f}"),
     ):
         value = summary[key]
@@ -128,11 +135,11 @@ def _score_cells(row: ModeScore) -> tuple[str, ...]:
         f'<span class="{row.status.value}">{_MARKS[row.status]}</span>',
         _number(row.true_hz, "{:.3f}"),
         _number(row.claimed_hz, "{:.3f}"),
-        _number(row.claimed_std_hz, "{:.3f}"),
+        _number(row.claimed_std_hz, "{:#.2g}"),
         _number(row.frequency_error_percent, "{:+.2f}"),
         _percent(row.true_damping_ratio, "{:.2f}"),
         _percent(row.claimed_damping_ratio, "{:.2f}"),
-        _number(row.damping_error_percent, "{:+.0f}"),
+        _number(row.damping_error_percent, "{:+.1f}"),
         _number(row.mac, "{:.3f}"),
         _e(row.label),
         _e(row.remark),
@@ -150,9 +157,9 @@ def _claim_table(claim: ModalModel) -> str:
             (
                 str(k + 1),
                 _number(claim.natural_frequency_hz[k], "{:.3f}"),
-                _number(std, "{:.3f}"),
+                _number(std, "{:#.2g}"),
                 _percent(claim.damping_ratio[k], "{:.2f}"),
-                _percent(damping_std, "{:.2f}"),
+                _percent(damping_std, "{:#.2g}"),
                 _e(claim.labels[k] if claim.labels else ""),
                 _e("; ".join(claim.flags[k]) if claim.flags else ""),
             )

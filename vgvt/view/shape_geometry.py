@@ -21,16 +21,20 @@ class Mesh:
 
 
 def mesh_of(geometry: Geometry, nodes: tuple[int, ...]) -> Mesh:
-    """The mesh over some nodes: the geometry's own lines, or each node joined to its three nearest."""
+    """The mesh over some nodes: the geometry's own lines with ribs between neighbouring ones.
+
+    Without lines each node is joined to its three nearest.
+    """
     place = {node: k for k, node in enumerate(nodes)}
     positions = np.array([geometry.position_m(node) for node in nodes]).reshape(-1, 3)
+    lines = [[place.get(node) for node in line] for line in geometry.lines]
     drawn = {
-        (min(place[a], place[b]), max(place[a], place[b]))
-        for line in geometry.lines
+        (min(a, b), max(a, b))
+        for line in lines
         for a, b in pairwise(line)
-        if a in place and b in place and a != b
+        if a is not None and b is not None and a != b
     }
-    edges = tuple(sorted(drawn or _nearest_neighbours(positions)))
+    edges = tuple(sorted(drawn | _ribs(positions, drawn, lines) if drawn else _nearest_neighbours(positions)))
     return Mesh(positions, edges, _faces(len(nodes), edges))
 
 
@@ -60,6 +64,29 @@ def aligned(reference: NDArray[np.complex128], shape: NDArray[np.complex128]) ->
 def main_axis(vectors: NDArray[np.complex128]) -> int:
     """The axis (0, 1, 2) that carries most of a shape: its component gives the colour."""
     return int(np.argmax((np.abs(vectors) ** 2).sum(axis=0)))
+
+
+def _ribs(
+    positions_m: NDArray[np.float64], edges: set[tuple[int, int]], lines: list[list[int | None]]
+) -> set[tuple[int, int]]:
+    """Pairs on different lines that are each other's nearest, closer than half again their longest edge.
+
+    Rows of sensors along a wing become a surface.
+    """
+    longest = np.zeros(len(positions_m))
+    for a, b in edges:
+        longest[[a, b]] = np.maximum(longest[[a, b]], np.linalg.norm(positions_m[a] - positions_m[b]))
+    distance = np.linalg.norm(positions_m[:, None] - positions_m[None, :], axis=2)
+    np.fill_diagonal(distance, np.inf)
+    for line in lines:
+        members = [k for k in line if k is not None]
+        distance[np.ix_(members, members)] = np.inf
+    nearest = np.argmin(distance, axis=1)
+    return {
+        (i, int(j))
+        for i, j in enumerate(nearest)
+        if i < j and nearest[j] == i and distance[i, j] <= 1.5 * max(longest[i], longest[j])
+    }
 
 
 def _nearest_neighbours(positions_m: NDArray[np.float64], count: int = 3) -> set[tuple[int, int]]:

@@ -61,9 +61,9 @@ def _modal_cells(model: ModalModel, k: int) -> tuple[str, ...]:
     return (
         str(k + 1),
         _number(model.natural_frequency_hz[k], "{:.3f}"),
-        _number(None if frequency_std is None else frequency_std[k], "{:.3f}"),
+        _number(None if frequency_std is None else frequency_std[k], "{:#.2g}"),
         _number(100 * model.damping_ratio[k], "{:.2f}"),
-        _number(None if damping_std is None else 100 * damping_std[k], "{:.2f}"),
+        _number(None if damping_std is None else 100 * damping_std[k], "{:#.2g}"),
         _plain(model.labels[k] if model.labels else ""),
         _plain("; ".join(model.flags[k]) if model.flags else ""),
     )
@@ -80,11 +80,11 @@ def _score_cells(row: ModeScore) -> tuple[str, ...]:
     return (
         _number(row.true_hz, "{:.3f}"),
         _number(row.claimed_hz, "{:.3f}"),
-        _number(row.claimed_std_hz, "{:.3f}"),
+        _number(row.claimed_std_hz, "{:#.2g}"),
         _number(row.frequency_error_percent, "{:+.2f}"),
         _number(None if row.true_damping_ratio is None else 100 * row.true_damping_ratio, "{:.2f}"),
         _number(None if row.claimed_damping_ratio is None else 100 * row.claimed_damping_ratio, "{:.2f}"),
-        _number(row.damping_error_percent, "{:+.0f}"),
+        _number(row.damping_error_percent, "{:+.1f}"),
         _number(row.mac, "{:.3f}"),
         _LOOK[row.status],
         _plain(row.label),

@@ -19,9 +19,30 @@
     for (const element of charts) Plotly.relayout(element, { "font.color": ink() });
   }
 
+  // The labels of a lane, as many as this width has room for: above the marker, below, or none.
+  function relabel(element) {
+    const [low, high] = element.layout.xaxis.range;
+    const room = (high - low) * 42 / Math.max(element.clientWidth - 120, 100);
+    element.data.forEach((trace, index) => {
+      if (trace.meta !== "lane") return;
+      const last = { "top center": -Infinity, "bottom center": -Infinity };
+      const slots = trace.customdata.map((hertz) => {
+        const slot = Object.keys(last).find((name) => hertz - last[name] >= room);
+        if (slot) last[slot] = hertz;
+        return slot;
+      });
+      const text = slots.map((slot, k) => (slot ? trace.customdata[k].toFixed(2) : ""));
+      Plotly.restyle(element, { text: [text], textposition: [slots.map((slot) => slot || "top center")] }, [index]);
+    });
+  }
+
   for (const element of document.querySelectorAll(".figure[data-figure]")) {
     charts.push(element);
     draw(element, read(element.dataset.figure));
+    if (element.dataset.figure === "sigma-data") {
+      relabel(element);
+      addEventListener("resize", () => relabel(element));
+    }
   }
   const frf = document.getElementById("frf-figure");
   if (frf) {

@@ -1,0 +1,30 @@
+"""A small scenario that simulates in a second: one run, short sweep, and a silence in which the aircraft comes to rest."""
+
+from __future__ import annotations
+
+import pytest
+from small_rig import revised
+
+from vgvt.scenario import Scenario, load_scenario
+
+
+@pytest.fixture(scope="session")
+def small() -> Scenario:
+    """Hati with eight links a wing and two sensors; a small, tapered sweep; instruments without noise or filters."""
+    scenario = load_scenario("hati-unsymmetric")
+    wing = scenario.airframe.beam[0].model_copy(update={"cells": 8})
+    clean = {"noise": None, "high_pass_hz": 0.0}
+    return revised(
+        scenario.model_copy(update={"airframe": scenario.airframe.model_copy(update={"beam": (wing,)})}),
+        acquisition={"runs": ((1, 10),), "sample_rate_hz": 1000.0, "bits": 32, "range_v": 10.0, "noise_v_per_rthz": 0.0},
+        accelerometers=clean,
+        transducer=clean,
+        excitation={
+            "start_hz": 1.0,
+            "stop_hz": 37.0,
+            "duration_s": 8.0,
+            "amplitude_v": 0.05,
+            "taper_s": 0.5,
+            "ring_down_s": 16.0,
+        },
+    )
