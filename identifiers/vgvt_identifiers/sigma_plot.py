@@ -69,7 +69,7 @@ class SigmaPlot:
     def smoothed(self, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Noise-free power (K,) averaged over ``width`` lines, and its standard deviation (K,)."""
         independent = max(1.0, width / self.correlated_lines)
-        level = _mean(self.power - self.noise, width)
+        level = np.maximum(_mean(self.power - self.noise, width), 0)
         doubt = _LEVEL_UNCERTAINTY * _mean(self.noise, width)
         spread = np.sqrt(_mean(self.variance, width) / independent + doubt**2)
         return level, np.maximum(spread, _shared_scatter(_mean(self.power, width), width))

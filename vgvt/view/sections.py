@@ -49,7 +49,7 @@ def facts_section(campaign: Campaign, facts: Mapping[str, str]) -> str:
     items: dict[str, str] = {
         "Campaign": campaign.name,
         "Band": f"{campaign.band_hz[0]:g} to {campaign.band_hz[1]:g} Hz",
-        "Runs": f"{len(campaign.runs)} of up to {longest:g} s at {', '.join(rates)} Hz",
+        "Runs": f"{len(campaign.runs)} of up to {longest:.4g} s at {', '.join(rates)} Hz",
         "Responses": f"{len(campaign.response_dofs)} degrees of freedom",
         "Driven at": ", ".join(str(d) for d in campaign.reference_dofs) or "no measured force",
         **({"Overloaded": "; ".join(overloaded)} if overloaded else {}),

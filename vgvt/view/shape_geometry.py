@@ -71,13 +71,15 @@ def _ribs(
 ) -> set[tuple[int, int]]:
     """Pairs on different lines that are each other's nearest, closer than half again their longest edge.
 
-    Rows of sensors along a wing become a surface.
+    Rows of sensors along a wing become a surface; a bay that has its ribs gets no diagonal.
     """
     longest = np.zeros(len(positions_m))
+    joined = np.zeros((len(positions_m), len(positions_m)), dtype=int)
     for a, b in edges:
+        joined[a, b] = joined[b, a] = 1
         longest[[a, b]] = np.maximum(longest[[a, b]], np.linalg.norm(positions_m[a] - positions_m[b]))
     distance = np.linalg.norm(positions_m[:, None] - positions_m[None, :], axis=2)
-    np.fill_diagonal(distance, np.inf)
+    distance[(joined @ joined + np.eye(len(joined), dtype=int)) > 0] = np.inf
     for line in lines:
         members = [k for k in line if k is not None]
         distance[np.ix_(members, members)] = np.inf
