@@ -15,7 +15,7 @@ from vgvt_identifiers.windows import Window, fit_windows
 _NARROW_LINES = 3.0
 _LINES_PER_POLE = 6
 _LARGEST_RELATIVE_STD = 0.25
-_NO_POLE = "leakage or noise explains them without a mode"
+_NO_POLE = "as leakage, noise or a neighbouring mode explains them"
 
 
 @dataclass(frozen=True, slots=True)

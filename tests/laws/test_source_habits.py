@@ -53,7 +53,7 @@ def project_files() -> list[Path]:
         check=False,
     )
     names = listing.stdout.split("\0") if listing.returncode == 0 else [relative(p) for p in ROOT.rglob("*")]
-    files = (ROOT / name for name in names if name and not name.startswith((".git/", ".venv")))
+    files = (ROOT / name for name in names if name and not name.startswith((".git/", ".venv", ".hypothesis/")))
     return [p for p in files if p.is_file() and p.suffix not in BINARY and "__pycache__" not in p.parts]
 
 

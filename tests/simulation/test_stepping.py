@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
+import scipy.linalg
 
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation.assembly import bare_rig, driven_rig, plan
@@ -39,7 +40,6 @@ def ring_down(scenario: Scenario, mode: int, step_s: float, duration_s: float) -
     poles, vectors = eigenpairs(linear)
     rig.model.opt.timestep = step_s
     data = mujoco.MjData(rig.model)
-    shape = np.linalg.solve(linear.mass, (linear.mass @ vectors[:, mode]).real)
     shape = (vectors[:, mode] / vectors[np.argmax(np.abs(vectors[:, mode])), mode]).real
     data.qpos[:] = 1e-4 * shape
     read = linear.mass @ shape / (shape @ linear.mass @ shape)
@@ -82,8 +82,9 @@ def test_energy_is_conserved_without_damping(small: Scenario) -> None:
     model.opt.timestep = 2.5e-4
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data = mujoco.MjData(model)
-    bent = [j for j in range(model.njnt) if model.joint(j).name.endswith("/bending")]
-    data.qpos[bent] = 0.01
+    linear = linearise(model, data.qpos.copy())
+    shapes = scipy.linalg.eigh(linear.stiffness, linear.mass)[1]
+    data.qpos[:] = shapes[:, 6:9] @ [0.05, 0.03, 0.01]
     data.qvel[:6] = 0.1
     mujoco.mj_forward(model, data)
     start = data.energy.sum()
@@ -91,6 +92,5 @@ def test_energy_is_conserved_without_damping(small: Scenario) -> None:
         mujoco.mj_step(model, data)
     mujoco.mj_forward(model, data)
     assert start > 0.1
-    # Links at their highest, meaningless frequencies lose a little to the integrator; hence not round-off.
-    assert data.energy.sum() == pytest.approx(start, rel=1e-2)
-    assert data.energy.sum() <= start * (1 + 1e-9)
+    # Large rotations pass a little energy to the links' highest frequencies, where the integrator loses it.
+    assert data.energy.sum() == pytest.approx(start, rel=1e-5)

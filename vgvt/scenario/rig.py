@@ -48,6 +48,19 @@ class Shaker(Table):
     flexure_stiffness_n_per_m: NonNegative
     flexure_damping_n_s_per_m: NonNegative
 
+    @model_validator(mode="after")
+    def _inductance_fits_the_armature(self) -> Self:
+        # The inductance's mechanical equivalent borrows this much of the armature (vgvt.simulation.rig).
+        borrowed_kg = self.coil_inductance_h * (0.5 * self.force_factor_n_per_a / self.coil_resistance_ohm) ** 2
+        if self.drive == "voltage" and borrowed_kg >= 0.9 * self.armature_mass_kg:
+            raise MisfitError(
+                ("coil_inductance_h",),
+                f"is {self.coil_inductance_h:g} H, too much for Bl, R and this armature: L (Bl / 2R)^2 is "
+                f"{borrowed_kg:.2g} kg and must stay below 0.9 of armature_mass_kg",
+                "Write the inductance in henry: 0.6 mH is 6e-4.",
+            )
+        return self
+
 
 class Stinger(Table):
     """The rod between armature and force transducer: axial only; lateral stiffness is an effect."""

@@ -87,8 +87,8 @@ def add_shaker(
     )
     armature.explicitinertial = True
     armature.ipos = np.zeros(3)
-    armature.mass = shaker.armature_mass_kg + 0.5 * stinger.mass_kg
-    armature.inertia = np.full(3, 1e-3 * armature.mass)
+    armature.mass = shaker.armature_mass_kg + 0.5 * stinger.mass_kg - _coil_node_mass_kg(shaker)
+    armature.inertia = np.full(3, 1e-3 * shaker.armature_mass_kg)
     armature.add_site(name="stinger-foot")
     rod = spec.add_tendon(
         name=STINGER,
@@ -105,23 +105,25 @@ def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64]) ->
     """The coil as seen from the armature, driven by the command's rate of change.
 
     With voltage drive, V = R i + L di/dt + Bl x' is a force Bl V/R on a damper
-    Bl²/R in series with a spring Bl²/L: in the force-current analogy resistance is a
-    damper and inductance a spring. The node between them needs some mass to be a
-    body; the one given makes of the lag L/R two of half of it, which differs by
-    (ωL/2R)², 3e-4 at 35 Hz for L/R = 0.15 ms. MuJoCo's own DC motor would apply
-    the current of the *next* step, an error of first order in the step.
+    Bl²/R, in series with a spring Bl²/L to the armature: in the force-current
+    analogy resistance is a damper and inductance a spring. The node between them
+    must be a body; a quarter of damper times lag L/R, taken from the armature's mass,
+    makes its two poles equal and errs by (ωL/2R)² alone, 3e-4 at 35 Hz for 0.15 ms.
+    (MuJoCo's own DC motor applies the current of the *next* step, which errs in
+    first order.)
     The command enters through an integrator, so that it is straight between
     time steps: held in steps it would alias onto the accelerometers.
     """
     per_volt = shaker.amplifier_gain * shaker.force_factor_n_per_a
-    target, lag_s = ARMATURE, 0.0
+    target = ARMATURE
     if shaker.drive == "voltage":
         per_volt /= shaker.coil_resistance_ohm
         damper = shaker.force_factor_n_per_a**2 / shaker.coil_resistance_ohm
         lag_s = shaker.coil_inductance_h / shaker.coil_resistance_ohm
-        if lag_s > NEGLIGIBLE_LAG_S:
+        node_mass = _coil_node_mass_kg(shaker)
+        if node_mass > 0:
             target = COIL
-            _add_coil_node(spec, push, damper, lag_s)
+            _add_coil_node(spec, push, damper, damper / lag_s, node_mass)
         else:
             joint = spec.joint(ARMATURE)
             joint.damping = [joint.damping[0] + damper, 0.0, 0.0]
@@ -131,14 +133,28 @@ def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64]) ->
     coil.gainprm[0] = per_volt
 
 
-def _add_coil_node(spec: mujoco.MjSpec, push: NDArray[np.float64], damper_n_s_per_m: float, lag_s: float) -> None:
+def _coil_node_mass_kg(shaker: Shaker) -> float:
+    """Mass of the node between the coil's resistance and its inductance; 0 where there is no such node."""
+    lag_s = shaker.coil_inductance_h / shaker.coil_resistance_ohm
+    if shaker.drive == "current" or lag_s <= NEGLIGIBLE_LAG_S:
+        return 0.0
+    return 0.25 * lag_s * shaker.force_factor_n_per_a**2 / shaker.coil_resistance_ohm
+
+
+def _add_coil_node(
+    spec: mujoco.MjSpec,
+    push: NDArray[np.float64],
+    damper_n_s_per_m: float,
+    spring_n_per_m: float,
+    mass_kg: float,
+) -> None:
     node = spec.worldbody.add_body(name=COIL, gravcomp=1.0)
     node.add_joint(name=COIL, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=push, damping=[damper_n_s_per_m, 0.0, 0.0])
     node.explicitinertial = True
     node.ipos = np.zeros(3)
-    node.mass = 0.5 * lag_s * damper_n_s_per_m
-    node.inertia = np.full(3, 1e-3 * node.mass)
-    spring = spec.add_tendon(name=COIL, stiffness=[2.0 * damper_n_s_per_m / lag_s, 0.0, 0.0])
+    node.mass = mass_kg
+    node.inertia = np.full(3, 1e-3 * mass_kg)
+    spring = spec.add_tendon(name=COIL, stiffness=[spring_n_per_m, 0.0, 0.0])
     spring.wrap_joint(COIL, 1.0)
     spring.wrap_joint(ARMATURE, -1.0)
 
