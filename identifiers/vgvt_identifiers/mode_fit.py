@@ -33,6 +33,7 @@ class FitOptions:
 class FittedMode:
     """One mode of the fit: ``quadrature`` (all responses of all runs,) is the imaginary part at its frequency."""
 
+    sigma_peak_hz: float
     natural_frequency_hz: float
     damping_ratio: float
     natural_frequency_std_hz: float
@@ -81,7 +82,19 @@ def fit_modes(
                 continue
             free.discard(which)
             modes.append(_mode(fit, which, peak, options.own_frequency))
-    return tuple(sorted(modes, key=lambda m: m.natural_frequency_hz)), _remarks(refused)
+    return _distinct(modes, refused), _remarks(refused)
+
+
+def _distinct(modes: list[FittedMode], refused: dict[str, list[float]]) -> tuple[FittedMode, ...]:
+    """The modes in order of frequency, without second copies of a pole that two windows found from two peaks."""
+    kept: list[FittedMode] = []
+    for mode in sorted(modes, key=lambda m: abs(m.natural_frequency_hz - m.sigma_peak_hz)):
+        half_width = mode.damping_ratio * mode.natural_frequency_hz
+        if any(abs(mode.natural_frequency_hz - k.natural_frequency_hz) < 0.3 * half_width for k in kept):
+            refused.setdefault(_NO_POLE, []).append(mode.sigma_peak_hz)
+        else:
+            kept.append(mode)
+    return tuple(sorted(kept, key=lambda m: m.natural_frequency_hz))
 
 
 def _remarks(refused: dict[str, list[float]]) -> tuple[str, ...]:
@@ -177,7 +190,9 @@ def _mode(fit: _WindowFit, which: int, peak: SigmaPeak, own_frequency: bool) -> 
         std_hz = max(std_hz, scatter / np.sqrt(known.size))
         std_ratio = max(std_ratio, float((-known.real / np.abs(known)).std(ddof=1)) / np.sqrt(known.size))
     own_hz = np.abs(own) / (2 * np.pi) if own_frequency else np.full(own.shape, np.nan)
-    return FittedMode(natural, damping, std_hz, std_ratio, _quadrature(fit, natural, own_hz), tuple(flags))
+    return FittedMode(
+        peak.frequency_hz, natural, damping, std_hz, std_ratio, _quadrature(fit, natural, own_hz), tuple(flags)
+    )
 
 
 def _quadrature(fit: _WindowFit, natural_hz: float, own_hz: NDArray[np.float64]) -> NDArray[np.float64]:

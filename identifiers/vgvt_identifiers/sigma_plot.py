@@ -16,11 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra
+from vgvt_identifiers.spectra import FEWEST_LINES, LOCAL_HALF_WIDTH, CampaignSpectra
 
 _RAW_WIDTHS = (1, 3, 5, 9)
 _LOCAL_WIDTHS = (9, 17, 33, 65, 129)
-_LOCAL_HALF_WIDTH = 6
 _LEVEL_UNCERTAINTY = 0.15
 _CHI_SQUARE_30 = 0.1485  # 30th percentile of chi-square with one degree of freedom
 
@@ -29,9 +28,10 @@ _CHI_SQUARE_30 = 0.1485  # 30th percentile of chi-square with one degree of free
 class SigmaPeak:
     """A peak: the raw line where the sigma plot is largest, and how it was judged.
 
-    ``significance`` is the prominence of the smoothed power in its standard
-    deviations, ``smoothing_lines`` the width at which the peak first passed,
-    ``width_hz`` its width at half prominence.
+    ``significance`` is the rise of the smoothed power in standard deviations of
+    errors that add or of errors that multiply, whichever are fewer,
+    ``smoothing_lines`` the width at which the peak first passed, ``width_hz``
+    its width at half prominence.
     """
 
     frequency_hz: float
@@ -44,11 +44,16 @@ class SigmaPeak:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SigmaPlot:
-    """Square of a sigma plot, its noise floor and its variance, all (K,); errors reach over ``correlated_lines``."""
+    """Square of a sigma plot (K,) and its errors, which reach over ``correlated_lines``.
+
+    For responses H + e with E|e|^2 = v: ``noise`` (K,) is sum v, ``noise_square``
+    sum v^2, and ``cross`` 2 sum |H|^2 v; the power has the variance cross + noise_square.
+    """
 
     power: NDArray[np.float64]
     noise: NDArray[np.float64]
-    variance: NDArray[np.float64]
+    noise_square: NDArray[np.float64]
+    cross: NDArray[np.float64]
     correlated_lines: int = 1
 
     @classmethod
@@ -59,20 +64,52 @@ class SigmaPlot:
         correlated_lines: int = 1,
     ) -> SigmaPlot:
         """From frequency responses (R, K) of every run and their variance E|e|^2 (R, K)."""
-        power = np.asarray(sum((np.abs(h) ** 2).sum(axis=0) for h in ratios))
-        noise = np.asarray(sum(v.sum(axis=0) for v in variances))
-        # |H + e|^2 has the variance 2 |H|^2 v + v^2 for a circular error of variance v.
-        signal = (np.maximum(np.abs(h) ** 2 - v, 0) for h, v in zip(ratios, variances, strict=True))
-        variance = np.asarray(sum((2 * s * v + v**2).sum(axis=0) for s, v in zip(signal, variances, strict=True)))
-        return cls(power, noise, variance, correlated_lines)
+        squares = [np.abs(h) ** 2 for h in ratios]
+        pairs = list(zip(squares, variances, strict=True))
+        return cls(
+            power=np.sum([p.sum(axis=0) for p in squares], axis=0),
+            noise=np.sum([v.sum(axis=0) for v in variances], axis=0),
+            noise_square=np.sum([(v**2).sum(axis=0) for v in variances], axis=0),
+            cross=np.sum([(2 * np.maximum(p - v, 0) * v).sum(axis=0) for p, v in pairs], axis=0),
+            correlated_lines=correlated_lines,
+        )
 
-    def smoothed(self, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Noise-free power (K,) averaged over ``width`` lines, and its standard deviation (K,)."""
-        independent = max(1.0, width / self.correlated_lines)
-        level = np.maximum(_mean(self.power - self.noise, width), 0)
-        doubt = _LEVEL_UNCERTAINTY * _mean(self.noise, width)
-        spread = np.sqrt(_mean(self.variance, width) / independent + doubt**2)
-        return level, np.maximum(spread, _shared_scatter(_mean(self.power, width), width))
+    def smoothed(self, width: int) -> _Smoothed:
+        """The plot and its errors averaged over ``width`` lines."""
+        noise = _mean(self.noise, width)
+        return _Smoothed(
+            level=np.maximum(_mean(self.power - self.noise, width), 0),
+            noise=noise,
+            noise_square=_mean(self.noise_square, width),
+            cross=_mean(self.cross, width),
+            relative=_shared_scatter(_mean(self.power, width), width),
+            independent=max(1.0, width / self.correlated_lines),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Smoothed:
+    """A smoothed sigma plot: power above the noise (K,), its errors (K,), of which some lines are independent."""
+
+    level: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    noise_square: NDArray[np.float64]
+    cross: NDArray[np.float64]
+    relative: NDArray[np.float64]
+    independent: float
+
+    def judge(self, top: int, saddle: float) -> tuple[float, float]:
+        """Rise of a top over its saddle as (natural logarithm, significance in standard deviations).
+
+        Tested against the plot without the peak: errors that add are those of a
+        response as large as the saddle.
+        """
+        level = max(float(self.level[top]), 1e-300)
+        variance = (self.noise_square[top] + self.cross[top] * saddle / level) / self.independent
+        spread = float(np.sqrt(variance + (_LEVEL_UNCERTAINTY * self.noise[top]) ** 2))
+        rise = float(np.log(level / max(saddle, spread, 1e-300)))
+        adding = (level - saddle) / max(spread, 1e-300)
+        return rise, min(adding, rise / max(float(self.relative[top]), 1e-12))
 
 
 def sigma_peaks(
@@ -87,33 +124,19 @@ def sigma_peaks(
     if frequency.size < FEWEST_LINES:
         return ()
     raw = SigmaPlot.of([r.accelerance for r in spectra.runs], [r.variance for r in spectra.runs])
+    local = SigmaPlot.of([r.local for r in spectra.runs], [r.local_variance for r in spectra.runs], LOCAL_HALF_WIDTH)
     found: list[SigmaPeak] = []
-    for plot, widths in ((raw, _RAW_WIDTHS), (_local_plot(spectra), _LOCAL_WIDTHS)):
+    for plot, widths in ((raw, _RAW_WIDTHS), (local, _LOCAL_WIDTHS)):
         for width in (w for w in widths if w <= frequency.size // 4):
-            extent = max(width, 2 * _LOCAL_HALF_WIDTH + 1) if plot.correlated_lines > 1 else width
+            extent = max(width, 2 * LOCAL_HALF_WIDTH + 1) if plot is local else width
             for peak in _peaks_at(frequency, raw.power, plot, width, prominence_db, false_alarm):
                 if all(abs(peak.line - p.line) > (extent + p.smoothing_lines) / 2 + 1 for p in found):
                     found.append(peak)
     return tuple(sorted(found, key=lambda p: p.line))
 
 
-def _local_plot(spectra: CampaignSpectra) -> SigmaPlot:
-    """The sigma plot of the local polynomial estimate, without leakage."""
-    from vgvt.signals.local_polynomial import local_polynomial_fit
-
-    lines = np.arange(1, spectra.frequency_hz.size + 1)
-    values, variances = [], []
-    for run in spectra.runs:
-        # The estimator wants the 0 Hz line in front, which it never uses.
-        response = np.pad(run.accelerance * run.force, ((0, 0), (1, 0)))
-        fit = local_polynomial_fit(response, np.pad(run.force, (1, 0))[None], lines, half_width=_LOCAL_HALF_WIDTH)
-        values.append(fit.values[:, 0])
-        variances.append(fit.variance[:, 0])
-    return SigmaPlot.of(values, variances, correlated_lines=_LOCAL_HALF_WIDTH)
-
-
 def _shared_scatter(smoothed: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Standard deviation (K,) of a smoothed power, from how much values ``width`` lines apart differ.
+    """Standard deviation (K,) of the logarithm of a smoothed power, from how much values ``width`` lines apart differ.
 
     Sees what a sum over independent responses cannot: errors that all responses
     share, such as leakage, which divides every response by the same force. The
@@ -130,8 +153,7 @@ def _shared_scatter(smoothed: NDArray[np.float64], width: int) -> NDArray[np.flo
     difference = sum(t * logarithm[i * width : smoothed.size - reach + i * width] for i, t in enumerate(taps))
     square = np.asarray(difference) ** 2 / (taps @ taps)
     relative = percentile_filter(square, 30, size=max(51, 12 * width), mode="nearest") / _CHI_SQUARE_30
-    padded = np.pad(relative, (reach // 2, reach - reach // 2), mode="edge")
-    return np.asarray(smoothed * np.sqrt(padded))
+    return np.asarray(np.sqrt(np.pad(relative, (reach // 2, reach - reach // 2), mode="edge")))
 
 
 def _threshold(false_alarm: float, independent_lines: float) -> float:
@@ -158,7 +180,8 @@ def _peaks_at(
 ) -> list[SigmaPeak]:
     from scipy.signal import find_peaks, peak_widths
 
-    level, spread = plot.smoothed(width)
+    smoothed = plot.smoothed(width)
+    level = smoothed.level
     tops, facts = find_peaks(level, prominence=(None, None))
     if not tops.size:
         return []
@@ -167,9 +190,8 @@ def _peaks_at(
     step = float(frequency_hz[1] - frequency_hz[0])
     peaks = []
     for top, prominence, wide in zip(tops, facts["prominences"], widths, strict=True):
-        floor = max(float(level[top] - prominence), float(spread[top]))
-        rise_db = float(10 * np.log10(max(level[top], 1e-300) / max(floor, 1e-300)))
-        significance = float(prominence / max(spread[top], 1e-300))
+        rise, significance = smoothed.judge(int(top), float(level[top] - prominence))
+        rise_db = 10 * rise / np.log(10)
         if rise_db < prominence_db or significance < threshold:
             continue
         low, high = max(0, top - width // 2), min(level.size, top + width // 2 + 1)

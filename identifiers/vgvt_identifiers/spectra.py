@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, ChannelRole, Dof, Quantity, Record
+from vgvt.data import Campaign, Channel, ChannelRole, Dof, Quantity, Record
+from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
 from vgvt.signals.usable import fault_of
 
 _DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
 _NOISE_HALF_WIDTH = 12
+_MEDIAN_OF_NOISE = 0.953  # median of chi-square over its mean, 14 degrees of freedom: 13 lines less 6 unknowns, complex
+LOCAL_HALF_WIDTH = 6
 FEWEST_LINES = 2 * _NOISE_HALF_WIDTH + 5
 """Lines that a band must hold before noise can be told from signal."""
 
@@ -22,6 +25,8 @@ class RunSpectra:
 
     ``accelerance`` is the ratio of single transforms, no window and no average
     (Gupta, Seiler and Danowsky, AIAA 2016-1753, eq. 1); lines without any force are zero.
+    ``local`` and ``local_variance`` (R, K) are the local polynomial estimate,
+    free of leakage, which blurs what is narrower than its 13 lines.
     """
 
     run: int
@@ -30,6 +35,8 @@ class RunSpectra:
     force: NDArray[np.complex128]
     accelerance: NDArray[np.complex128]
     variance: NDArray[np.float64]
+    local: NDArray[np.complex128]
+    local_variance: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,11 +100,21 @@ def _run_spectra(
         _transform(x, samples_wanted)[keep] * (2j * np.pi * lines[keep]) ** _DIFFERENTIATIONS[c.quantity]
         for c, x in responses
     ]
+    dofs = tuple(_dof(c) for c, _ in responses)
     ratio = _ratio(np.array(spectra), force)
-    dofs = tuple(c.dof for c, _ in responses if c.dof is not None)
-    reference = forces[0][0].dof
-    assert reference is not None  # a Channel that is no drive has a DOF
-    return RunSpectra(record.run, reference, dofs, force, ratio, line_variance(ratio, force))
+    if keep.size < FEWEST_LINES:
+        blank = np.full(ratio.shape, np.inf)
+        return RunSpectra(record.run, _dof(forces[0][0]), dofs, force, ratio, blank, ratio, blank)
+    local = _local_fit(ratio, force)
+    variance = line_variance(local.noise_power, force)
+    return RunSpectra(
+        record.run, _dof(forces[0][0]), dofs, force, ratio, variance, local.values[:, 0], local.variance[:, 0]
+    )
+
+
+def _dof(channel: Channel) -> Dof:
+    assert channel.dof is not None  # a Channel that is no drive has a DOF
+    return channel.dof
 
 
 def _transform(samples: NDArray[np.floating], length: int) -> NDArray[np.complex128]:
@@ -110,22 +127,21 @@ def _ratio(response: NDArray[np.complex128], force: NDArray[np.complex128]) -> N
     return np.divide(response, force, out=np.zeros_like(response), where=alive)
 
 
-def line_variance(ratio: NDArray[np.complex128], force: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Variance E|e|^2 (R, K) of ratios (R, K), from how much neighbouring lines differ.
+def line_variance(noise_power: NDArray[np.float64], force: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Variance E|e|^2 (R, K) of ratios whose responses carry the noise power E|n|^2 (R, K) around every line.
 
-    The fourth difference over lines removes everything smooth; its median over
-    25 lines, referred to the response by |F|, ignores peaks of a few lines.
-    A median of |e|^2 is log(2) of its mean (two degrees of freedom).
+    The median over 25 lines ignores resonances as narrow as the local fit's
+    window, which the fit takes for noise.
     """
     from scipy.ndimage import median_filter
 
-    lines = force.size
-    if lines < FEWEST_LINES:
-        return np.full(ratio.shape, np.inf)
-    taps = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+    level = median_filter(noise_power, size=(1, 2 * _NOISE_HALF_WIDTH + 1), mode="nearest") / _MEDIAN_OF_NOISE
     magnitude = np.maximum(np.abs(force), 1e-12 * np.abs(force).max())
-    difference = sum(t * ratio[:, i : lines - 4 + i] for i, t in enumerate(taps))
-    spread = sum(t**2 / magnitude[i : lines - 4 + i] ** 2 for i, t in enumerate(taps))
-    noise = np.abs(difference) ** 2 / spread
-    level = median_filter(noise, size=(1, 2 * _NOISE_HALF_WIDTH + 1), mode="nearest") / np.log(2)
-    return np.asarray(np.pad(level, ((0, 0), (2, 2)), mode="edge") / magnitude**2)
+    return np.asarray(level / magnitude**2)
+
+
+def _local_fit(ratio: NDArray[np.complex128], force: NDArray[np.complex128]) -> LocalFit:
+    """Local polynomial estimate on every line; the method wants the 0 Hz line in front, which it never uses."""
+    response = np.pad(ratio * force, ((0, 0), (1, 0)))
+    lines = np.arange(1, force.size + 1)
+    return local_polynomial_fit(response, np.pad(force, (1, 0))[None], lines, half_width=LOCAL_HALF_WIDTH)

@@ -13,6 +13,7 @@ Przemieniecki, Theory of Matrix Structural Analysis, 1968, chapters 5 and 11.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +93,12 @@ class Model:
 def build(airframe: Airframe, elements: int = 40) -> Model:
     """The free-free model of an airframe with about ``elements`` elements a beam."""
     beams = [half for beam in parents_first(airframe.beam) for half in mirrored_beams(beam)]
-    coordinates = 6 + sum(beam_coordinates(beam, elements) for _, beam, _ in beams)
+    names = [name for name, _, _ in beams]
+    items = placed_items(airframe, names)
+    hung = [(parent_of(beam, name, names), np.array(beam.stations.position_m[0])) for name, beam, _ in beams]
+    hung += [(part, np.array(item.position_m)) for part, item in items]
+    nodes = {n: node_arcs(beam, elements, [point for part, point in hung if part == n]) for n, beam, _ in beams}
+    coordinates = 6 + sum(beam_coordinates(beam, nodes[name]) for name, beam, _ in beams)
     body = np.eye(6, coordinates)
     origin = np.array(airframe.body.centre_of_gravity_m)
     mass = inertia_term(body, airframe.body.mass_kg, np.diag(airframe.body.inertia_kg_m2))
@@ -100,23 +106,23 @@ def build(airframe: Airframe, elements: int = 40) -> Model:
     chains: dict[str, tuple[Element, ...]] = {}
     first = 6
     for name, beam, aft in beams:
-        parent = parent_of(beam, name, chains)
+        parent = parent_of(beam, name, names)
         root = np.array(beam.stations.position_m[0])
         near = rigid_transfer(root - origin) @ body if parent == "body" else motion_on_chain(chains[parent], root)
-        chain, beam_mass, beam_blocks = build_chain(beam, aft, near, first, elements)
+        chain, beam_mass, beam_blocks = build_chain(beam, aft, near, first, nodes[name])
         chains[name] = chain
         mass += beam_mass
         blocks += beam_blocks
-        first += beam_coordinates(beam, elements)
+        first += beam_coordinates(beam, nodes[name])
     model = Model(mass, block_diag(*blocks), origin, chains)
-    for part, item in placed_items(airframe, chains):
+    for part, item in items:
         at = model.motion_at(np.array(item.position_m), part)
         mass += inertia_term(at, item.mass_kg, np.diag(item.inertia_kg_m2))
     return replace(model, mass=mass)
 
 
 def build_chain(
-    beam: Beam, aft_sign_of: Array | None, near: Array, first: int, elements: int
+    beam: Beam, aft_sign_of: Array | None, near: Array, first: int, nodes: Array
 ) -> tuple[tuple[Element, ...], Array, list[Array]]:
     """The elements of one beam, their mass (N, N) and stiffness blocks, starting at coordinate ``first``."""
     table, arc = beam.stations, arc_length(beam)
@@ -125,18 +131,17 @@ def build_chain(
     chain: list[Element] = []
     mass = np.zeros((near.shape[1],) * 2)
     near, first, blocks = root_joint(beam, aft_sign_of, near, first)
-    for segment, pieces in enumerate(pieces_of(beam, elements)):
+    for begin, end in pairwise(nodes):
+        segment = int(np.searchsorted(arc, (begin + end) / 2)) - 1
         tangent, normal, aft = triad(beam, segment, aft_sign_of)
-        length = float(arc[segment + 1] - arc[segment]) / pieces
-        for piece in range(pieces):
-            width = 5 if in_plane else 3
-            start = position[segment] + piece * length * tangent
-            element = Element(start, length, tangent, normal, aft, near, slice(first, first + width), in_plane)
-            here = arc[segment] + (piece + GAUSS_POINT) * length
-            mass += element_mass(element, beam, here)
-            blocks.append(element_stiffness(element, beam, here))
-            chain.append(element)
-            near, first = element.motion(1.0), first + width
+        columns = slice(first, first + (5 if in_plane else 3))
+        start = position[segment] + (begin - arc[segment]) * tangent
+        element = Element(start, float(end - begin), tangent, normal, aft, near, columns, in_plane)
+        here = begin + GAUSS_POINT * (end - begin)
+        mass += element_mass(element, beam, here)
+        blocks.append(element_stiffness(element, beam, here))
+        chain.append(element)
+        near, first = element.motion(1.0), columns.stop
     return tuple(chain), mass, blocks
 
 
@@ -226,15 +231,15 @@ def parents_first(beams: tuple[Beam, ...]) -> list[Beam]:
     return ordered
 
 
-def parent_of(beam: Beam, name: str, chains: dict[str, tuple[Element, ...]]) -> str:
+def parent_of(beam: Beam, name: str, names: list[str]) -> str:
     """The part that carries a beam; the two halves of a mirrored beam sit on the two halves of its parent."""
-    if beam.parent == "body" or beam.parent in chains:
+    if beam.parent == "body" or beam.parent in names:
         return beam.parent
     side = name.rsplit("-", 1)[-1] if beam.mirror else ("left" if beam.stations.position_m[0][1] < 0 else "right")
     return f"{beam.parent}-{side}"
 
 
-def placed_items(airframe: Airframe, chains: dict[str, tuple[Element, ...]]) -> list[tuple[str, Item]]:
+def placed_items(airframe: Airframe, names: list[str]) -> list[tuple[str, Item]]:
     """Every item with the part that carries it, mirrored ones twice."""
     placed: list[tuple[str, Item]] = []
     for item in airframe.item:
@@ -242,7 +247,7 @@ def placed_items(airframe: Airframe, chains: dict[str, tuple[Element, ...]]) -> 
         copies = [item, item.model_copy(update={"position_m": (x, -y, z)})] if item.mirror else [item]
         for copy in copies:
             part = item.attached_to
-            if part not in chains and part != "body":
+            if part not in names and part != "body":
                 part = f"{part}-{'left' if copy.position_m[1] < 0 else 'right'}"
             placed.append((part, copy))
     return placed
@@ -267,17 +272,37 @@ def arc_length(beam: Beam) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def pieces_of(beam: Beam, elements: int) -> list[int]:
-    """Elements in each segment between stations, in proportion to its length."""
-    steps = np.diff(arc_length(beam))
-    return [max(1, round(elements * step / steps.sum())) for step in steps]
+def node_arcs(beam: Beam, elements: int, attachments: list[Array]) -> Array:
+    """Arc lengths of the nodes: the stations, about ``elements`` pieces, and where anything is attached."""
+    arc, position = arc_length(beam), np.array(beam.stations.position_m)
+    total = arc[-1]
+    nodes = list(arc)
+    wanted = [nearest_arc(arc, position, point) for point in attachments]
+    for begin, end in pairwise(arc):
+        wanted += list(np.linspace(begin, end, max(1, round(elements * (end - begin) / total)) + 1)[1:-1])
+    for place in wanted:
+        # An element much shorter than the others would only cost accuracy.
+        if np.abs(np.array(nodes) - place).min() > 0.02 * total / elements:
+            nodes.append(place)
+    return np.sort(nodes)
 
 
-def beam_coordinates(beam: Beam, elements: int) -> int:
+def nearest_arc(arc: Array, position: Array, point: Array) -> float:
+    """Arc length of the axis point nearest to a point."""
+    best = (np.inf, 0.0)
+    for k, step in enumerate(np.diff(position, axis=0)):
+        xi = float(np.clip((point - position[k]) @ step / (step @ step), 0, 1))
+        best = min(
+            best, (float(np.linalg.norm(point - position[k] - xi * step)), float(arc[k] + xi * (arc[k + 1] - arc[k])))
+        )
+    return best[1]
+
+
+def beam_coordinates(beam: Beam, nodes: Array) -> int:
     """Coordinates that a beam adds."""
     joints = (beam.root_bending_stiffness_n_m_per_rad, beam.root_torsional_stiffness_n_m_per_rad)
     width = 3 if beam.stations.in_plane_stiffness_n_m2 is None else 5
-    return width * sum(pieces_of(beam, elements)) + sum(joint is not None for joint in joints)
+    return width * (len(nodes) - 1) + sum(joint is not None for joint in joints)
 
 
 def column(beam: Beam, name: str, arc: Array) -> Array:

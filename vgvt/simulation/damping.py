@@ -31,13 +31,14 @@ def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
     ratios[: len(damping.modal)] = damping.modal[: omega.size]
     # The smallest ratio, so that no tendon would have to take more away than it gives.
     per_stiffness = 2 * ratios[omega <= limit].min(initial=damping.damping_ratio) / limit
-    for joint in spec.joints:
-        if joint.stiffness[0] > 0:
-            joint.damping = [per_stiffness * joint.stiffness[0], 0.0, 0.0]
+    elastic = [(int(model.joint(j.name).dofadr[0]), j) for j in spec.joints if j.stiffness[0] > 0]
+    # MuJoCo builds a tendon's row fastest from joints in the order of their coordinates.
+    elastic.sort(key=lambda pair: pair[0])
+    for _, joint in elastic:
+        joint.damping = [per_stiffness * joint.stiffness[0], 0.0, 0.0]
     for r in np.flatnonzero(omega <= limit):
         coefficient = 2 * ratios[r] * omega[r] - per_stiffness * omega[r] ** 2
         tendon = spec.add_tendon(name=f"modal-damping-{r + 1}", damping=[coefficient, 0.0, 0.0])
         weights = bare.mass @ shapes[:, r]
-        for joint in spec.joints:
-            if joint.stiffness[0] > 0:
-                tendon.wrap_joint(joint.name, weights[model.joint(joint.name).dofadr[0]])
+        for address, joint in elastic:
+            tendon.wrap_joint(joint.name, weights[address])

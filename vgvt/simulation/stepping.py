@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # |hλ| up to which Runge-Kutta 4 is stable for any damping: 2.78 on the real axis, 2.83 on the imaginary one.
-_STABLE = 2.5
+_STABLE = 2.7
 
 
 def substeps(poles: NDArray[np.complex128], sample_rate_hz: float, longest_step_s: float) -> int:

@@ -3,7 +3,8 @@
 (() => {
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const ink = () => getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
-  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"] };
+  // No mode bar: it would cover small figures. Drag to zoom, double-click to come back.
+  const config = { responsive: true, displayModeBar: false };
   const charts = [];
 
   function themed(figure) {
