@@ -36,7 +36,13 @@ def sigma_picture(folder: Path) -> Path:
         axes.axvline(frequency, color="tab:blue", linewidth=1.2, alpha=0.7, label="true mode" if k == 0 else None)
     for name, claim in claims.items():
         axes.plot(*_on_curve(claim, frf), "v", color="tab:red", markersize=7, label=f"claim of {name}")
-    axes.set(xlim=(low, high), xlabel="frequency in Hz", ylabel="largest singular value in (m/s²)/N")
+    sigma = frf.sigma()
+    axes.set(
+        xlim=(low, high),
+        ylim=(0.6 * sigma.min(), 2.5 * sigma.max()),
+        xlabel="frequency in Hz",
+        ylabel="largest singular value in (m/s²)/N",
+    )
     axes.grid(alpha=0.3)
     axes.legend(loc="lower right", framealpha=0.9)
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt_identifiers.rational_fit import Block, RationalFit, fit_rational, reweighted
+from vgvt_identifiers.rational_fit import Block, RationalFit, fit_rational, pole_evidence
 from vgvt_identifiers.sigma_plot import SigmaPeak
 from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
+from vgvt_identifiers.weights import reweighted
 from vgvt_identifiers.windows import Window, fit_windows
 
 _NARROW_LINES = 3.0
 _LINES_PER_POLE = 6
-_LARGEST_RELATIVE_STD = 0.25
+_LARGEST_RELATIVE_STD = 0.15
+_LARGEST_SHARE = 10.0  # poles that large cancel one another: they mimic something that is no pole
 _NO_POLE = "as leakage, noise or a neighbouring mode explains them"
 
 
@@ -68,20 +70,17 @@ def fit_modes(
     modes: list[FittedMode] = []
     refused: dict[str, list[float]] = {}
     for window in fit_windows(peaks, spectra.frequency_hz, options.window_widths):
-        own = sorted((window.peaks[i] for i in window.own), key=lambda p: -p.prominence_db)
+        own = [window.peaks[i] for i in window.own]
         fit = _fit(spectra, window, options)
-        if fit is None:
-            refused.setdefault(_NO_POLE, []).extend(p.frequency_hz for p in own)
-            continue
-        free = set(range(fit.common.poles.size))
-        for peak in own:
-            which = _nearest(fit, free, peak)
-            problem = _NO_POLE if which is None else _problem(fit, which, spectra, options)
-            if which is None or problem is not None:
+        pairs = [] if fit is None else _pairs(fit, own, spectra.frequency_hz[[window.low, window.high - 1]])
+        for peak, which in pairs:
+            problem = None if fit is None else _problem(fit, which, spectra, options)
+            if fit is not None and problem is None:
+                modes.append(_mode(fit, which, peak, options.own_frequency))
+            else:
                 refused.setdefault(str(problem), []).append(peak.frequency_hz)
-                continue
-            free.discard(which)
-            modes.append(_mode(fit, which, peak, options.own_frequency))
+        matched = {peak.line for peak, _ in pairs}
+        refused.setdefault(_NO_POLE, []).extend(p.frequency_hz for p in own if p.line not in matched)
     return _distinct(modes, refused), _remarks(refused)
 
 
@@ -101,6 +100,7 @@ def _remarks(refused: dict[str, list[float]]) -> tuple[str, ...]:
     return tuple(
         f"sigma-plot peaks not claimed, {why}: {', '.join(f'{f:.3f}' for f in sorted(peaks))} Hz"
         for why, peaks in refused.items()
+        if peaks
     )
 
 
@@ -113,22 +113,29 @@ def _fit(spectra: CampaignSpectra, window: Window, options: FitOptions) -> _Wind
     strongest = sorted(window.peaks, key=lambda p: -p.prominence_db)[:room]
     poles = np.array([2 * np.pi * (-max(p.width_hz, step) / 2 + 1j * p.frequency_hz) for p in strongest])
     common = fit_rational(frequency, blocks, poles, options.background_terms)
-    for weigh in (True, False, False, False):
-        if weigh:
-            blocks = reweighted(blocks, common)
-        else:
-            keep = _matters(common, options.least_share)
-            if keep.all():
-                break
-            if not keep.any():
-                return None
-            common = replace(common, poles=common.poles[keep])
-        common = fit_rational(frequency, blocks, common.poles, options.background_terms, relocate=False)
+    blocks = reweighted(blocks, common)
+    common = fit_rational(frequency, blocks, common.poles, options.background_terms, relocate=False)
+    while not (keep := _worth_keeping(frequency, blocks, common, options)).all():
+        if not keep.any():
+            return None
+        common = fit_rational(frequency, blocks, common.poles[keep], options.background_terms, relocate=False)
     own = tuple(fit_rational(frequency, (b,), common.poles, options.background_terms, relocate=False) for b in blocks)
     return _WindowFit(common, own if len(own) > 1 else (), step)
 
 
-def _matters(fit: RationalFit, least_share: float) -> NDArray[np.bool_]:
+def _worth_keeping(
+    frequency: NDArray[np.float64], blocks: tuple[Block, ...], fit: RationalFit, options: FitOptions
+) -> NDArray[np.bool_]:
+    """Which poles (N,) stay: the visible ones; when all are, all but the weakest if its evidence is too little."""
+    keep = _visible(fit, options.least_share)
+    if keep.all():
+        evidence = pole_evidence(frequency, blocks, fit, options.background_terms)
+        weakest = int(np.argmin(evidence))
+        keep[weakest] = evidence[weakest] > 0
+    return keep
+
+
+def _visible(fit: RationalFit, least_share: float) -> NDArray[np.bool_]:
     """Which poles (N,) make a visible part of the responses, free of leakage, and are known well enough to be real."""
     height = np.sqrt(sum((np.abs(r) ** 2).sum(axis=0) for r in fit.residues)) / np.abs(fit.poles.real)
     total = [
@@ -136,18 +143,29 @@ def _matters(fit: RationalFit, least_share: float) -> NDArray[np.bool_]:
         for p in fit.poles
     ]
     known = fit.pole_std < _LARGEST_RELATIVE_STD * np.abs(fit.poles.real)
-    return np.asarray((height >= least_share * np.array(total)) & known)
+    share = height / np.maximum(total, 1e-300)
+    return np.asarray((share >= least_share) & (share <= _LARGEST_SHARE) & known)
 
 
-def _nearest(fit: _WindowFit, free: set[int], peak: SigmaPeak) -> int | None:
-    """The free pole closest to a peak, None when there is none within reach."""
-    if not free:
-        return None
+def _pairs(fit: _WindowFit, peaks: list[SigmaPeak], ends_hz: NDArray[np.float64]) -> list[tuple[SigmaPeak, int]]:
+    """Peaks and the poles behind them, nearest first, each used once; a pole is within two widths of its peak."""
     natural = np.abs(fit.common.poles) / (2 * np.pi)
-    which = min(free, key=lambda i: abs(natural[i] - peak.frequency_hz))
-    wide = -fit.common.poles[which].real / np.pi
-    reach = 2 * max(peak.width_hz, wide, 2 * fit.step_hz)
-    return which if abs(natural[which] - peak.frequency_hz) <= reach else None
+    inside = (natural >= ends_hz[0]) & (natural <= ends_hz[1])
+    near = [
+        (abs(natural[pole] - peak.frequency_hz), row, pole)
+        for row, peak in enumerate(peaks)
+        for pole in np.flatnonzero(inside)
+        if abs(natural[pole] - peak.frequency_hz) <= 2 * max(peak.width_hz, 2 * fit.step_hz)
+    ]
+    rows: set[int] = set()
+    poles: set[int] = set()
+    pairs = []
+    for _, row, pole in sorted(near):
+        if row not in rows and pole not in poles:
+            rows.add(row)
+            poles.add(int(pole))
+            pairs.append((peaks[row], int(pole)))
+    return pairs
 
 
 def _block(run: RunSpectra, window: Window) -> Block:

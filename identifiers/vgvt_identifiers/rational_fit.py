@@ -15,7 +15,7 @@ leakage after Pintelon, Schoukens and Vandersteen, Automatica 33(5), 1997.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,6 +118,27 @@ def fit_rational(
         z = _relocated(problem, z)
     z, converged = _polished(problem, z)
     return _solution(problem, z, centre, half, converged)
+
+
+def pole_evidence(
+    frequency_hz: NDArray[np.float64], blocks: tuple[Block, ...], fit: RationalFit, background: int
+) -> NDArray[np.float64]:
+    """Worth of every pole (N,): twice the log likelihood it adds, less what its unknowns may fit of noise.
+
+    Schwarz, Estimating the dimension of a model, Annals of Statistics 6(2), 1978.
+    Above zero a pole is worth keeping. The rest of the fit is not moved when a
+    pole is taken out, so the evidence of poles that can replace each other is too high.
+    """
+    omega = 2 * np.pi * frequency_hz
+    centre, half = fit.centre_rad_s, fit.half_width_rad_s
+    problem = _Problem((omega - centre) / half, blocks, background, centre / half if fit.mirrored else None)
+    z = (fit.poles - 1j * centre) / half
+    full = _cost(problem, z)
+    rows = sum(b.values.shape[0] for b in blocks)
+    per_row = 1 + fit.mirrored + sum(b.leakage is not None for b in blocks) / len(blocks)
+    penalty = (2 + 2 * rows * per_row) * np.log(2 * rows * omega.size)
+    rest = np.array([_cost(problem, np.delete(z, i)) for i in range(z.size)])
+    return np.asarray(2 * (rest - full) / max(fit.chi_square, 1e-300) - penalty)
 
 
 def _columns(
@@ -233,7 +254,7 @@ def _polished(problem: _Problem, z: NDArray[np.complex128]) -> tuple[NDArray[np.
             trial_cost, trial_gram, trial_gradient = _normal_equations(problem, trial)
             if trial_cost <= cost:
                 fall = cost - trial_cost
-                small = np.all(np.abs(step) < 1e-10 * np.maximum(np.abs(z.real), 1e-9)) or fall < 1e-10 * cost
+                small = np.all(np.abs(step) < 1e-6 * np.abs(z.real)) or fall < 1e-9 * cost
                 z, cost, gram, gradient = trial, trial_cost, trial_gram, trial_gradient
                 damping = max(damping / 10, 1e-12)
                 if small:
@@ -279,28 +300,3 @@ def _solution(problem: _Problem, z: NDArray[np.complex128], centre: float, half:
         half_width_rad_s=half,
         mirrored=problem.mirror_at is not None,
     )
-
-
-def reweighted(blocks: tuple[Block, ...], fit: RationalFit) -> tuple[Block, ...]:
-    """The blocks with weights from the errors of a fit: output noise plus response times force noise.
-
-    A - G F has the variance S_a + |G|^2 S_f, so |e|^2 / |leakage|^2 is regressed
-    on 1 and |G|^2 (errors in variables, frozen weights).
-    """
-    return tuple(_reweighted(b, g, e) for b, g, e in zip(blocks, fit.fitted, fit.errors, strict=True))
-
-
-def _reweighted(block: Block, model: NDArray[np.complex128], error: NDArray[np.complex128]) -> Block:
-    from scipy.optimize import nnls
-
-    inverse_force = np.ones(block.weight.size) if block.leakage is None else np.abs(block.leakage)
-    noise = np.abs(error) ** 2 / inverse_force**2
-    level = np.maximum(np.median(noise, axis=1) / np.log(2), 1e-300)
-    gain = (np.abs(model) ** 2 / level[:, None]).mean(axis=0)
-    target = (noise / level[:, None]).mean(axis=0)
-    shape = np.ones_like(target)
-    for _ in range(4):
-        columns = np.stack([np.ones_like(gain), gain], axis=1) / shape[:, None]
-        constant, slope = nnls(columns, target / shape)[0]
-        shape = max(constant, 1e-3) + slope * gain
-    return replace(block, weight=1 / (inverse_force * np.sqrt(shape)), row_scale=1 / np.sqrt(level))

@@ -106,7 +106,7 @@ def _run_spectra(
         blank = np.full(ratio.shape, np.inf)
         return RunSpectra(record.run, _dof(forces[0][0]), dofs, force, ratio, blank, ratio, blank)
     local = _local_fit(ratio, force)
-    variance = line_variance(local.noise_power, force)
+    variance = line_variance(ratio, force, local.noise_power)
     return RunSpectra(
         record.run, _dof(forces[0][0]), dofs, force, ratio, variance, local.values[:, 0], local.variance[:, 0]
     )
@@ -127,17 +127,29 @@ def _ratio(response: NDArray[np.complex128], force: NDArray[np.complex128]) -> N
     return np.divide(response, force, out=np.zeros_like(response), where=alive)
 
 
-def line_variance(noise_power: NDArray[np.float64], force: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Variance E|e|^2 (R, K) of ratios whose responses carry the noise power E|n|^2 (R, K) around every line.
+def line_variance(
+    ratio: NDArray[np.complex128], force: NDArray[np.complex128], local_noise_power: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Variance E|e|^2 (R, K) of ratios (R, K), the smaller of two estimates, each a median over 25 lines.
 
-    The median over 25 lines ignores resonances as narrow as the local fit's
-    window, which the fit takes for noise.
+    The fourth difference of the ratio over lines removes what is smooth, but
+    not leakage; the local polynomial fit leaves ``local_noise_power`` (R, K)
+    E|n|^2 of the response, free of leakage, but takes narrow resonances for noise.
     """
+    magnitude = np.maximum(np.abs(force), 1e-12 * np.abs(force).max())
+    taps = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+    lines = force.size
+    difference = sum(t * ratio[:, i : lines - 4 + i] for i, t in enumerate(taps))
+    spread = sum(t**2 / magnitude[i : lines - 4 + i] ** 2 for i, t in enumerate(taps))
+    rough = np.pad(np.abs(difference) ** 2 / spread, ((0, 0), (2, 2)), mode="edge")
+    level = np.minimum(_median(rough) / np.log(2), _median(local_noise_power) / _MEDIAN_OF_NOISE)
+    return np.asarray(level / magnitude**2)
+
+
+def _median(noise: NDArray[np.float64]) -> NDArray[np.float64]:
     from scipy.ndimage import median_filter
 
-    level = median_filter(noise_power, size=(1, 2 * _NOISE_HALF_WIDTH + 1), mode="nearest") / _MEDIAN_OF_NOISE
-    magnitude = np.maximum(np.abs(force), 1e-12 * np.abs(force).max())
-    return np.asarray(level / magnitude**2)
+    return np.asarray(median_filter(noise, size=(1, 2 * _NOISE_HALF_WIDTH + 1), mode="nearest"))
 
 
 def _local_fit(ratio: NDArray[np.complex128], force: NDArray[np.complex128]) -> LocalFit:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vgvt_identifiers.sigma_plot import SigmaPeak
 
-_MINIMUM_HALF_LINES = 14
+_MINIMUM_HALF_LINES = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +25,8 @@ class Window:
 def fit_windows(peaks: tuple[SigmaPeak, ...], frequency_hz: NDArray[np.float64], widths: float) -> tuple[Window, ...]:
     """One window per group of peaks whose cores (one width each side) touch.
 
-    A window reaches ``widths`` half-power widths, and at least 14 lines, beyond
-    its outer peaks; peaks of other groups that fall inside are fitted with it.
+    A window reaches ``widths`` half-power widths, and at least 20 lines, beyond
+    its outer peaks; peaks of other groups inside, or just outside, are fitted with it.
     """
     step = float(frequency_hz[1] - frequency_hz[0])
     groups: list[list[SigmaPeak]] = []
@@ -41,7 +41,8 @@ def fit_windows(peaks: tuple[SigmaPeak, ...], frequency_hz: NDArray[np.float64],
         low = min(p.line - _reach(p, widths, step) for p in group)
         high = max(p.line + _reach(p, widths, step) for p in group) + 1
         low, high = max(low, 0), min(high, frequency_hz.size)
-        inside = tuple(p for p in peaks if low <= p.line < high)
+        near = _MINIMUM_HALF_LINES
+        inside = tuple(p for p in peaks if low - near <= p.line < high + near)
         windows.append(Window(low, high, inside, tuple(inside.index(p) for p in group)))
     return tuple(windows)
 

@@ -138,6 +138,18 @@ def test_an_unexpected_failure_is_one_line(vgvt, monkeypatch: pytest.MonkeyPatch
     assert not Path("runs/quick").exists()
 
 
+def test_a_diverged_simulation_is_a_failure_with_advice(vgvt, monkeypatch: pytest.MonkeyPatch) -> None:
+    def diverged(*_: object, **__: object) -> None:
+        raise FloatingPointError("the simulation diverged at 0.30 s")
+
+    monkeypatch.setattr("vgvt.simulation.simulate", diverged)
+    result = vgvt("run", "quick", "--json")
+    assert result.status == 1
+    assert result.document["error"]["problem"] == "the simulation diverged at 0.30 s"
+    assert "VGVT_TRACEBACK" not in result.err
+    assert not Path("runs/quick").exists()
+
+
 def test_the_traceback_can_be_had(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     from vgvt.cli import main
 

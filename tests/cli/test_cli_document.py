@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -50,6 +50,7 @@ def test_what_has_no_place_is_refused() -> None:
         plain({"a": [object()]})
 
 
+@settings(deadline=None, max_examples=50)
 @given(st.dictionaries(st.text(), st.recursive(st.floats() | st.integers() | st.text() | st.none(), st.lists)))
 def test_every_document_is_one_strict_ascii_object(document: dict[str, object]) -> None:
     text = document_text(document)
@@ -61,6 +62,7 @@ def test_every_document_is_one_strict_ascii_object(document: dict[str, object]) 
     assert isinstance(json.loads(text, parse_constant=refuse), dict)
 
 
+@settings(deadline=None, max_examples=50)
 @given(
     frequencies=st.lists(st.floats(0.1, 100.0), min_size=0, max_size=4),
     shapes=arrays(complex, (4, 3), elements=st.complex_numbers(max_magnitude=1e3)),

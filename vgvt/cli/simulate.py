@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vgvt.cli.boundary import CommandError
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import EngineOption, JsonOption, ScenarioArgument, SeedOption
@@ -116,8 +117,11 @@ def _simulate_into(folder: RunFolder, scenario: Scenario) -> dict[str, float]:
     from vgvt.scenario import to_toml
     from vgvt.simulation import simulate as simulate_scenario
 
-    with progress(f"simulate {scenario.name}") as report:
-        result = simulate_scenario(scenario, progress=report)
+    try:
+        with progress(f"simulate {scenario.name}") as report:
+            result = simulate_scenario(scenario, progress=report)
+    except FloatingPointError as error:
+        raise CommandError(str(error), "or try --engine linear") from error
     facts = {
         "scenario": scenario.name,
         "scenario_sha256": scenario_sha256(scenario),

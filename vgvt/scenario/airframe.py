@@ -152,7 +152,7 @@ class Damping(Table):
     modal: tuple[Positive, ...] = ()
     """Ratios of the first elastic modes of the bare airframe, in order of frequency."""
     limit_hz: Positive = 60.0
-    """Highest frequency with exact modal ratios."""
+    """Highest frequency with exact modal ratios; every mode below it costs simulation time."""
 
     @model_validator(mode="after")
     def _ratios_below_critical(self) -> Self:

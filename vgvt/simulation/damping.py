@@ -29,14 +29,15 @@ def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
     limit = 2 * np.pi * damping.limit_hz
     ratios = np.full(omega.size, damping.damping_ratio)
     ratios[: len(damping.modal)] = damping.modal[: omega.size]
-    # The smallest ratio, so that no tendon would have to take more away than it gives.
-    per_stiffness = 2 * ratios[omega <= limit].min(initial=damping.damping_ratio) / limit
+    exact = omega <= limit
+    # As much joint damping as leaves every tendon something to give, and the default ratio at the limit.
+    per_stiffness = 2 * min(damping.damping_ratio / limit, (ratios[exact] / omega[exact]).min(initial=np.inf))
     elastic = [(int(model.joint(j.name).dofadr[0]), j) for j in spec.joints if j.stiffness[0] > 0]
     # MuJoCo builds a tendon's row fastest from joints in the order of their coordinates.
     elastic.sort(key=lambda pair: pair[0])
     for _, joint in elastic:
         joint.damping = [per_stiffness * joint.stiffness[0], 0.0, 0.0]
-    for r in np.flatnonzero(omega <= limit):
+    for r in np.flatnonzero(exact):
         coefficient = 2 * ratios[r] * omega[r] - per_stiffness * omega[r] ** 2
         tendon = spec.add_tendon(name=f"modal-damping-{r + 1}", damping=[coefficient, 0.0, 0.0])
         weights = bare.mass @ shapes[:, r]
