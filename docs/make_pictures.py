@@ -10,13 +10,13 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from vgvt_scoreboard import merge_truth
 
 from vgvt.cli.claim import read_claim
 from vgvt.data import FrequencyResponseSet, InputError, ModalModel
 from vgvt.files import read_campaign
 from vgvt.files.truth import read_truth
 from vgvt.signals import estimate_frf
+from vgvt_scoreboard import merge_truth
 
 IMAGES = Path(__file__).parent / "images"
 

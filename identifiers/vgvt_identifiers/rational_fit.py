@@ -146,7 +146,15 @@ def _columns(
 ) -> NDArray[np.complex128]:
     poles = 1 / (1j * x[:, None] - z)
     images = [] if mirror is None else [1 / (1j * x[:, None] - mirror)]
-    return np.hstack([poles, *images, np.polynomial.legendre.legvander(x, background - 1)])
+    return np.hstack([poles, *images, _legendre(x, background)])
+
+
+def _legendre(x: NDArray[np.float64], terms: int) -> NDArray[np.float64]:
+    """Legendre polynomials (K, terms) by their recurrence."""
+    columns = [np.ones_like(x), x]
+    for n in range(1, terms - 1):
+        columns.append(((2 * n + 1) * x * columns[n] - n * columns[n - 1]) / (n + 1))
+    return np.stack(columns[:terms], axis=1)
 
 
 def _mirror(z: NDArray[np.complex128], centre: float) -> NDArray[np.complex128]:

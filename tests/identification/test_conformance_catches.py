@@ -11,12 +11,12 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from numpy import random as global_stream
-from vgvt_identifiers.quadrature import Quadrature
 
 from vgvt.data import Campaign, ModalModel
 from vgvt.identification import Needs
 from vgvt.identification.conformance import Check, checks
 from vgvt.identification.example import Example
+from vgvt_identifiers.quadrature import Quadrature
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vgvt_identifiers.bell_fit import bell_fit
 
 from vgvt.data import InputError
+from vgvt_identifiers.bell_fit import bell_fit
 
 FREQUENCY = np.arange(1.0, 40.0, 1 / 60)
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vgvt_identifiers.quadrature import Quadrature
 
 from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, InputError, Outcome, Quantity, modal_assurance
 from vgvt.identification import make_identifier, run_identifier
 from vgvt.identification.example import Example
+from vgvt_identifiers.quadrature import Quadrature
 
 FOUR = Example(
     frequency_hz=(5.2, 11.7, 17.3, 26.1),

@@ -1,7 +1,7 @@
 import pytest
-from vgvt_identifiers.quadrature import Quadrature
 
 from vgvt.identification.conformance import Check, checks
+from vgvt_identifiers.quadrature import Quadrature
 
 
 @pytest.mark.parametrize("check", checks(), ids=str)

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vgvt_identifiers.bell_fit import bell_fit
-from vgvt_identifiers.quadrature import Quadrature
-from vgvt_identifiers.spectra import campaign_spectra
 
 from vgvt.data import Campaign, ModalModel
 from vgvt.files import open_campaign
 from vgvt.identification import run_identifier
+from vgvt_identifiers.bell_fit import bell_fit
+from vgvt_identifiers.quadrature import Quadrature
+from vgvt_identifiers.spectra import campaign_spectra
 
 pytestmark = [pytest.mark.measured, pytest.mark.slow]
 LINE_HZ = 1 / 60

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from vgvt_identifiers.rational_fit import Block, fit_rational
 
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vgvt_identifiers.sigma_plot import sigma_peaks
-from vgvt_identifiers.spectra import LOCAL_HALF_WIDTH, campaign_spectra, line_variance
 
 from vgvt.data import Campaign, ChannelRole
 from vgvt.identification.example import Example
 from vgvt.signals.local_polynomial import local_polynomial_fit
+from vgvt_identifiers.sigma_plot import sigma_peaks
+from vgvt_identifiers.spectra import LOCAL_HALF_WIDTH, campaign_spectra, line_variance
 
 BASE = Example(
     frequency_hz=(5.2, 11.7, 17.3, 26.1),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vgvt_identifiers.stahle_forlifer import participation_matrix, separate_quadratures
 
 from vgvt.data import modal_assurance
+from vgvt_identifiers.stahle_forlifer import participation_matrix, separate_quadratures
 
 FREQUENCY = np.array([33.13, 33.53])  # the torsion pair of the GARTEUR SM-AG19
 DAMPING = np.array([0.008, 0.012])

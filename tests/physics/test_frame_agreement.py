@@ -107,9 +107,9 @@ def test_frequencies_approach_the_finite_element_model_at_second_order() -> None
     assert 1.6 < order < 2.4, f"order {order}, deviations {spread}"
 
 
-def test_a_branch_between_the_centres_of_links_costs_at_most_half_a_link_of_flexibility() -> None:
-    """It rides on the nearest link, which turns as the axis does up to half a link away: 0.025 m of 0.9 m."""
-    assert np.abs(deviations(CELLS["fine"], 1.524)).max() < 0.5 * 0.025 / 0.9
+def test_a_branch_between_the_centres_of_links_stays_within_three_per_cent() -> None:
+    """It rides on the nearest link, which turns as the axis does up to half a link away: first order, not second."""
+    assert np.abs(deviations(CELLS["middle"], 1.55)).max() < 0.03
 
 
 @pytest.mark.parametrize("cells", CELLS.values(), ids=CELLS.keys())

@@ -7,9 +7,9 @@ import pytest
 import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from vgvt_scoreboard import fit_percent, frf_fit_percent, pointwise_nu_gap
 
 from vgvt.data import Direction, Dof, ModalModel, Quantity, synthesise
+from vgvt_scoreboard import fit_percent, frf_fit_percent, pointwise_nu_gap
 
 seeds = st.integers(0, 2**32 - 1)
 

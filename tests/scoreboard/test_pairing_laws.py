@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from vgvt_scoreboard import PairingRule, pair_modes, pole_distance
 
 from vgvt.data import Direction, Dof, ModalModel
+from vgvt_scoreboard import PairingRule, pair_modes, pole_distance
 
 DOFS = tuple(Dof(k, Direction.PLUS_Z) for k in range(1, 6))
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vgvt_scoreboard import PairingRule, fit_percent, pair_modes, pointwise_nu_gap, score
 
 from vgvt.data import ModeScore
+from vgvt_scoreboard import PairingRule, fit_percent, pair_modes, pointwise_nu_gap, score
 
 README = Path(__file__).parents[2] / "scoreboard" / "README.md"
 

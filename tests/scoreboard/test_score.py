@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vgvt_scoreboard import merge_truth, score, sigma_share
 
 from vgvt.data import Direction, Dof, InputError, ModalModel, ModeScore, ModeStatus, Outcome, Scorecard
+from vgvt_scoreboard import merge_truth, score, sigma_share
 
 FREQUENCY = [8.0, 15.5, 19.1, 31.8]
 SHAPES = np.array([[1, 2, 3, 4, 1], [1, -2, 3, -4, 1], [3, 1, -2, -1, 1], [1, 1, 1, -3, 1.0]])

@@ -1,4 +1,4 @@
-"""A small scenario that simulates in a second: one run, short sweep, and a silence in which the aircraft comes to rest."""
+"""A small scenario that simulates in seconds: one run, a short sweep, and a silence to come to rest in."""
 
 from __future__ import annotations
 
@@ -16,7 +16,13 @@ def small() -> Scenario:
     clean = {"noise": None, "high_pass_hz": 0.0}
     return revised(
         scenario.model_copy(update={"airframe": scenario.airframe.model_copy(update={"beam": (wing,)})}),
-        acquisition={"runs": ((1, 10),), "sample_rate_hz": 1000.0, "bits": 32, "range_v": 10.0, "noise_v_per_rthz": 0.0},
+        acquisition={
+            "runs": ((1, 10),),
+            "sample_rate_hz": 1000.0,
+            "bits": 32,
+            "range_v": 10.0,
+            "noise_v_per_rthz": 0.0,
+        },
         accelerometers=clean,
         transducer=clean,
         excitation={

@@ -54,9 +54,7 @@ def test_another_sensor_changes_no_noise(small: Scenario) -> None:
     three = first_run(revised(noisy, acquisition={"runs": ((1, 10, 4),)}))
     quiet_two = first_run(revised(noisy, acquisition={"runs": ((1, 10),), "noise_v_per_rthz": 0.0}))
     quiet_three = first_run(revised(noisy, acquisition={"runs": ((1, 10, 4),), "noise_v_per_rthz": 0.0}))
-    np.testing.assert_allclose(
-        two.samples - quiet_two.samples, (three.samples - quiet_three.samples)[:4], atol=1e-6
-    )
+    np.testing.assert_allclose(two.samples - quiet_two.samples, (three.samples - quiet_three.samples)[:4], atol=1e-6)
     assert np.abs(two.samples - quiet_two.samples).max() > 1e-4
 
 

@@ -30,9 +30,7 @@ def test_force_per_command_agrees(small: Scenario) -> None:
 
 def test_same_seed_same_campaign_other_seed_other_noise(small: Scenario) -> None:
     """Deterministic to the bit, and the seed only moves the noise."""
-    noisy = small.model_copy(
-        update={"acquisition": small.acquisition.model_copy(update={"noise_v_per_rthz": 1e-5})}
-    )
+    noisy = small.model_copy(update={"acquisition": small.acquisition.model_copy(update={"noise_v_per_rthz": 1e-5})})
     first, again = (simulate(noisy, engine="linear").campaign.runs[0].samples for _ in range(2))
     other = simulate(noisy.model_copy(update={"seed": 7}), engine="linear").campaign.runs[0].samples
     assert np.array_equal(first, again)

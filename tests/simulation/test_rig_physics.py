@@ -85,7 +85,7 @@ def test_voltage_drive_damps_the_coupled_system_and_current_drive_does_not(small
 
 
 def test_reciprocity_between_two_campaigns(small: Scenario) -> None:
-    """Shaking here and measuring there equals the reverse, from two separately assembled rigs of weightless instruments."""
+    """Shaking here and measuring there equals the reverse: two rigs assembled apart, with weightless instruments."""
     weightless = revised(small, accelerometers={"mass_kg": 0.0}, transducer={"mass_kg": 0.0, "end_mass_kg": 0.0})
     weightless = revised(weightless, stinger={"mass_kg": 0.0})
     grid = weightless.accelerometers.grid

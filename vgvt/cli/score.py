@@ -50,9 +50,8 @@ def scored(truth: Truth, claim: Claim, band: tuple[float, float] | None) -> Scor
     """The scorecard of a claim in the band that it was made for, unless another is asked for."""
     from dataclasses import replace
 
-    from vgvt_scoreboard import score as score_model
-
     from vgvt.data import InputError
+    from vgvt_scoreboard import score as score_model
 
     band_hz = claim.band_hz if band is None else band
     if not 0 <= band_hz[0] < band_hz[1]:

@@ -90,9 +90,8 @@ def simulated(name: str, out: Path | None, seed: int | None, engine: str | None,
 
 def simulation_document(result: Simulated) -> dict[str, Any]:
     """The document of ``vgvt simulate``; ``vgvt run`` adds the identifiers to it."""
-    from vgvt_scoreboard import merge_truth
-
     from vgvt.cli.claim import mode_documents
+    from vgvt_scoreboard import merge_truth
 
     return {
         "scenario": result.scenario.name,

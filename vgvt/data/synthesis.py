@@ -42,7 +42,7 @@ def synthesise(
     quantity: Quantity = Quantity.ACCELERATION,
     runs: tuple[int, ...] | None = None,
 ) -> FrequencyResponseSet:
-    """The FRFs of a modal model at all its DOFs and references, accelerance unless told otherwise.
+    """The FRFs of a modal model at all its DOFs and references over ``frequency_hz`` (F,), accelerance by default.
 
     ``runs`` labels each response with a run; left out, all belong to run 0. ValueError as for
     :func:`modal_contributions`.

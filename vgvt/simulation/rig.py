@@ -51,7 +51,7 @@ def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung
 def add_point_mass(
     spec: mujoco.MjSpec, parts: AirframeParts, name: str, carrier: str, position_m: NDArray[np.float64], mass_kg: float
 ) -> None:
-    """A lumped mass on a rigid body of the airframe, as a body of its own so that it can be weighed."""
+    """A lumped mass at a point (3,) on a rigid body of the airframe, as a body of its own so that it can be weighed."""
     body = spec.body(carrier).add_body(name=name, pos=position_m - parts.origin_m[carrier])
     # MuJoCo needs an inertia; that of a 2 mm ball is nothing here.
     body.explicitinertial = True

@@ -10,7 +10,7 @@ _LABEL_SHARE = 0.12
 
 
 def lane_labels(frequency_hz: NDArray[np.float64], band_hz: tuple[float, float]) -> tuple[list[str], list[str]]:
-    """Text and plotly position of the label of each marker in a lane, frequencies ascending.
+    """Text and plotly position of the label of each marker in a lane, for ascending ``frequency_hz`` (N,).
 
     A label goes above its marker, below where the one above is taken, and is left out (the marker
     still answers the mouse) where both are.
