@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_rig import revised
 
-from vgvt.data import ModalModel
+from vgvt.data import InputError, ModalModel
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import truth_of
 from vgvt.simulation.assembly import driven_rig, hung_rig, plan
@@ -147,6 +147,13 @@ def test_poles_move_from_run_to_run_as_the_sensors_do() -> None:
     first = [run.band(5.0, 12.0).natural_frequency_hz[0] for run in truth.as_tested]
     assert first[4] < first[0]
     assert np.ptp(first) / np.mean(first) > 1e-4
+
+
+def test_a_hook_below_the_centre_of_gravity_is_refused(small: Scenario) -> None:
+    """The equilibrium there is unstable: the message says where the hook must be."""
+    x, y, _ = small.suspension.hook_m
+    with pytest.raises(InputError, match=r"suspension.hook_m: the hung aircraft would turn over.*\n.*above the centre"):
+        truth_of(revised(small, suspension={"hook_m": (x, y, -0.2)}))
 
 
 def test_sag_is_settled_before_the_record_starts(small: Scenario) -> None:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Direction, Dof, RigidBodyProperties
+from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import part_at, surface_height_m
 from vgvt.simulation.airframe import ROOT, AirframeParts, airframe_spec, cut_airframe
@@ -147,7 +147,12 @@ def _settle(layout: Plan, model: mujoco.MjModel) -> NDArray[np.float64]:
     try:
         return settle(model)
     except RuntimeError as error:
-        raise RuntimeError(f"scenario {layout.scenario.name!r}: {error}") from error
+        hook, cg = layout.scenario.suspension.hook_m, rigid_body(bare_rig(layout)).centre_of_gravity_m
+        raise InputError(
+            f"scenario {layout.scenario.name}: suspension.hook_m",
+            f"{error} with the hook at {tuple(round(float(x), 3) for x in hook)} m",
+            f"Put the hook above the centre of gravity, which is at {tuple(round(float(x), 3) for x in cg)} m.",
+        ) from error
 
 
 def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:

@@ -87,25 +87,25 @@ def site_row(
 
 
 def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 50) -> NDArray[np.float64]:
-    """The static equilibrium (nq,) by Newton's method from the unloaded shape.
+    """The stable static equilibrium (nq,) by Newton's method from the unloaded shape.
 
-    Raises RuntimeError where the aircraft has none nearby, as with a hook far
-    below the centre of gravity.
+    Raises RuntimeError, with the reason, where there is none nearby or the one
+    found would turn over.
     """
     qpos = np.zeros(model.nq)
     data = mujoco.MjData(model)
     for _ in range(iterations):
         data.qpos[:], data.qvel[:] = qpos, 0.0
         force = joint_force(model, data)
+        stiffness = linearise(model, qpos).stiffness
         if np.abs(force).max() < tolerance_n:
+            if np.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0] <= 0:
+                raise RuntimeError("the hung aircraft would turn over")
             return qpos
-        step = np.linalg.solve(linearise(model, qpos).stiffness, force)
+        step = np.linalg.solve(stiffness, force)
         # Far from equilibrium the spring's geometry bends the path: never turn or swing by more than this at once.
         qpos = qpos + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
-    raise RuntimeError(
-        f"the hung aircraft found no equilibrium in {iterations} iterations (largest joint force left "
-        f"{np.abs(force).max():.2g}); is suspension.hook_m above the centre of gravity?"
-    )
+    raise RuntimeError(f"the hung aircraft finds no rest (force of {np.abs(force).max():.2g} N left)")
 
 
 def _central_differences(
