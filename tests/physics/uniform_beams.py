@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.model import Scenario
 
 CLAMPED_FREE = np.array([1.8751040687119611, 4.6940911329741746, 7.8547574382376126, 10.995540734875467])
@@ -81,10 +82,10 @@ def free_beam(beam: UniformBeam, cells: int = 12) -> Airframe:
 def virtual_test(airframe: Airframe, span_m: float, *, mirror: bool) -> Scenario:
     """A complete scenario around an airframe: accelerometers fore and aft of the axis along the span.
 
-    The spring sags 0.1 m whatever the mass, and its hook stands above the centre of gravity.
+    The spring sags 0.1 m whatever the mass, and its hook stands 0.1 m above the centre of gravity.
     """
-    wings = [b.stations.mass_kg_per_m[0] * b.stations.position_m[-1][1] * (1 + b.mirror) for b in airframe.beam]
-    weight_n = 9.81 * (airframe.body.mass_kg + sum(wings))
+    weighed = rigid_body_properties(airframe)
+    hook = tuple(float(v) for v in weighed.centre_of_gravity_m + np.array([0.0, 0.0, 0.1]))
     y = [round(span_m * k / 8, 9) for k in range(1, 9)]
     points = [(x, side * v) for side in ((1, -1) if mirror else (1,)) for v in y for x in (-0.1, 0.1)]
     nodes = list(range(1, len(points) + 1))
@@ -94,7 +95,7 @@ def virtual_test(airframe: Airframe, span_m: float, *, mirror: bool) -> Scenario
             "name": "uniform-beam",
             "summary": "A beam with a closed-form solution.",
             "airframe": airframe,
-            "suspension": {"hook_m": (0.0, 0.0, 0.1), "stiffness_n_per_m": weight_n / 0.1},
+            "suspension": {"hook_m": hook, "stiffness_n_per_m": 9.81 * weighed.mass_kg / 0.1},
             "shaker": {
                 "position_m": (0.0, 0.0, 0.0),
                 "coil_resistance_ohm": 2.0,

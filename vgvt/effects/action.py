@@ -1,0 +1,60 @@
+"""What an effect does to one run of a test, as data and pure functions of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.elements import Element
+from vgvt.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+Stage = Literal["sensor", "converter"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChannelFilter:
+    """A linear change of some channels: ``response(frequency_hz (F,)) -> (F,)`` complex multiplies their spectra.
+
+    ``channels`` is 'force', 'drive', 'response' (all accelerometers), 'all', or a DOF label like '12+Z'.
+    ``stage`` 'sensor' acts before the sensor's noise, 'converter' on the volts at the converter.
+    """
+
+    channels: str
+    response: Callable[[Array], NDArray[np.complex128]]
+    stage: Stage = "sensor"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChannelTransform:
+    """Any other change of some channels, in the time domain.
+
+    ``change(samples (N,), sample_rate_hz, generator) -> (N,)`` in SI units at stage
+    'sensor', in volts at stage 'converter'; ``generator`` is a random stream of this
+    channel, run and effect alone.
+    """
+
+    channels: str
+    change: Callable[[Array, float, np.random.Generator], Array]
+    stage: Stage = "sensor"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Action:
+    """What an effect does to one run: another scenario, more elements, another command, other channels.
+
+    ``scenario`` None leaves it as it was. ``command(command_v (N,), time_s (N,)) -> (N,)``
+    changes the command on its way to the amplifier; the recorded drive channel stays as sent.
+    """
+
+    scenario: Scenario | None = None
+    elements: tuple[Element, ...] = ()
+    command: Callable[[Array, Array], Array] | None = None
+    channels: tuple[ChannelFilter | ChannelTransform, ...] = ()
+
+
+NOTHING = Action()

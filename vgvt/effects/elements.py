@@ -1,0 +1,89 @@
+"""Mechanical elements that an effect can add, as data; the simulation knows how to build each.
+
+Positions are in aircraft axes of the unloaded shape, metres; ``part`` is 'body'
+or a beam. ``owner`` says what an element belongs to: elements of the airframe are
+part of the bare aircraft's truth, those of the rig are not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Vector = tuple[float, float, float]
+Owner = Literal["airframe", "rig"]
+_UP: Vector = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class PointMass:
+    """A lumped mass; negative values are not possible: take it from an item of the airframe instead."""
+
+    part: str
+    position_m: Vector
+    mass_kg: float
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
+class GroundSpring:
+    """Spring and dashpot from a point of the aircraft to the ground, along a direction, at rest as hung."""
+
+    part: str
+    position_m: Vector
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float = 0.0
+    direction: Vector = _UP
+    owner: Owner = "rig"
+
+
+@dataclass(frozen=True, slots=True)
+class RotationSpring:
+    """Spring and dashpot on the rotation of the centre body about one of its axes, against the ground."""
+
+    axis: Literal["roll", "pitch", "yaw"]
+    stiffness_n_m_per_rad: float
+    damping_n_m_s_per_rad: float = 0.0
+    owner: Owner = "rig"
+
+
+@dataclass(frozen=True, slots=True)
+class Absorber:
+    """A mass on a spring and dashpot that slides along a direction fixed to the aircraft."""
+
+    part: str
+    position_m: Vector
+    mass_kg: float
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
+    direction: Vector = _UP
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
+class MountCompliance:
+    """Spring and dashpot between structure and force transducer, along the stinger."""
+
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
+    owner: Owner = "rig"
+
+
+@dataclass(frozen=True, slots=True)
+class JointLaw:
+    """Another force law for a root joint of a beam: torque = k θ + k3 θ³, friction, and play around zero.
+
+    ``stiffness_n_m_per_rad`` replaces the joint's own; ``play_rad`` is the half gap.
+    The scenario must give the beam that root joint.
+    """
+
+    beam: str
+    kind: Literal["bending", "torsion"]
+    stiffness_n_m_per_rad: float
+    cubic_n_m_per_rad3: float = 0.0
+    friction_n_m: float = 0.0
+    play_rad: float = 0.0
+    owner: Owner = "airframe"
+
+
+Element = PointMass | GroundSpring | RotationSpring | Absorber | MountCompliance | JointLaw

@@ -1,0 +1,52 @@
+"""Physical parameters of an effect: unit, neutral value and plausible range, on the dataclass field itself."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, Literal
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter as a catalogue lists it.
+
+    ``neutral`` is the value at which the effect vanishes (None where another
+    parameter switches it off); ``low`` and ``high`` bound what is plausible for a small
+    aircraft; ``source`` says who says so ('guess' where nobody does). ``scale`` is the
+    natural one for a prior: 'log' for positive sizes, 'linear' for signed ones.
+    """
+
+    name: str
+    unit: str
+    neutral: float | None
+    low: float
+    high: float
+    scale: Literal["linear", "log"]
+    doc: str
+    source: str
+
+
+def parameter(
+    unit: str,
+    low: float,
+    high: float,
+    doc: str,
+    *,
+    neutral: float | None = None,
+    default: float | None = None,
+    scale: Literal["linear", "log"] = "linear",
+    source: str = "guess",
+) -> Any:
+    """A dataclass field that is a physical parameter; it defaults to ``default``, else to its neutral value."""
+    value = default if default is not None else neutral
+    if value is None:
+        raise ValueError("a parameter needs a neutral value or a default")
+    about = {"unit": unit, "low": low, "high": high, "doc": doc, "neutral": neutral, "scale": scale, "source": source}
+    return dataclasses.field(default=float(value), metadata=about)
+
+
+def parameters_of(effect: type) -> tuple[Parameter, ...]:
+    """The parameters of an effect class, in the order of its fields; other fields are settings without a prior."""
+    fields = [f for f in dataclasses.fields(effect) if "unit" in f.metadata]
+    return tuple(Parameter(name=f.name, **f.metadata) for f in fields)
