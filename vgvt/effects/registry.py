@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import typing
 import warnings
-from collections.abc import Mapping
 from importlib.metadata import entry_points
 
 from vgvt.data import InputError
@@ -58,7 +57,9 @@ def make_effect(name: str, where: str, **values: object) -> Effect:
     checked: dict[str, object] = {}
     for key, value in values.items():
         if key not in fields:
-            raise InputError(f"{where}.{key}", f"effect {name!r} has no such parameter", choose_one_of(key, tuple(fields)))
+            raise InputError(
+                f"{where}.{key}", f"effect {name!r} has no such parameter", choose_one_of(key, tuple(fields))
+            )
         checked[key] = _fitting(f"{where}.{key}", value, hints[key])
     try:
         made: Effect = cls(**checked)

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import MisfitError, Positive, Table, Whole
+from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension
 
@@ -40,6 +41,8 @@ class Scenario(Table):
     accelerometers: Accelerometers
     acquisition: Acquisition
     excitation: Excitation
+    effect: tuple[EffectTable, ...] = ()
+    """Departures from the ideal test, applied in this order."""
     simulation: Simulation = Simulation()
 
     @model_validator(mode="after")

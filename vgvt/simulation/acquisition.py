@@ -14,6 +14,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.signals.noise import coloured_noise
 from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.channel_effects import changed_by_effects
 from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
 
@@ -41,7 +42,7 @@ def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDA
     signals = np.vstack([command_v, readings[-1], readings[:-1]])
     overloaded = []
     for chain, row in zip(chains, signals, strict=True):
-        if _through(scenario, chain, run, row):
+        if _through(layout, chain, run, row):
             overloaded.append(chain.channel.name)
     channels = tuple(chain.channel for chain in chains)
     return Record(run + 1, scenario.acquisition.sample_rate_hz, channels, signals, tuple(overloaded))
@@ -78,10 +79,12 @@ def _acceleration(scenario: Scenario, point: MeasurementPoint) -> _Chain:
     return _Chain(channel, sensors.noise, GRAVITY_M_PER_S2, sensors.high_pass_hz)
 
 
-def _through(scenario: Scenario, chain: _Chain, run: int, row: NDArray[np.float64]) -> bool:
+def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64]) -> bool:
     """Send one channel (samples,) through its chain, in place; True where it clipped."""
+    scenario = layout.scenario
     acquisition = scenario.acquisition
     rate, name = acquisition.sample_rate_hz, chain.channel.name
+    row[:] = changed_by_effects(layout, chain.channel, run, "sensor", row)
     if chain.high_pass_hz > 0:
         numerator, denominator = scipy.signal.butter(1, chain.high_pass_hz, "highpass", fs=rate)
         row[:] = scipy.signal.lfilter(numerator, denominator, row)
@@ -90,6 +93,7 @@ def _through(scenario: Scenario, chain: _Chain, run: int, row: NDArray[np.float6
         density = np.array(chain.noise.density) * chain.noise_unit
         row += coloured_noise(generator, row.size, rate, chain.noise.frequency_hz, density)
     row *= chain.channel.sensitivity_v_per_unit
+    row[:] = changed_by_effects(layout, chain.channel, run, "converter", row)
     if acquisition.noise_v_per_rthz > 0:
         generator = named_stream(scenario.seed, "converter noise", run, name)
         row += generator.standard_normal(row.size) * acquisition.noise_v_per_rthz * np.sqrt(rate / 2)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
+from vgvt.effects.action import Action
+from vgvt.effects.elements import Element, GroundSpring
+from vgvt.effects.registry import effects_of
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import part_at, surface_height_m
 from vgvt.simulation.airframe import ROOT, AirframeParts, airframe_spec, cut_airframe
 from vgvt.simulation.damping import add_structural_damping
+from vgvt.simulation.elements import add_element, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
 from vgvt.simulation.rig import (
@@ -38,15 +42,27 @@ class MeasurementPoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """A scenario with its airframe cut and every point placed: what all runs share.
+    """A scenario with its airframe cut and every point placed.
 
-    ``grid`` are the accelerometer points in the order of the scenario, ``drive`` the shaker's.
+    ``grid`` are the accelerometer points in the order of the scenario, ``drive``
+    the shaker's. ``actions`` are what the scenario's effects do to the run that the plan is
+    for; their changes of the scenario are in ``scenario`` already.
     """
 
     scenario: Scenario
     parts: AirframeParts
     grid: tuple[MeasurementPoint, ...]
     drive: MeasurementPoint
+    actions: tuple[Action, ...] = ()
+
+    @property
+    def elements(self) -> tuple[tuple[str, Element], ...]:
+        """The elements that effects add, each with a name of its own."""
+        return tuple(
+            (f"effect-{i}-{k}", element)
+            for i, action in enumerate(self.actions)
+            for k, element in enumerate(action.elements)
+        )
 
     @property
     def points(self) -> tuple[MeasurementPoint, ...]:
@@ -67,8 +83,25 @@ class Rig:
     qpos: NDArray[np.float64]
 
 
+def plans(scenario: Scenario) -> list[Plan]:
+    """The plan of every run; without effects all runs share one."""
+    effects = effects_of(scenario)
+    count = len(scenario.acquisition.runs)
+    if not effects:
+        return [plan(scenario)] * count
+    layouts = []
+    for run in range(count):
+        changed, actions = scenario, []
+        for effect in effects:
+            action = effect.act(changed, run)
+            changed = action.scenario if action.scenario is not None else changed
+            actions.append(action)
+        layouts.append(replace(plan(changed), actions=tuple(actions)))
+    return layouts
+
+
 def plan(scenario: Scenario) -> Plan:
-    """Cut the airframe and place every point of the scenario on it."""
+    """Cut the airframe and place every point of the scenario on it, effects left out."""
     airframe, grid = scenario.airframe, scenario.accelerometers.grid
     parts = cut_airframe(airframe)
     count = len(grid.node)
@@ -91,7 +124,10 @@ def plan(scenario: Scenario) -> Plan:
 
 def bare_rig(layout: Plan) -> Rig:
     """The airframe alone, free-free, unloaded, with sites at every point."""
-    model = _airframe_with_points(layout).compile()
+    spec = _airframe_with_points(layout)
+    drive = layout.drive
+    spec.body(drive.carrier).add_site(name=drive.site, pos=drive.position_m - layout.parts.origin_m[drive.carrier])
+    model = spec.compile()
     return Rig(model, np.zeros(model.nq))
 
 
@@ -101,17 +137,19 @@ def hung_rig(layout: Plan, run: int) -> Rig:
     Only the part of the transducer between sensing element and structure
     counts here, at the equilibrium of the whole.
     """
-    whole = _hung_spec(layout, run, _transducer_side_mass(layout.scenario)).compile()
-    qpos = _settle(layout, whole)
-    structure_side = _hung_spec(layout, run, layout.scenario.transducer.end_mass_kg).compile()
-    return Rig(structure_side, qpos)
+    whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
+    qpos = _settle(layout, whole.compile())
+    structure_side, _ = _hung_spec(layout, run, layout.scenario.transducer.end_mass_kg)
+    _trim(structure_side, springs, qpos)
+    return Rig(structure_side.compile(), qpos)
 
 
 def driven_rig(layout: Plan, run: int) -> Rig:
     """The complete rig of a run, ready to be driven, with its sensors."""
-    spec = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
+    spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
     hung = spec.compile()
     qpos = _settle(layout, hung)
+    _trim(spec, springs, qpos)
     data = mujoco.MjData(hung)
     data.qpos[:] = qpos
     mujoco.mj_forward(hung, data)
@@ -156,15 +194,20 @@ def _settle(layout: Plan, model: mujoco.MjModel) -> NDArray[np.float64]:
 
 
 def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
+    """Airframe with its damping, the elements that effects add to it, and a site at every grid point."""
     spec = airframe_spec(layout.parts)
     add_structural_damping(spec, layout.scenario.airframe.damping)
-    for point in layout.points:
+    for name, element in layout.elements:
+        if element.owner == "airframe":
+            add_element(spec, layout.parts, name, element)
+    for point in layout.grid:
         origin = layout.parts.origin_m[point.carrier]
         spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - origin)
     return spec
 
 
-def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> mujoco.MjSpec:
+def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoco.MjSpec, list[str]]:
+    """The instrumented aircraft on its spring, and the names of tendons to trim once it is at rest."""
     scenario = layout.scenario
     spec = _airframe_with_points(layout)
     airframe_mass = rigid_body(bare_rig(layout)).mass_kg
@@ -174,7 +217,20 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> mujoco.MjSp
         add_point_mass(spec, layout.parts, name, point.carrier, point.position_m, scenario.accelerometers.mass_kg)
     drive = layout.drive
     add_point_mass(spec, layout.parts, TRANSDUCER, drive.carrier, drive.position_m, transducer_mass_kg)
-    return spec
+    # On the transducer, which a compliant mount lets move on its own.
+    spec.body(TRANSDUCER).add_site(name=drive.site)
+    springs: list[str] = []
+    for name, element in layout.elements:
+        if element.owner == "rig":
+            add_element(spec, layout.parts, name, element)
+        if isinstance(element, GroundSpring):
+            springs.append(name)
+    return spec, springs
+
+
+def _trim(spec: mujoco.MjSpec, springs: list[str], qpos: NDArray[np.float64]) -> None:
+    if springs:
+        trim_ground_springs(spec, spec.compile(), qpos, springs)
 
 
 def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:

@@ -14,7 +14,7 @@ from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.signals import linear_chirp
 from vgvt.simulation.acquisition import record
-from vgvt.simulation.assembly import Plan, Rig, driven_rig, plan
+from vgvt.simulation.assembly import Plan, Rig, driven_rig, plans
 from vgvt.simulation.linear_engine import respond
 from vgvt.simulation.mujoco_engine import Progress, step_runs
 from vgvt.simulation.state_space import StateSpace, state_space
@@ -43,19 +43,18 @@ def simulate(
     if engine not in ("mujoco", "linear"):
         raise ValueError(f"engine must be 'mujoco' or 'linear', got {engine!r}")
     clock = _Clock()
-    layout = plan(scenario)
-    runs = range(len(scenario.acquisition.runs))
-    rigs = [driven_rig(layout, run) for run in runs]
-    models = [state_space(layout, rig, layout.points) for rig in rigs]
-    truth = assemble_truth(layout, models)
+    layouts = plans(scenario)
+    rigs = [driven_rig(layout, run) for run, layout in enumerate(layouts)]
+    models = [state_space(layout, rig, layout.points) for layout, rig in zip(layouts, rigs, strict=True)]
+    truth = assemble_truth(layouts, models)
     clock.lap("assemble")
     if engine == "linear":
-        readings = _linear_readings(layout, models, progress)
+        readings = _linear_readings(layouts, models, progress)
     else:
-        readings = _mujoco_readings(layout, rigs, models, progress)
+        readings = _mujoco_readings(layouts, rigs, models, progress)
     clock.lap("simulate")
     command = drive_command(scenario, sample_times_s(scenario))
-    records = tuple(record(layout, run, command.copy(), readings[run]) for run in runs)
+    records = tuple(record(layout, run, command, readings[run]) for run, layout in enumerate(layouts))
     clock.lap("acquire")
     excitation = scenario.excitation
     notes = {
@@ -66,7 +65,7 @@ def simulate(
         "seed": str(scenario.seed),
     }
     return SimulationResult(
-        Campaign(scenario.name, geometry(layout), records, excitation.band_hz, notes), truth, clock.laps
+        Campaign(scenario.name, geometry(layouts[0]), records, excitation.band_hz, notes), truth, clock.laps
     )
 
 
@@ -90,30 +89,39 @@ def geometry(layout: Plan) -> Geometry:
     return Geometry(nodes, np.array([p.position_m for p in layout.points]), _rows(layout), _outline(layout))
 
 
-def _linear_readings(layout: Plan, models: list[StateSpace], progress: Progress | None) -> list[NDArray[np.float64]]:
-    rate = layout.scenario.acquisition.sample_rate_hz
-    command = drive_command(layout.scenario, sample_times_s(layout.scenario))
-    rows = {p.dof.node: i for i, p in enumerate(layout.points)}
+def sent_command(layout: Plan, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The command as it reaches the amplifier in a run, effects included, shape of ``time_s``."""
+    command = drive_command(layout.scenario, time_s)
+    for action in layout.actions:
+        command = command if action.command is None else action.command(command, time_s)
+    return command
+
+
+def _linear_readings(
+    layouts: list[Plan], models: list[StateSpace], progress: Progress | None
+) -> list[NDArray[np.float64]]:
     readings = []
-    for run, model in enumerate(models):
+    for run, (layout, model) in enumerate(zip(layouts, models, strict=True)):
+        rows = {p.dof.node: i for i, p in enumerate(layout.points)}
         index = [rows[p.dof.node] for p in layout.run_points(run)] + [len(layout.points)]
-        readings.append(respond(model.outputs(index), command, rate))
+        command = sent_command(layout, sample_times_s(layout.scenario))
+        readings.append(respond(model.outputs(index), command, layout.scenario.acquisition.sample_rate_hz))
         if progress is not None:
             progress((run + 1) / len(models), f"run {run + 1} of {len(models)} solved")
     return readings
 
 
 def _mujoco_readings(
-    layout: Plan, rigs: list[Rig], models: list[StateSpace], progress: Progress | None
+    layouts: list[Plan], rigs: list[Rig], models: list[StateSpace], progress: Progress | None
 ) -> list[NDArray[np.float64]]:
-    scenario = layout.scenario
+    scenario = layouts[0].scenario
     rate = scenario.acquisition.sample_rate_hz
     poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in models])
     count = substeps(poles, rate, scenario.simulation.step_s)
     for rig in rigs:
         rig.model.opt.timestep = 1.0 / (rate * count)
-    command = drive_command(scenario, sample_times_s(scenario, count))
-    return step_runs(layout, rigs, command, count, rate, progress)
+    commands = [sent_command(layout, sample_times_s(scenario, count)) for layout in layouts]
+    return step_runs(layouts, rigs, commands, count, rate, progress)
 
 
 def _rows(layout: Plan) -> tuple[tuple[int, ...], ...]:

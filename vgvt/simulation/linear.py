@@ -39,13 +39,16 @@ class LinearModel:
 
 def joint_force(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
     """The force (nv,) that accelerates the joints: passive and actuator minus bias, at the state in ``data``."""
-    mujoco.mj_forward(model, data)
+    # Not mj_forward: the acceleration of a bad guess is of no use, and MuJoCo would log a warning about it.
+    mujoco.mj_fwdPosition(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+    mujoco.mj_fwdActuation(model, data)
     return np.asarray(data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias)
 
 
 def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
     """Full joint-space inertia (nv, nv) at the position in ``data``."""
-    mujoco.mj_forward(model, data)
+    mujoco.mj_fwdPosition(model, data)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
     return full

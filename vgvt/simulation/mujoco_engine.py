@@ -19,9 +19,9 @@ _CHUNK_SAMPLES = 1000
 
 
 def step_runs(
-    layout: Plan,
+    layouts: list[Plan],
     rigs: list[Rig],
-    command_v: NDArray[np.float64],
+    commands_v: list[NDArray[np.float64]],
     steps_per_sample: int,
     sample_rate_hz: float,
     progress: Progress | None = None,
@@ -29,7 +29,7 @@ def step_runs(
 ) -> list[NDArray[np.float64]]:
     """Accelerations and force, (points + 1, samples) a rig, at the sampling instants.
 
-    ``command_v`` holds the command at every time step, ((samples - 1) * steps_per_sample + 1,).
+    ``commands_v`` holds each run's command at every time step, ((samples - 1) * steps_per_sample + 1,).
     Accelerations are those of the run's points less their value at rest, in
     m/s^2; the last row is the force at the transducer's sensing element, N.
     Raises FloatingPointError where a run diverges.
@@ -42,13 +42,13 @@ def step_runs(
     for k, runs in enumerate(groups.values()):
         kept = _step_together(
             [rigs[run] for run in runs],
-            command_v,
+            np.array([commands_v[run] for run in runs]),
             steps_per_sample,
             sample_rate_hz,
             _share(progress, k, len(groups)),
             threads,
         )
-        readings |= {run: _readings(layout, rigs[run], run, kept[i]) for i, run in enumerate(runs)}
+        readings |= {run: _readings(layouts[run], rigs[run], run, kept[i]) for i, run in enumerate(runs)}
     return [readings[run] for run in range(len(rigs))]
 
 
@@ -66,16 +66,16 @@ def _step_together(
     batch.set_models([rig.model for rig in rigs])
     batch.bind("qpos")[:] = np.array([rig.qpos for rig in rigs])
     # The actuator integrates: its control is the command's rate of change, its activation the command itself.
-    rate = np.diff(command_v, append=command_v[-1]) * (steps_per_sample * sample_rate_hz)
-    batch.bind("act")[:] = command_v[0]
-    samples = (command_v.size - 1) // steps_per_sample + 1
+    rate = np.diff(command_v, append=command_v[:, -1:]) * (steps_per_sample * sample_rate_hz)
+    batch.bind("act")[:] = command_v[:, :1]
+    samples = (command_v.shape[1] - 1) // steps_per_sample + 1
     kept = np.empty((len(rigs), samples, rigs[0].model.nsensordata))
     done = 0
     while done < samples:
         count = min(_CHUNK_SAMPLES, samples - done)
         start = done * steps_per_sample
-        chunk = rate[start : start + count * steps_per_sample]
-        record = batch.rollout(chunk.size, control=chunk[None, :, None], record=("sensordata",))["sensordata"]
+        chunk = rate[:, start : start + count * steps_per_sample, None]
+        record = batch.rollout(chunk.shape[1], control=chunk, record=("sensordata",))["sensordata"]
         kept[:, done : done + count] = record[:, ::steps_per_sample]
         done += count
         if not np.isfinite(kept[:, done - 1]).all():

@@ -6,7 +6,7 @@ import numpy as np
 
 from vgvt.data import ModalModel, Truth
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.assembly import Plan, Rig, bare_rig, driven_rig, hung_rig, plan, rigid_body
+from vgvt.simulation.assembly import Plan, Rig, bare_rig, driven_rig, hung_rig, plans, rigid_body
 from vgvt.simulation.labels import mode_labels
 from vgvt.simulation.linear import linearise
 from vgvt.simulation.modes import eigenpairs, modal_model
@@ -15,23 +15,23 @@ from vgvt.simulation.state_space import StateSpace, state_space
 
 def truth_of(scenario: Scenario) -> Truth:
     """The truth of a scenario, without simulating it: takes well under a second a run."""
-    layout = plan(scenario)
-    driven = [driven_state_space(layout, run)[1] for run in range(len(scenario.acquisition.runs))]
-    return assemble_truth(layout, driven)
+    layouts = plans(scenario)
+    return assemble_truth(layouts, [driven_state_space(layout, run)[1] for run, layout in enumerate(layouts)])
 
 
-def assemble_truth(layout: Plan, driven: list[StateSpace]) -> Truth:
-    """The truth from a plan and the state-space models of its runs with the shaker attached."""
-    scenario = layout.scenario
-    bare = bare_rig(layout)
-    count = len(scenario.acquisition.runs)
+def assemble_truth(layouts: list[Plan], driven: list[StateSpace]) -> Truth:
+    """The truth from the plan of each run and its state-space model with the shaker attached.
+
+    The bare airframe is that of the first run.
+    """
+    bare = bare_rig(layouts[0])
     return Truth(
-        scenario=scenario.name,
+        scenario=layouts[0].scenario.name,
         rigid_body=rigid_body(bare),
-        bare=_modes(layout, bare),
-        runs=tuple(range(1, count + 1)),
-        as_tested=tuple(_modes(layout, hung_rig(layout, run)) for run in range(count)),
-        coupled=tuple(_coupled(layout, model) for model in driven),
+        bare=_modes(layouts[0], bare),
+        runs=tuple(range(1, len(layouts) + 1)),
+        as_tested=tuple(_modes(layout, hung_rig(layout, run)) for run, layout in enumerate(layouts)),
+        coupled=tuple(_coupled(layout, model) for layout, model in zip(layouts, driven, strict=True)),
     )
 
 

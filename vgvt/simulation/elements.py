@@ -1,0 +1,127 @@
+"""Builds the mechanical elements that effects add to the rig's MuJoCo model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.effects.elements import (
+    Absorber,
+    Element,
+    GroundSpring,
+    JointLaw,
+    MountCompliance,
+    PointMass,
+    RotationSpring,
+)
+from vgvt.scenario.mirror import part_name
+from vgvt.simulation.airframe import AirframeParts
+from vgvt.simulation.rig import TRANSDUCER, add_point_mass
+
+# Far enough that a ground spring keeps its direction to 1e-5 for a centimetre of sideways motion.
+_FAR_M = 1000.0
+
+
+def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Element) -> None:
+    """Add one element to ``spec`` under a unique ``name``."""
+    adders: dict[type, Callable[..., None]] = {
+        PointMass: _add_mass,
+        GroundSpring: _add_ground_spring,
+        RotationSpring: _add_rotation_spring,
+        Absorber: _add_absorber,
+        MountCompliance: _add_mount,
+        JointLaw: _add_joint_law,
+    }
+    adders[type(element)](spec, parts, name, element)
+
+
+def trim_ground_springs(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, qpos: NDArray[np.float64], springs: list[str]
+) -> None:
+    """Give ground springs the rest length that they have at the equilibrium ``qpos`` (nq,): they hold nothing up."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    for name in springs:
+        length = float(data.ten_length[model.tendon(name).id])
+        spec.tendon(name).springlength = [length, length]
+
+
+def _add_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: PointMass) -> None:
+    position = np.array(element.position_m)
+    add_point_mass(spec, parts, name, parts.carrier(element.part, position), position, element.mass_kg)
+
+
+def _add_ground_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: GroundSpring) -> None:
+    position = np.array(element.position_m)
+    carrier = parts.carrier(element.part, position)
+    direction = np.array(element.direction) / np.linalg.norm(element.direction)
+    spec.body(carrier).add_site(name=f"{name}/here", pos=position - parts.origin_m[carrier])
+    spec.worldbody.add_site(name=f"{name}/ground", pos=position + _FAR_M * direction)
+    rod = spec.add_tendon(
+        name=name,
+        stiffness=[element.stiffness_n_per_m, 0.0, 0.0],
+        damping=[element.damping_n_s_per_m, 0.0, 0.0],
+    )
+    rod.wrap_site(f"{name}/ground")
+    rod.wrap_site(f"{name}/here")
+
+
+def _add_rotation_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: RotationSpring) -> None:
+    del parts, name
+    joint = spec.joint(element.axis)
+    joint.stiffness = [joint.stiffness[0] + element.stiffness_n_m_per_rad, 0.0, 0.0]
+    joint.damping = [joint.damping[0] + element.damping_n_m_s_per_rad, 0.0, 0.0]
+
+
+def _add_absorber(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Absorber) -> None:
+    position = np.array(element.position_m)
+    carrier = parts.carrier(element.part, position)
+    add_point_mass(spec, parts, name, carrier, position, element.mass_kg)
+    _slide(spec.body(name), name, np.array(element.direction), element.stiffness_n_per_m, element.damping_n_s_per_m)
+
+
+def _add_mount(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: MountCompliance) -> None:
+    del parts
+    body = spec.body(TRANSDUCER)
+    _slide(body, name, np.array([0.0, 0.0, 1.0]), element.stiffness_n_per_m, element.damping_n_s_per_m)
+
+
+def _slide(
+    body: mujoco.MjsBody, name: str, direction: NDArray[np.float64], stiffness_n_per_m: float, damping_n_s_per_m: float
+) -> None:
+    body.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=direction,
+        stiffness=[stiffness_n_per_m, 0.0, 0.0],
+        damping=[damping_n_s_per_m, 0.0, 0.0],
+    )
+
+
+def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: JointLaw) -> None:
+    beam = part_name(parts.airframe, element.beam, 1.0)
+    joint: Any = spec.joint(f"{beam}-root/{element.kind}")
+    if joint is None:
+        raise InputError(
+            f"effect on beam {element.beam}",
+            f"the beam has no {element.kind} spring at its root",
+            f"Give the beam a root_{element.kind}_stiffness_n_m_per_rad (torsion: root_torsional_…).",
+        )
+    joint.stiffness = [element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3]
+    joint.frictionloss = element.friction_n_m
+    if element.friction_n_m > 0:
+        spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    if element.play_rad > 0:
+        joint.stiffness = [0.0, 0.0, 0.0]
+        tendon = spec.add_tendon(
+            name=name,
+            stiffness=[element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3],
+            springlength=[-element.play_rad, element.play_rad],
+        )
+        tendon.wrap_joint(joint.name, 1.0)
