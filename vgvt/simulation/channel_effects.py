@@ -44,5 +44,7 @@ def selects(channels: str, channel: Channel) -> bool:
 def filtered(samples: Array, sample_rate_hz: float, response: Callable[[Array], NDArray[np.complex128]]) -> Array:
     """Samples (N,) through a linear response, with silence before and after so that nothing wraps around."""
     length = next_fast_len(3 * samples.size, real=True)
-    spectrum = rfft(samples, length) * response(np.fft.rfftfreq(length, 1 / sample_rate_hz))
+    spectrum = rfft(samples, length) * response(
+        np.asarray(np.fft.rfftfreq(length, 1 / sample_rate_hz), dtype=np.float64)
+    )
     return np.asarray(irfft(spectrum, length)[: samples.size])

@@ -1,0 +1,41 @@
+"""A delay of some channels against the others: a multiplexing converter, a filter of another make."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.action import NOTHING, Action, ChannelFilter
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.scenario.model import Scenario
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ChannelDelay:
+    """Response channels arrive late: G(f) is multiplied by exp(-i 2 pi f tau)."""
+
+    name: ClassVar[str] = "channel-delay"
+    summary: ClassVar[str] = "Response channels are sampled later than the force"
+    family: ClassVar[Family] = Family.ACQUISITION
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "a phase linear in frequency, the same on all delayed channels; magnitudes untouched"
+    confused_with: ClassVar[tuple[str, ...]] = ("high-pass-mismatch",)
+    separating_test: ClassVar[str] = "feed one signal into a delayed and a prompt channel at the same time"
+    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed., section 9.1 (time delay and phase)"
+
+    delay_s: float = parameter(
+        "s", 1e-6, 2e-3, "delay of the response channels against the force", neutral=0.0, scale="log"
+    )
+    channels: str = dataclasses.field(default="response", metadata={"doc": "'response', 'force' or a DOF like 12+Z"})
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Delay the chosen channels in every run."""
+        del scenario, run
+        return NOTHING if self.delay_s == 0 else Action(channels=(ChannelFilter(self.channels, self._response),))
+
+    def _response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        return np.asarray(np.exp(-2j * np.pi * frequency_hz * self.delay_s))
