@@ -1,0 +1,66 @@
+"""What the virtual test costs beside MuJoCo alone; off by default, run with `pytest tests/benchmarks --benchmark-only`.
+
+The figures to quote are ratios within one run of this file, never seconds.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import mujoco.rollout
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation import simulate
+from vgvt.simulation.assembly import driven_rig, plans
+from vgvt.simulation.state_space import state_space
+from vgvt.simulation.stepping import substeps
+
+
+@pytest.fixture(scope="module")
+def short_hati() -> Scenario:
+    """All ten runs of the Hati campaign, two seconds each."""
+    scenario = load_scenario("hati-unsymmetric")
+    excitation = scenario.excitation.model_copy(update={"duration_s": 2.0})
+    return scenario.model_copy(update={"excitation": excitation})
+
+
+@pytest.mark.benchmark(group="hati, ten runs of two seconds")
+def test_whole_simulation(benchmark: BenchmarkFixture, short_hati: Scenario) -> None:
+    """Assembly, truth, time stepping and acquisition."""
+    result = benchmark.pedantic(simulate, args=(short_hati,), kwargs={"engine": "mujoco"}, rounds=2)
+    assert len(result.campaign.runs) == 10
+
+
+@pytest.mark.benchmark(group="hati, ten runs of two seconds")
+def test_bare_rollout(benchmark: BenchmarkFixture, short_hati: Scenario) -> None:
+    """`mujoco.rollout` of the same models for the same steps on as many threads, nothing else."""
+    layouts = plans(short_hati)
+    rigs = [driven_rig(layout, run) for run, layout in enumerate(layouts)]
+    poles = np.linalg.eigvals(state_space(layouts[0], rigs[0], layouts[0].points).state_matrix)
+    rate = short_hati.acquisition.sample_rate_hz
+    count = substeps(poles, rate, short_hati.simulation.step_s)
+    for rig in rigs:
+        rig.model.opt.timestep = 1 / (rate * count)
+    steps = round(short_hati.excitation.record_s * rate * count) + 1
+    states = []
+    for rig in rigs:
+        data = mujoco.MjData(rig.model)
+        data.qpos[:] = rig.qpos
+        state = np.empty(mujoco.mj_stateSize(rig.model, mujoco.mjtState.mjSTATE_FULLPHYSICS.value))
+        mujoco.mj_getState(rig.model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS.value)
+        states.append(state)
+    workers = [mujoco.MjData(rigs[0].model) for _ in range(2)]
+    control = np.random.default_rng(0).standard_normal((1, steps, 1))
+    _, sensors = benchmark.pedantic(
+        mujoco.rollout.rollout, args=([r.model for r in rigs], workers, np.array(states), control), rounds=2
+    )
+    assert np.isfinite(sensors).all()
+
+
+@pytest.mark.benchmark(group="hati, ten runs of two seconds")
+def test_linear_engine(benchmark: BenchmarkFixture, short_hati: Scenario) -> None:
+    """The same campaign by the linear engine."""
+    result = benchmark.pedantic(simulate, args=(short_hati,), kwargs={"engine": "linear"}, rounds=2)
+    assert len(result.campaign.runs) == 10
