@@ -57,7 +57,7 @@ def merge_truth(truth: Truth) -> MergedTruth:
         damping_ratio=np.array([d.mean() for d in damping])[order],
         shapes=np.array([_mean_shape(group) for group in members]).reshape(first.shapes.shape)[order],
         residues=_mean_residues(first, members, order),
-        natural_frequency_std_hz=None,
+        natural_frequency_std_hz=_combined_limit(members, order),
         damping_ratio_std=None,
         modal_mass_kg=None,
         labels=tuple(first.labels[i] for i in order) if first.labels else (),
@@ -89,3 +89,17 @@ def _mean_residues(
         return None
     mean = [np.mean([m.residues[j] for m, j in group if m.residues is not None], axis=0) for group in members]
     return np.asarray(mean, dtype=complex).reshape(first.residues.shape)[order]
+
+
+def _combined_limit(members: list[list[tuple[ModalModel, int]]], order: NDArray[np.intp]) -> NDArray[np.float64] | None:
+    """The smallest standard deviation of each frequency that all runs together allow, (M,): information adds up."""
+    if any(m.natural_frequency_std_hz is None for group in members for m, _ in group):
+        return None
+    with np.errstate(divide="ignore"):
+        information = np.array(
+            [
+                sum(1 / m.natural_frequency_std_hz[j] ** 2 for m, j in g if m.natural_frequency_std_hz is not None)
+                for g in members
+            ]
+        )
+        return np.asarray(1 / np.sqrt(information))[order]

@@ -1,4 +1,4 @@
-"""Which modes a test can see: each mode's own share of the sigma plot at its natural frequency.
+"""Which modes a test can see: those about which it holds enough information.
 
 A shaker on a node line leaves a mode unmoved; not to report it is no mistake.
 """
@@ -10,8 +10,25 @@ from numpy.typing import NDArray
 
 from vgvt.data import ModalModel, modal_contributions
 
+DAMPING_KNOWN_WITHIN = 0.10
+"""A mode is reachable where the best unbiased method could know its damping ratio to this relative standard deviation."""
+
 UNREACHED_BELOW = 0.02
-"""Share of the total sigma below which a mode counts as unreached."""
+"""Share of the total sigma below which a mode counts as unreached, where the truth states no limit."""
+
+
+def reachable(model: ModalModel) -> NDArray[np.bool_]:
+    """True for every mode that the test holds enough information about, shape (M,).
+
+    The standard deviations of a merged truth are the Cramér–Rao bounds of the whole campaign:
+    std(ζ)/ζ = std(f)/(ζ f) of at most 10 % is enough. A truth without them is judged by :func:`sigma_share`,
+    2 % and more; without residues too, every mode counts as reachable.
+    """
+    if model.natural_frequency_std_hz is not None:
+        share = model.natural_frequency_std_hz / (model.damping_ratio * model.natural_frequency_hz)
+        return np.asarray(share <= DAMPING_KNOWN_WITHIN)
+    share = sigma_share(model)
+    return np.asarray(np.isnan(share) | (share >= UNREACHED_BELOW))
 
 
 def sigma_share(model: ModalModel) -> NDArray[np.float64]:
@@ -29,9 +46,3 @@ def sigma_share(model: ModalModel) -> NDArray[np.float64]:
             total = np.linalg.norm(alone.sum(axis=0), 2)
             share[r] = np.linalg.norm(alone[r], 2) / total if total > 0 else 0.0
     return share
-
-
-def reachable(model: ModalModel) -> NDArray[np.bool_]:
-    """True for every mode whose share is at least 2 % or unknown, shape (M,)."""
-    share = sigma_share(model)
-    return np.asarray(np.isnan(share) | (share >= UNREACHED_BELOW))

@@ -23,6 +23,17 @@ def small() -> Scenario:
             "range_v": 10.0,
             "noise_v_per_rthz": 0.0,
         },
+        # A coil with resistance and inductance on a stiff flexure (Modal Shop 2100E11): all of the shaker's physics.
+        shaker={
+            "drive": "voltage",
+            "amplifier_gain": 0.25,
+            "coil_resistance_ohm": 4.0,
+            "coil_inductance_h": 6e-4,
+            "force_factor_n_per_a": 36.0,
+            "armature_mass_kg": 0.44,
+            "flexure_stiffness_n_per_m": 1.1e5,
+            "flexure_damping_n_s_per_m": 9.6,
+        },
         accelerometers=clean,
         transducer=clean,
         excitation={

@@ -6,13 +6,16 @@ import mujoco
 import numpy as np
 import pytest
 import scipy.linalg
+from small_rig import revised
 
+from vgvt.data import InputError
 from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation import simulate
 from vgvt.simulation.assembly import bare_rig, driven_rig, plan
 from vgvt.simulation.linear import linearise
 from vgvt.simulation.modes import eigenpairs
 from vgvt.simulation.state_space import state_space
-from vgvt.simulation.stepping import stepped_poles, substeps
+from vgvt.simulation.stepping import amplification, stepped_poles, substeps
 
 
 @pytest.mark.parametrize("name", ["hati-unsymmetric", "hati-symmetric", "skoll-gvt1", "quick"])
@@ -30,6 +33,37 @@ def test_stepped_modes_below_40_hz(name: str) -> None:
     ratio, wanted = -stepped.real / np.abs(stepped), -low.real / np.abs(low)
     assert np.abs(ratio / wanted - 1).max() < 0.01
     assert np.abs(np.exp(stepped_poles(poles, step) * step)).max() <= 1.0
+
+
+def test_no_damping_ratio_makes_the_step_unstable() -> None:
+    """Whatever the damping of the fastest mode, the chosen step lets nothing grow."""
+    for ratio in np.linspace(0.0, 1.0, 41):
+        pole = 20000.0 * np.array([-ratio + 1j * np.sqrt(1 - ratio**2)])
+        count = substeps(pole, 1000.0, 1e-3)
+        assert np.abs(amplification(pole, 1e-3 / count)).max() <= 1 + 1e-9
+        assert count <= 8
+
+
+def test_a_model_too_fast_to_step_is_refused() -> None:
+    with pytest.raises(InputError, match=r"needs more than 64 time steps.*\n.*fewer cells"):
+        substeps(np.array([-1e6 + 1e7j]), 1000.0, 2.5e-4)
+
+
+def test_divergence_is_seen(small: Scenario) -> None:
+    """A drive that throws the aircraft about ends in an error, not in a record."""
+    with pytest.raises(FloatingPointError, match="diverged before"):
+        simulate(revised(small, excitation={"amplitude_v": 1e6}), engine="mujoco")
+
+
+def test_fine_chains_stay_affordable(small: Scenario) -> None:
+    """Twice the cells need about four times the steps, since the highest mode is never overdamped."""
+    counts = []
+    for cells in (10, 20):
+        wing = small.airframe.beam[0].model_copy(update={"cells": cells})
+        layout = plan(small.model_copy(update={"airframe": small.airframe.model_copy(update={"beam": (wing,)})}))
+        poles = np.linalg.eigvals(state_space(layout, driven_rig(layout, 0), layout.points).state_matrix)
+        counts.append(substeps(poles, 1000.0, 1e-3))
+    assert counts[1] <= 5 * counts[0]
 
 
 def ring_down(scenario: Scenario, mode: int, step_s: float, duration_s: float) -> tuple[complex, complex]:

@@ -35,7 +35,7 @@ def scenarios(as_json: JsonOption = False) -> int:
                 "summary": scenario.summary,
                 "lesson": scenario.lesson,
                 "aircraft": scenario.airframe.name,
-                "runs": len(acquisition.runs),
+                "runs": len(acquisition.run_nodes),
                 "duration_s": excitation.record_s,
                 "sample_rate_hz": acquisition.sample_rate_hz,
                 "band_hz": list(excitation.band_hz),

@@ -25,7 +25,8 @@ class Truth:
 
     ``bare``: the airframe alone, free-free, without gravity. ``as_tested``: per
     run, hung and instrumented, with the force at the transducer's sensing
-    element as the input (the poles of A/F). ``coupled``: per run, with the
+    element as the input (the poles of A/F); its standard deviations are the smallest
+    that the run's force, noise and sensors allow any unbiased method. ``coupled``: per run, with the
     shaker attached and driven (the poles of A/drive). ``runs`` are the run
     numbers of the last two.
     """

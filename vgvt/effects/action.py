@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Element
+from vgvt.effects.point_error import PointError
 from vgvt.scenario.model import Scenario
 
 Array = NDArray[np.float64]
@@ -45,7 +46,7 @@ class ChannelTransform:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Action:
-    """What an effect does to one run: another scenario, more elements, another command, other channels.
+    """What an effect does to one run: another scenario, more elements, another command, channels or points.
 
     ``scenario`` None leaves it as it was. ``command(command_v (N,), time_s (N,)) -> (N,)``
     changes the command on its way to the amplifier; the recorded drive channel stays as sent.
@@ -55,6 +56,7 @@ class Action:
     elements: tuple[Element, ...] = ()
     command: Callable[[Array, Array], Array] | None = None
     channels: tuple[ChannelFilter | ChannelTransform, ...] = ()
+    points: tuple[PointError, ...] = ()
 
 
 NOTHING = Action()

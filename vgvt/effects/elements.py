@@ -39,11 +39,15 @@ class GroundSpring:
 
 @dataclass(frozen=True, slots=True)
 class RotationSpring:
-    """Spring and dashpot on the rotation of the centre body about one of its axes, against the ground."""
+    """Spring and dashpot on the rotation of the centre body about one of its axes, at rest as hung.
+
+    ``gauge_per_m`` is what the force gauge reads of its moment on the aircraft, N per N m.
+    """
 
     axis: Literal["roll", "pitch", "yaw"]
     stiffness_n_m_per_rad: float
     damping_n_m_s_per_rad: float = 0.0
+    gauge_per_m: float = 0.0
     owner: Owner = "rig"
 
 
@@ -71,19 +75,67 @@ class MountCompliance:
 
 @dataclass(frozen=True, slots=True)
 class JointLaw:
-    """Another force law for a root joint of a beam: torque = k θ + k3 θ³, friction, and play around zero.
+    """Another force law for a root joint of a beam: k θ + k3 θ³ + c2 |θ'| θ', Coulomb friction, play around zero.
 
     ``stiffness_n_m_per_rad`` replaces the joint's own; ``play_rad`` is the half gap.
-    The scenario must give the beam that root joint.
+    The scenario must give the beam that root joint; ``beam`` is a name after mirroring.
     """
 
     beam: str
     kind: Literal["bending", "torsion"]
     stiffness_n_m_per_rad: float
     cubic_n_m_per_rad3: float = 0.0
+    quadratic_damping_n_m_s2_per_rad2: float = 0.0
     friction_n_m: float = 0.0
     play_rad: float = 0.0
     owner: Owner = "airframe"
 
 
-Element = PointMass | GroundSpring | RotationSpring | Absorber | MountCompliance | JointLaw
+@dataclass(frozen=True, slots=True)
+class SuspensionFrame:
+    """What the spring hangs from: a mass that moves up and down on a spring and dashpot to the ground."""
+
+    mass_kg: float
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
+    owner: Owner = "rig"
+
+
+@dataclass(frozen=True, slots=True)
+class BendTwist:
+    """Coupling of bending and torsion along a beam (a name after mirroring), K = ``coupling`` sqrt(EI GJ).
+
+    Positive: the leading edge goes up as the beam bends up.
+    """
+
+    beam: str
+    coupling: float
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
+class HingedFlap:
+    """A rigid flap on a sprung hinge; ``inertia_kg_m2`` about its centre of gravity. Trim holds it level."""
+
+    part: str
+    hinge_m: Vector
+    hinge_axis: Vector
+    centre_of_gravity_m: Vector
+    mass_kg: float
+    inertia_kg_m2: Vector
+    stiffness_n_m_per_rad: float
+    damping_n_m_s_per_rad: float
+    owner: Owner = "airframe"
+
+
+Element = (
+    PointMass
+    | GroundSpring
+    | RotationSpring
+    | Absorber
+    | MountCompliance
+    | JointLaw
+    | SuspensionFrame
+    | BendTwist
+    | HingedFlap
+)

@@ -10,6 +10,7 @@ from vgvt.scenario.mass import beam_properties, rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
 from vgvt.scenario.model import Scenario, Simulation
 from vgvt.scenario.planform import outlines_m, part_at, surface_height_m
+from vgvt.scenario.points import SensorPoint, sensor_points
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension
 from vgvt.scenario.streams import named_stream
 from vgvt.scenario.write import to_toml
@@ -27,6 +28,7 @@ __all__ = [
     "Item",
     "NoiseSpectrum",
     "Scenario",
+    "SensorPoint",
     "Shaker",
     "Simulation",
     "Stations",
@@ -47,6 +49,7 @@ __all__ = [
     "rigid_body_properties",
     "scenario_json_schema",
     "scenario_path",
+    "sensor_points",
     "surface_height_m",
     "to_toml",
 ]

@@ -42,7 +42,7 @@ class Stations(Table):
     """EI in the plane of the surface (fore-and-aft for a wing); left out, the beam is rigid in its plane."""
     mass_kg_per_m: tuple[Positive, ...]
     """Mass per length of the axis."""
-    pitch_inertia_kg_m: tuple[NonNegative, ...]
+    pitch_inertia_kg_m: tuple[Positive, ...]
     """Inertia per length about the section's centre of gravity and an axis along the beam."""
     cg_offset_m: tuple[Finite, ...] | None = None
     """Section centre of gravity aft of the elastic axis, at right angles to it."""
@@ -144,7 +144,8 @@ class Damping(Table):
     """Structural damping of the bare airframe, as modal damping ratios.
 
     Elastic modes up to ``limit_hz`` get the ratio given for them exactly; above,
-    stiffness-proportional damping takes over and grows with frequency.
+    stiffness-proportional damping takes over and grows with frequency, from ``damping_ratio`` at
+    the limit or from less, where a lightly damped mode below the limit or a fine chain leaves no room for it.
     """
 
     damping_ratio: Positive = 0.01

@@ -8,6 +8,7 @@ from typing import Any
 
 from vgvt.data.errors import InputError
 from vgvt.scenario.library import bundled_path, bundled_scenarios
+from vgvt.scenario.rig import KIND_KEYS
 from vgvt.scenario.toml_source import read_toml
 
 KeyPath = tuple[str | int, ...]
@@ -38,7 +39,8 @@ def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
     ``extends`` names a bundled scenario or a file relative to this one. Tables
     merge key by key; arrays of tables whose entries have a name merge entry by
     entry, new names last; anything else is replaced. ``name``, ``summary`` and
-    ``lesson`` are not inherited. InputError for a missing parent or a cycle.
+    ``lesson`` are not inherited, nor are the keys of an excitation's old kind.
+    InputError for a missing parent or a cycle.
     """
     place = path.resolve()
     if place in chain:
@@ -51,8 +53,18 @@ def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
         return Source(path, tables, dict.fromkeys(_keys(tables), path))
     parent = read_source(_parent_path(path, tables.pop("extends")), (*chain, place))
     inherited = {key: value for key, value in parent.tables.items() if key not in OWN_WORDS}
+    inherited = _without_keys_of_another_kind(inherited, tables.get("excitation"))
     written_in = {key: file for key, file in parent.written_in.items() if key[0] not in OWN_WORDS}
     return Source(path, _merged(inherited, tables, (), written_in, path), written_in)
+
+
+def _without_keys_of_another_kind(inherited: dict[str, Any], changes: Any) -> dict[str, Any]:
+    """The inherited tables less the keys of an excitation whose kind this file changes: it could not unset them."""
+    old, kind = inherited.get("excitation"), changes.get("kind") if isinstance(changes, dict) else None
+    if not isinstance(old, dict) or kind not in KIND_KEYS:
+        return inherited
+    foreign = {key for keys in KIND_KEYS.values() for key in keys} - set(KIND_KEYS[kind])
+    return inherited | {"excitation": {key: value for key, value in old.items() if key not in foreign}}
 
 
 def _parent_path(path: Path, name: Any) -> Path:

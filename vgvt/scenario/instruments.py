@@ -123,3 +123,10 @@ class Acquisition(Table):
     """White noise of the converter's inputs, one-sided."""
     runs: tuple[tuple[Whole, ...], ...] = Field(min_length=1)
     """The nodes that carry an accelerometer in each run, in the order of the channels."""
+    repeats: Whole = Field(default=1, ge=1)
+    """How often each of them is run, one after the other: records to average, and to see the scatter by."""
+
+    @property
+    def run_nodes(self) -> tuple[tuple[int, ...], ...]:
+        """The nodes of every run of the campaign, repeats included, in the order of the records."""
+        return tuple(nodes for nodes in self.runs for _ in range(self.repeats))

@@ -72,41 +72,116 @@ class Stinger(Table):
     """Half rides on the armature, half on the transducer."""
 
 
-class Excitation(Table):
-    """The command sent to the amplifier in every run."""
+KIND_KEYS: dict[str, dict[str, bool]] = {
+    "linear-chirp": {},
+    "logarithmic-chirp": {},
+    "stepped-sine": {"points": True, "settle_s": True},
+    "random": {},
+    "burst-random": {"blocks": True, "burst_fraction": True},
+    "multisine": {"blocks": True, "lines": True, "crest_iterations": False},
+}
+"""The keys that a kind of excitation has of its own, and whether it needs them."""
 
-    kind: Literal["linear-chirp"] = "linear-chirp"
-    """Shape of the command; a linear chirp passes every frequency at the same rate."""
+
+class Excitation(Table):
+    """The command sent to the amplifier in every run.
+
+    All kinds share the band, the duration, the amplitude and the silences around them; the other
+    keys belong to some kinds, as their texts say, and are refused with the rest.
+    """
+
+    kind: Literal["linear-chirp", "logarithmic-chirp", "stepped-sine", "random", "burst-random", "multisine"] = (
+        "linear-chirp"
+    )
+    """Shape of the command; a linear chirp passes every frequency at the same rate, a logarithmic one every octave."""
     start_hz: NonNegative
+    """First frequency of a sweep, lower edge of a random band."""
     stop_hz: Positive
+    """Last frequency of a sweep, which may run downwards; upper edge of a random band."""
     duration_s: Positive
-    """Length of the sweep."""
+    """Length of the excitation, all dwells or blocks together."""
     amplitude_v: Positive = 1.0
+    """Peak of a sine; root mean square of random noise (inside its bursts) and of a multisine."""
     lead_in_s: NonNegative = 0.0
-    """Silence before the sweep, inside the record."""
+    """Silence before the excitation, inside the record."""
     ring_down_s: NonNegative = 0.0
-    """Silence after the sweep, inside the record."""
+    """Silence after the excitation, inside the record."""
     taper_s: NonNegative = 0.0
-    """Cosine rise and fall at both ends of the sweep."""
+    """Cosine rise and fall at both ends of the excitation, and of every burst."""
+    points: Whole | None = Field(default=None, ge=2)
+    """stepped-sine: how many frequencies, both ends included; each gets its share of duration_s."""
+    settle_s: NonNegative | None = None
+    """stepped-sine: part of a dwell that waits for the response to settle; the rest is integrated over."""
+    blocks: Whole | None = Field(default=None, ge=1)
+    """burst-random: how many bursts, each with its silence. multisine: how many periods. They share duration_s."""
+    burst_fraction: Positive | None = Field(default=None, lt=1)
+    """burst-random: part of a block that is noise; in the rest the response dies out."""
+    lines: Literal["full", "odd"] | None = None
+    """multisine: excite all lines 1 / period apart, or the odd ones, which leaves the even to show nonlinearity."""
+    crest_iterations: Whole | None = Field(default=None, ge=0, le=10000)
+    """multisine: steps of phase optimisation towards a lower peak; left out, the phases stay random."""
+
+    @model_validator(mode="after")
+    def _keys_belong_to_the_kind(self) -> Self:
+        own = KIND_KEYS[self.kind]
+        for key in (k for keys in KIND_KEYS.values() for k in keys):
+            given = getattr(self, key) is not None
+            if given and key not in own:
+                owners = " or ".join(repr(kind) for kind, keys in KIND_KEYS.items() if key in keys)
+                raise MisfitError((key,), f"does not belong to kind {self.kind!r}", f"It is a key of kind {owners}.")
+            if not given and own.get(key):
+                raise MisfitError((key,), f"is missing, and kind {self.kind!r} needs it", f"Write {key} = ….")
+        return self
 
     @model_validator(mode="after")
     def _sweep_goes_somewhere(self) -> Self:
         if self.start_hz == self.stop_hz:
             raise MisfitError(("stop_hz",), f"is {self.stop_hz:g} like start_hz", "A sweep needs two frequencies.")
-        if 2 * self.taper_s > self.duration_s:
+        if self.kind == "logarithmic-chirp" and self.start_hz == 0:
+            raise MisfitError(("start_hz",), "is 0, which no octave reaches", "Start a logarithmic sweep above 0 Hz.")
+        whole = "duration_s" if self.burst_s == self.duration_s else "a burst's length"
+        if 2 * self.taper_s > self.burst_s:
             raise MisfitError(
                 ("taper_s",),
-                f"is {self.taper_s:g}, more than half of duration_s {self.duration_s:g}",
+                f"is {self.taper_s:g}, more than half of {whole} {self.burst_s:g}",
                 "Shorten it; it is there twice, at the rise and at the fall.",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _dwells_and_blocks_are_long_enough(self) -> Self:
+        low, high = self.band_hz
+        if self.points is not None and self.settle_s is not None:
+            cycles = (self.duration_s / self.points - self.settle_s) * low
+            if cycles < 1 - 1e-9:
+                raise MisfitError(
+                    ("settle_s",),
+                    f"is {self.settle_s:g} and leaves {max(cycles, 0.0):.2g} cycles at {low:g} Hz of each dwell of "
+                    f"{self.duration_s / self.points:.3g} s to integrate over",
+                    "Leave one cycle at least: settle less, make duration_s longer, or take fewer points.",
+                )
+        period = self.duration_s / (self.blocks or 1)
+        if self.kind in ("random", "burst-random", "multisine") and (high - low) * period < 4:
+            raise MisfitError(
+                ("blocks",) if self.blocks else ("duration_s",),
+                f"leaves {period:.3g} s, too short to tell frequencies apart from {low:g} to {high:g} Hz",
+                f"Give it {4 / (high - low):.3g} s at least, or widen the band.",
             )
         return self
 
     @property
     def record_s(self) -> float:
-        """Length of the record: lead-in, sweep and ring-down."""
+        """Length of the record: lead-in, excitation and ring-down."""
         return self.lead_in_s + self.duration_s + self.ring_down_s
 
     @property
+    def burst_s(self) -> float:
+        """Length of what fades in and out: a burst, or the whole excitation."""
+        if self.burst_fraction is None:
+            return self.duration_s
+        return self.burst_fraction * self.duration_s / (self.blocks or 1)
+
+    @property
     def band_hz(self) -> tuple[float, float]:
-        """The swept band, low to high."""
+        """The excited band, low to high."""
         return (min(self.start_hz, self.stop_hz), max(self.start_hz, self.stop_hz))

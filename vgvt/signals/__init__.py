@@ -1,6 +1,9 @@
 """Excitation, spectra and frequency response functions, with labels."""
 
 from vgvt.signals.excitation import linear_chirp, linear_chirp_frequency, linear_chirp_phase
+from vgvt.signals.excitation_multisine import multisine, multisine_lines
+from vgvt.signals.excitation_random import burst_random, continuous_random
+from vgvt.signals.excitation_sines import logarithmic_chirp, stepped_frequencies, stepped_sine
 from vgvt.signals.frf import ESTIMATORS, estimate_frf
 from vgvt.signals.local_polynomial import local_polynomial_variance
 from vgvt.signals.noise import coloured_noise, interpolated_density
@@ -8,12 +11,19 @@ from vgvt.signals.spectra import power_spectral_density
 
 __all__ = [
     "ESTIMATORS",
+    "burst_random",
     "coloured_noise",
+    "continuous_random",
     "estimate_frf",
     "interpolated_density",
     "linear_chirp",
     "linear_chirp_frequency",
     "linear_chirp_phase",
     "local_polynomial_variance",
+    "logarithmic_chirp",
+    "multisine",
+    "multisine_lines",
     "power_spectral_density",
+    "stepped_frequencies",
+    "stepped_sine",
 ]

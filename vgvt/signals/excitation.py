@@ -1,4 +1,4 @@
-"""Excitation signals: the linear swept sine that shakes an aircraft."""
+"""Excitation signals: the linear swept sine that shakes an aircraft, and the fade that all kinds share."""
 
 from __future__ import annotations
 
@@ -36,15 +36,23 @@ def linear_chirp(
     phase is continuous and starts at zero: sin(2 pi (f0 t + (f1 - f0) t^2 / (2 T))).
     ValueError for a duration that is not positive or a taper longer than half of it.
     """
-    if not 0 <= taper_s <= duration_s / 2:
-        raise ValueError(f"taper_s must lie between 0 and half the duration ({duration_s / 2} s), got {taper_s}")
     time = np.asarray(time_s, dtype=float)
-    signal = np.sin(linear_chirp_phase(time, start_hz, stop_hz, duration_s))
-    signal[(time < 0) | (time > duration_s)] = 0.0
+    return np.asarray(np.sin(linear_chirp_phase(time, start_hz, stop_hz, duration_s)) * fade(time, duration_s, taper_s))
+
+
+def fade(time_s: NDArray[np.float64], duration_s: float, taper_s: float) -> NDArray[np.float64]:
+    """The envelope of an excitation, shape of ``time_s``: 1 inside 0..``duration_s``, 0 outside.
+
+    It rises and falls as a raised cosine over ``taper_s`` at either end. ValueError for a duration
+    that is not positive or a taper longer than half of it.
+    """
+    if not 0 <= taper_s <= _positive(duration_s) / 2:
+        raise ValueError(f"taper_s must lie between 0 and half the duration ({duration_s / 2} s), got {taper_s}")
+    envelope = np.where((time_s < 0) | (time_s > duration_s), 0.0, 1.0)
     if taper_s > 0:
-        nearest_end = np.clip(np.minimum(time, duration_s - time), 0.0, taper_s)
-        signal *= 0.5 - 0.5 * np.cos(np.pi * nearest_end / taper_s)
-    return np.asarray(signal)
+        nearest_end = np.clip(np.minimum(time_s, duration_s - time_s), 0.0, taper_s)
+        envelope *= 0.5 - 0.5 * np.cos(np.pi * nearest_end / taper_s)
+    return envelope
 
 
 def _positive(duration_s: float) -> float:

@@ -73,7 +73,9 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
     spec.option.gravity = np.zeros(3)
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     # Nothing touches anything in a ground vibration test: skip the constraint stages of every step.
-    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    # And a run that diverges must be seen to, not be reset to rest behind our back.
+    flag = mujoco.mjtDisableBit
+    spec.option.disableflags = flag.mjDSBL_CONTACT | flag.mjDSBL_CONSTRAINT | flag.mjDSBL_AUTORESET
     moments = _moments(parts)
     root = spec.worldbody.add_body(name=ROOT, pos=parts.origin_m[ROOT])
     for name, axis in zip(ROOT_JOINTS, _ROOT_AXES, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -10,10 +11,10 @@ from numpy.typing import NDArray
 
 from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
 from vgvt.effects.action import Action
-from vgvt.effects.elements import Element, GroundSpring
+from vgvt.effects.elements import Element, GroundSpring, RotationSpring
 from vgvt.effects.registry import effects_of
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.planform import part_at, surface_height_m
+from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts, airframe_spec, cut_airframe
 from vgvt.simulation.damping import add_structural_damping
 from vgvt.simulation.elements import add_element, trim_ground_springs
@@ -32,12 +33,17 @@ from vgvt.simulation.rig import (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasurementPoint:
-    """A place for a sensor: its DOF, site name, position (3,) and the rigid body that carries it."""
+    """A place for a sensor: its DOF, site name, part, position (3,) and the rigid body that carries it.
+
+    ``axis`` (3,) is what it senses along: the DOF's direction, unless an effect leans it.
+    """
 
     dof: Dof
     site: str
+    part: str
     position_m: NDArray[np.float64]
     carrier: str
+    axis: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,14 +71,37 @@ class Plan:
         )
 
     @property
+    def gauged_springs(self) -> tuple[tuple[str, RotationSpring], ...]:
+        """The rotation springs whose moment the force gauge feels."""
+        springs = ((name, e) for name, e in self.elements if isinstance(e, RotationSpring))
+        return tuple((name, spring) for name, spring in springs if spring.gauge_per_m != 0)
+
+    @property
     def points(self) -> tuple[MeasurementPoint, ...]:
         """Grid points, then the drive point."""
         return (*self.grid, self.drive)
 
     def run_points(self, run: int) -> tuple[MeasurementPoint, ...]:
-        """The points that carry an accelerometer in a run (counted from 0), in the order of the channels."""
+        """The accelerometers of a run (counted from 0) in the order of the channels, where they really sit."""
+        return tuple(self._really_at(node) for node in self.scenario.acquisition.run_nodes[run])
+
+    def _really_at(self, node: int) -> MeasurementPoint:
         by_node = {p.dof.node: p for p in self.grid}
-        return tuple(by_node[node] for node in self.scenario.acquisition.runs[run])
+        labelled = by_node[node]
+        errors = [e for action in self.actions for e in action.points if e.node == node]
+        if not errors:
+            return labelled
+        elsewhere = [e.at_node for e in errors if e.at_node is not None]
+        seat = by_node[elsewhere[-1]] if elsewhere else labelled
+        position = seat.position_m + np.sum([e.shift_m for e in errors], axis=0)
+        return MeasurementPoint(
+            labelled.dof,
+            f"misplaced-{node}",
+            seat.part,
+            position,
+            self.parts.carrier(seat.part, position),
+            seat.axis + np.sum([e.lean for e in errors], axis=0),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +115,7 @@ class Rig:
 def plans(scenario: Scenario) -> list[Plan]:
     """The plan of every run; without effects all runs share one."""
     effects = effects_of(scenario)
-    count = len(scenario.acquisition.runs)
+    count = len(scenario.acquisition.run_nodes)
     if not effects:
         return [plan(scenario)] * count
     layouts = []
@@ -96,30 +125,28 @@ def plans(scenario: Scenario) -> list[Plan]:
             action = effect.act(changed, run)
             changed = action.scenario if action.scenario is not None else changed
             actions.append(action)
-        layouts.append(replace(plan(changed), actions=tuple(actions)))
+        layouts.append(_with_actions(plan(changed), tuple(actions)))
     return layouts
+
+
+def _with_actions(ideal: Plan, actions: tuple[Action, ...]) -> Plan:
+    drive = ideal.drive
+    leans = [e.lean for action in actions for e in action.points if e.node == drive.dof.node]
+    axis = drive.axis + np.sum(leans, axis=0) if leans else drive.axis
+    return replace(ideal, actions=actions, drive=replace(drive, axis=axis / np.linalg.norm(axis)))
 
 
 def plan(scenario: Scenario) -> Plan:
     """Cut the airframe and place every point of the scenario on it, effects left out."""
-    airframe, grid = scenario.airframe, scenario.accelerometers.grid
-    parts = cut_airframe(airframe)
-    count = len(grid.node)
-    directions = [Direction.from_label(d) for d in grid.direction or ("+Z",) * count]
-    points = []
-    for k in range(count):
-        x, y = grid.x_m[k], grid.y_m[k]
-        height = grid.z_m[k] if grid.z_m is not None else 0.0
-        part = grid.attached_to[k] if grid.attached_to is not None else part_at(airframe, (x, y, height))
-        if grid.z_m is None:
-            height = surface_height_m(airframe, part, x, y)
-        position = np.array([x, y, height])
-        dof = Dof(grid.node[k], directions[k])
-        points.append(MeasurementPoint(dof, f"node-{dof.node}", position, parts.carrier(part, position)))
-    position = np.array(scenario.shaker.position_m)
-    carrier = parts.carrier(scenario.shaker.attached_to, position)
-    drive = MeasurementPoint(Dof(scenario.shaker.node, Direction.PLUS_Z), DRIVE_SITE, position, carrier)
-    return Plan(scenario, parts, tuple(points), drive)
+    parts, shaker = cut_airframe(scenario.airframe), scenario.shaker
+
+    def point(dof: Dof, site: str, part: str, position_m: Sequence[float]) -> MeasurementPoint:
+        place = np.array(position_m)
+        return MeasurementPoint(dof, site, part, place, parts.carrier(part, place), dof.direction.unit_vector)
+
+    grid = tuple(point(p.dof, f"node-{p.dof.node}", p.part, p.position_m) for p in sensor_points(scenario))
+    drive = point(Dof(shaker.node, Direction.PLUS_Z), DRIVE_SITE, shaker.attached_to, shaker.position_m)
+    return Plan(scenario, parts, grid, drive)
 
 
 def bare_rig(layout: Plan) -> Rig:
@@ -138,7 +165,7 @@ def hung_rig(layout: Plan, run: int) -> Rig:
     counts here, at the equilibrium of the whole.
     """
     whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
-    qpos = _settle(layout, whole.compile())
+    qpos = _settle(layout, whole.compile(), springs)
     structure_side, _ = _hung_spec(layout, run, layout.scenario.transducer.end_mass_kg)
     _trim(structure_side, springs, qpos)
     return Rig(structure_side.compile(), qpos)
@@ -148,13 +175,13 @@ def driven_rig(layout: Plan, run: int) -> Rig:
     """The complete rig of a run, ready to be driven, with its sensors."""
     spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
     hung = spec.compile()
-    qpos = _settle(layout, hung)
+    qpos = _settle(layout, hung, springs)
     _trim(spec, springs, qpos)
     data = mujoco.MjData(hung)
     data.qpos[:] = qpos
     mujoco.mj_forward(hung, data)
     drive = data.site(DRIVE_SITE)
-    push = drive.xmat.reshape(3, 3) @ layout.drive.dof.direction.unit_vector
+    push = drive.xmat.reshape(3, 3) @ layout.drive.axis
     add_shaker(spec, layout.scenario.shaker, layout.scenario.stinger, drive.xpos.copy(), push)
     _add_sensors(spec, layout, run)
     model = spec.compile()
@@ -181,7 +208,10 @@ def _transducer_side_mass(scenario: Scenario) -> float:
     return scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
 
 
-def _settle(layout: Plan, model: mujoco.MjModel) -> NDArray[np.float64]:
+def _settle(layout: Plan, model: mujoco.MjModel, springs: list[str]) -> NDArray[np.float64]:
+    """The equilibrium (nq,) without the springs that will be trimmed to it: they are put on last and hold nothing."""
+    for name in springs:
+        model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:
         return settle(model)
     except RuntimeError as error:
@@ -215,6 +245,9 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
     for point in layout.run_points(run):
         name = f"accelerometer-{point.dof.node}"
         add_point_mass(spec, layout.parts, name, point.carrier, point.position_m, scenario.accelerometers.mass_kg)
+        if point not in layout.grid:
+            origin = layout.parts.origin_m[point.carrier]
+            spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - origin)
     drive = layout.drive
     add_point_mass(spec, layout.parts, TRANSDUCER, drive.carrier, drive.position_m, transducer_mass_kg)
     # On the transducer, which a compliant mount lets move on its own.
@@ -223,7 +256,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
     for name, element in layout.elements:
         if element.owner == "rig":
             add_element(spec, layout.parts, name, element)
-        if isinstance(element, GroundSpring):
+        if isinstance(element, GroundSpring | RotationSpring):
             springs.append(name)
     return spec, springs
 
@@ -238,5 +271,6 @@ def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
     kind = mujoco.mjtSensor
     for point in (*layout.run_points(run), layout.drive):
         spec.add_sensor(name=point.site, type=kind.mjSENS_ACCELEROMETER, objtype=site, objname=point.site)
-    for name, quantity in (("stinger-length", kind.mjSENS_TENDONPOS), ("stinger-rate", kind.mjSENS_TENDONVEL)):
-        spec.add_sensor(name=name, type=quantity, objtype=tendon, objname=STINGER)
+    for rod in (STINGER, *(name for name, _ in layout.gauged_springs)):
+        spec.add_sensor(name=f"{rod}-length", type=kind.mjSENS_TENDONPOS, objtype=tendon, objname=rod)
+        spec.add_sensor(name=f"{rod}-rate", type=kind.mjSENS_TENDONVEL, objtype=tendon, objname=rod)

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Geometry, Truth
-from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
-from vgvt.signals import linear_chirp
+from vgvt.scenario.planform import outlines_m
 from vgvt.simulation.acquisition import record
-from vgvt.simulation.assembly import Plan, Rig, driven_rig, plans
+from vgvt.simulation.assembly import Plan, Rig, driven_rig, plan, plans
+from vgvt.simulation.command import drive_command, excitation_in_words, sample_times_s, sent_command
 from vgvt.simulation.linear_engine import respond
 from vgvt.simulation.mujoco_engine import Progress, step_runs
 from vgvt.simulation.state_space import StateSpace, state_space
@@ -45,7 +45,10 @@ def simulate(
     clock = _Clock()
     layouts = plans(scenario)
     rigs = [driven_rig(layout, run) for run, layout in enumerate(layouts)]
-    models = [state_space(layout, rig, layout.points) for layout, rig in zip(layouts, rigs, strict=True)]
+    models = [
+        state_space(layout, rig, (*layout.points, *layout.run_points(run)))
+        for run, (layout, rig) in enumerate(zip(layouts, rigs, strict=True))
+    ]
     truth = assemble_truth(layouts, models)
     clock.lap("assemble")
     if engine == "linear":
@@ -53,48 +56,30 @@ def simulate(
     else:
         readings = _mujoco_readings(layouts, rigs, models, progress)
     clock.lap("simulate")
-    command = drive_command(scenario, sample_times_s(scenario))
-    records = tuple(record(layout, run, command, readings[run]) for run, layout in enumerate(layouts))
+    times = sample_times_s(scenario)
+    records = tuple(
+        record(layout, run, drive_command(scenario, run, times), readings[run]) for run, layout in enumerate(layouts)
+    )
     clock.lap("acquire")
-    excitation = scenario.excitation
     notes = {
         "aircraft": " ".join((scenario.airframe.name, scenario.airframe.configuration)).strip(),
-        "excitation": f"{excitation.kind} {excitation.start_hz:g} to {excitation.stop_hz:g} Hz "
-        f"in {excitation.duration_s:g} s",
+        "excitation": excitation_in_words(scenario.excitation),
         "engine": engine,
         "seed": str(scenario.seed),
     }
     return SimulationResult(
-        Campaign(scenario.name, geometry(layouts[0]), records, excitation.band_hz, notes), truth, clock.laps
+        Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.band_hz, notes),
+        truth,
+        clock.laps,
     )
-
-
-def sample_times_s(scenario: Scenario, steps_per_sample: int = 1) -> NDArray[np.float64]:
-    """The sampling instants of a record, or the time steps between them, from 0 to the last sample inclusive."""
-    rate = scenario.acquisition.sample_rate_hz
-    samples = round(scenario.excitation.record_s * rate) + 1
-    return np.arange((samples - 1) * steps_per_sample + 1) / (rate * steps_per_sample)
-
-
-def drive_command(scenario: Scenario, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The command in volts, shape of ``time_s``."""
-    e = scenario.excitation
-    sweep = linear_chirp(time_s - e.lead_in_s, e.start_hz, e.stop_hz, e.duration_s, e.taper_s)
-    return e.amplitude_v * sweep
 
 
 def geometry(layout: Plan) -> Geometry:
     """The test geometry: sensor points and drive point, with lines along each row and the outline for drawings."""
     nodes = tuple(p.dof.node for p in layout.points)
-    return Geometry(nodes, np.array([p.position_m for p in layout.points]), _rows(layout), _outline(layout))
-
-
-def sent_command(layout: Plan, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The command as it reaches the amplifier in a run, effects included, shape of ``time_s``."""
-    command = drive_command(layout.scenario, time_s)
-    for action in layout.actions:
-        command = command if action.command is None else action.command(command, time_s)
-    return command
+    return Geometry(
+        nodes, np.array([p.position_m for p in layout.points]), _rows(layout), outlines_m(layout.scenario.airframe)
+    )
 
 
 def _linear_readings(
@@ -102,9 +87,9 @@ def _linear_readings(
 ) -> list[NDArray[np.float64]]:
     readings = []
     for run, (layout, model) in enumerate(zip(layouts, models, strict=True)):
-        rows = {p.dof.node: i for i, p in enumerate(layout.points)}
-        index = [rows[p.dof.node] for p in layout.run_points(run)] + [len(layout.points)]
-        command = sent_command(layout, sample_times_s(layout.scenario))
+        # After the truth's points the model's outputs are the sensors of the run, then the force.
+        index = list(range(len(layout.points), model.output_matrix.shape[0]))
+        command = sent_command(layout, run, sample_times_s(layout.scenario))
         readings.append(respond(model.outputs(index), command, layout.scenario.acquisition.sample_rate_hz))
         if progress is not None:
             progress((run + 1) / len(models), f"run {run + 1} of {len(models)} solved")
@@ -120,7 +105,7 @@ def _mujoco_readings(
     count = substeps(poles, rate, scenario.simulation.step_s)
     for rig in rigs:
         rig.model.opt.timestep = 1.0 / (rate * count)
-    commands = [sent_command(layout, sample_times_s(scenario, count)) for layout in layouts]
+    commands = [sent_command(layout, run, sample_times_s(scenario, count)) for run, layout in enumerate(layouts)]
     return step_runs(layouts, rigs, commands, count, rate, progress)
 
 
@@ -136,25 +121,6 @@ def _rows(layout: Plan) -> tuple[tuple[int, ...], ...]:
             rows[bool(aft)].append((arc, point.dof.node))
         lines += [tuple(node for _, node in sorted(row)) for row in rows.values() if len(row) > 1]
     return tuple(lines)
-
-
-def _outline(layout: Plan) -> tuple[NDArray[np.float64], ...]:
-    airframe = layout.scenario.airframe
-    outlines = []
-    if airframe.body.outline_m:
-        height = airframe.body.centre_of_gravity_m[2]
-        outlines.append(np.array([(x, y, height) for x, y in airframe.body.outline_m]))
-    for beam in expanded_beams(airframe):
-        stations = beam.stations
-        if stations.forward_edge_m is None and stations.aft_edge_m is None:
-            continue
-        table = layout.parts.chains[beam.name].table
-        arcs = table.axis.arc_length_m
-        aft = np.array([table.frame(arc)[2] for arc in arcs])
-        forward_edge = table.point_m(arcs) - table.column("forward_edge_m", arcs)[:, None] * aft
-        aft_edge = table.point_m(arcs) + table.column("aft_edge_m", arcs)[:, None] * aft
-        outlines.append(np.vstack([forward_edge, aft_edge[::-1]]))
-    return tuple(outlines)
 
 
 class _Clock:

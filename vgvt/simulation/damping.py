@@ -17,6 +17,7 @@ from vgvt.scenario.airframe import Damping
 from vgvt.simulation.linear import linearise
 
 RIGID_MODES = 6
+_HIGHEST_RATIO = 0.3
 
 
 def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
@@ -30,8 +31,13 @@ def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
     ratios = np.full(omega.size, damping.damping_ratio)
     ratios[: len(damping.modal)] = damping.modal[: omega.size]
     exact = omega <= limit
-    # As much joint damping as leaves every tendon something to give, and the default ratio at the limit.
-    per_stiffness = 2 * min(damping.damping_ratio / limit, (ratios[exact] / omega[exact]).min(initial=np.inf))
+    # As much joint damping as leaves every tendon something to give, the default ratio at the limit, and the chain's
+    # highest mode, a thousand times faster than anything of interest, an oscillation that can still be stepped.
+    per_stiffness = 2 * min(
+        damping.damping_ratio / limit,
+        (ratios[exact] / omega[exact]).min(initial=np.inf),
+        _HIGHEST_RATIO / omega[-1] if omega.size else np.inf,
+    )
     elastic = [(int(model.joint(j.name).dofadr[0]), j) for j in spec.joints if j.stiffness[0] > 0]
     # MuJoCo builds a tendon's row fastest from joints in the order of their coordinates.
     elastic.sort(key=lambda pair: pair[0])

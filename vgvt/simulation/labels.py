@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.simulation.airframe import ROOT_JOINTS, AirframeParts
-from vgvt.simulation.chain import Link
+from vgvt.simulation.chain import Chain
+from vgvt.simulation.linear import mass_matrix
 
 _RIGID_NAMES = {
     "slide-x": "fore-aft swing",
@@ -26,22 +27,24 @@ def mode_labels(parts: AirframeParts, model: mujoco.MjModel, vectors: NDArray[np
     """Labels like '1st symmetric bending' or 'heave' for modes ``vectors`` (nv, R), in their order.
 
     Elastic or rigid by where the strain energy is not: a mode whose springs hold
-    less than the suspension's share keeps the name of its largest rigid motion.
+    less than the suspension's share keeps the name of its largest rigid motion. Where the
+    joint of an effect, NAME/kind, has most of the kinetic energy, the mode is that: '1st absorber'.
     """
-    stiffness = np.array([float(model.joint(j).stiffness[0]) for j in range(model.njnt)])
     names = [model.joint(j).name for j in range(model.njnt)]
-    kinds = sorted({name.split("/")[1] for name in names if "/" in name})
+    links = {link.name for chain in parts.chains.values() for link in chain.links}
+    elastic = [j for j, name in enumerate(names) if name.split("/")[0] in links]
+    added = [j for j, name in enumerate(names) if "/" in name and j not in elastic]
+    stiffness = np.array([float(model.joint(j).stiffness[0]) for j in range(model.njnt)])
+    mass = mass_matrix(model, mujoco.MjData(model))
     counted: Counter[str] = Counter()
     labels = []
     for vector in vectors.T:
         real = _in_phase(vector)
-        energy = stiffness * real**2
-        share = {k: sum(e for e, n in zip(energy, names, strict=True) if n.endswith("/" + k)) for k in kinds}
-        label = _label(parts, model, real, share)
+        label = _label_of_added(names, added, mass, real) or _label(parts, model, elastic, real, stiffness * real**2)
         counted[label] += 1
-        elastic = label not in _RIGID_NAMES.values() and label != "shaker"
+        numbered = label not in _RIGID_NAMES.values() and label != "shaker"
         count = counted[label]
-        labels.append(f"{_ORDINALS.get(count, f'{count}th')} {label}" if elastic else label)
+        labels.append(f"{_ORDINALS.get(count, f'{count}th')} {label}" if numbered else label)
     return tuple(labels)
 
 
@@ -51,12 +54,31 @@ def _in_phase(vector: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.asarray((vector * np.exp(-1j * phase)).real)
 
 
-def _label(parts: AirframeParts, model: mujoco.MjModel, real: NDArray[np.float64], share: dict[str, float]) -> str:
+def _label_of_added(
+    names: list[str], added: list[int], mass: NDArray[np.float64], real: NDArray[np.float64]
+) -> str | None:
+    """The kind of an effect's joint that has more than half of a mode's kinetic energy in its own motion."""
+    total = float(real @ mass @ real)
+    for j in added:
+        if mass[j, j] * real[j] ** 2 > 0.5 * total:
+            return names[j].split("/")[1]
+    return None
+
+
+def _label(
+    parts: AirframeParts,
+    model: mujoco.MjModel,
+    elastic: list[int],
+    real: NDArray[np.float64],
+    energy: NDArray[np.float64],
+) -> str:
     rigid = np.array([abs(real[model.joint(name).dofadr[0]]) for name in ROOT_JOINTS])
-    elastic = np.array([abs(real[j]) for j in range(real.size) if "/" in model.joint(j).name])
     # Rotations in rad count with one metre of arm, so that a degree of pitch is no small thing beside a slide.
-    if not elastic.size or elastic.sum() < 0.1 * rigid.max():
+    if not elastic or np.abs(real[elastic]).sum() < 0.1 * rigid.max():
         return _RIGID_NAMES[ROOT_JOINTS[int(np.argmax(rigid))]]
+    share: Counter[str] = Counter()
+    for j in elastic:
+        share[model.joint(j).name.split("/")[1]] += energy[j]
     kind = max(share, key=lambda k: share[k])
     return f"{_symmetry(parts, model, real, kind)}{kind}"
 
@@ -64,19 +86,25 @@ def _label(parts: AirframeParts, model: mujoco.MjModel, real: NDArray[np.float64
 def _symmetry(parts: AirframeParts, model: mujoco.MjModel, real: NDArray[np.float64], kind: str) -> str:
     """'symmetric ', 'antisymmetric ' or '' from the mirrored beams' hinge angles."""
     same = opposite = 0.0
-    for name in (b.name for b in parts.airframe.beam if b.mirror):
-        right, left = (
-            np.array([real[model.joint(f"{link.name}/{kind}").dofadr[0]] for link in chain.links if _has(link, kind)])
-            for chain in (parts.chains[f"{name}-right"], parts.chains[f"{name}-left"])
-        )
+    for name in (n.removesuffix("-right") for n in parts.chains if n.endswith("-right")):
+        if f"{name}-left" not in parts.chains:
+            continue
+        right, left = (_hinge_angles(parts.chains[f"{name}-{side}"], model, real, kind) for side in ("right", "left"))
+        # A joint that one side alone has, soft root or not, says nothing about symmetry.
+        cells = sorted(right.keys() & left.keys())
         # Torsion turns about axes that both point outboard: equal pitch is an opposite angle.
-        left = -left if kind == "torsion" else left
-        same += float(((right + left) ** 2).sum())
-        opposite += float(((right - left) ** 2).sum())
+        sign = -1.0 if kind == "torsion" else 1.0
+        same += sum((right[c] + sign * left[c]) ** 2 for c in cells)
+        opposite += sum((right[c] - sign * left[c]) ** 2 for c in cells)
     if same == opposite == 0.0:
         return ""
     return "symmetric " if same >= opposite else "antisymmetric "
 
 
-def _has(link: Link, kind: str) -> bool:
-    return any(hinge.kind == kind for hinge in link.hinges)
+def _hinge_angles(chain: Chain, model: mujoco.MjModel, real: NDArray[np.float64], kind: str) -> dict[str, float]:
+    """The angle of every hinge of a kind, by its link's name without the beam's."""
+    return {
+        link.name.removeprefix(chain.name): float(real[model.joint(f"{link.name}/{kind}").dofadr[0]])
+        for link in chain.links
+        if any(hinge.kind == kind for hinge in link.hinges)
+    }

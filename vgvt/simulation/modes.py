@@ -15,7 +15,7 @@ from vgvt.data import Dof, ModalModel
 from vgvt.simulation.linear import LinearModel
 
 # Slower than any suspension: what lies below is a free rigid-body motion.
-_SLOWEST_HZ = 0.02
+_SLOWEST_HZ = 0.002
 
 
 def eigenpairs(model: LinearModel) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -41,18 +41,21 @@ def modal_model(
     reference: int,
     limit_hz: float,
     labels: tuple[str, ...] = (),
-    method: str = "truth",
+    tilt: NDArray[np.float64] | None = None,
 ) -> ModalModel:
     """The modes up to ``limit_hz`` seen at ``dofs``, the rows of the model's displacement map.
 
     ``reference`` is the index of the drive point among them. Shapes are real-normalised:
-    the largest entry is +1, and ``modal_mass_kg`` belongs to that scale.
+    the largest entry is +1, and ``modal_mass_kg`` belongs to that scale. With ``tilt`` (D, nv),
+    what a unit of each coordinate lets the sensors feel of gravity, m/s², shapes are
+    those that accelerometers feel, displacement + tilt/λ²; residues stay those of the displacement.
     """
     poles, vectors = eigenpairs(model)
     below = np.abs(poles) <= 2 * np.pi * limit_hz
     poles, vectors = poles[below], vectors[:, below]
-    seen = (model.displacement @ vectors).T
-    residues = seen[:, :, None] * seen[:, None, [reference]]
+    moved = (model.displacement @ vectors).T
+    seen = moved if tilt is None else moved + (tilt @ vectors).T / poles[:, None] ** 2
+    residues = moved[:, :, None] * moved[:, None, [reference]]
     largest = seen[np.arange(poles.size), np.argmax(np.abs(seen), axis=1)]
     # A motion that no DOF can see keeps the scale of its own coordinates.
     largest = np.where(np.abs(largest) > 0, largest, 1.0)
@@ -65,5 +68,5 @@ def modal_model(
         references=(dofs[reference],),
         residues=residues,
         labels=labels[: poles.size],
-        method=method,
+        method="truth",
     )

@@ -16,6 +16,9 @@ from vgvt.simulation.state_space import mass_above_element_kg
 Progress = Callable[[float, str], None]
 # Long enough that the loop over chunks costs nothing, short enough for progress and Ctrl-C.
 _CHUNK_SAMPLES = 1000
+_SIZES = ("nsensordata", "nq", "nv", "na", "nu", "nbody", "njnt", "nsite", "ntendon", "nwrap", "neq", "nM", "nJten")
+# No reading of a real test comes near (m/s^2, N, m): beyond it, or at NaN, the integration has blown up.
+_DIVERGED = 1e6
 
 
 def step_runs(
@@ -34,10 +37,10 @@ def step_runs(
     m/s^2; the last row is the force at the transducer's sensing element, N.
     Raises FloatingPointError where a run diverges.
     """
-    # One batch shares the layout of its arrays: runs with as many accelerometers go together.
-    groups: dict[int, list[int]] = {}
+    # One batch shares the layout of its arrays: runs with as many accelerometers, bodies and springs go together.
+    groups: dict[tuple[int, ...], list[int]] = {}
     for run, rig in enumerate(rigs):
-        groups.setdefault(rig.model.nsensordata, []).append(run)
+        groups.setdefault(tuple(getattr(rig.model, size) for size in _SIZES), []).append(run)
     readings: dict[int, NDArray[np.float64]] = {}
     for k, runs in enumerate(groups.values()):
         kept = _step_together(
@@ -78,9 +81,11 @@ def _step_together(
         record = batch.rollout(chunk.shape[1], control=chunk, record=("sensordata",))["sensordata"]
         kept[:, done : done + count] = record[:, ::steps_per_sample]
         done += count
-        if not np.isfinite(kept[:, done - 1]).all():
+        sound = np.abs(kept[:, done - count : done]).max(initial=0.0) < _DIVERGED
+        if not sound:
             raise FloatingPointError(
-                f"the simulation diverged at {done / sample_rate_hz:.2f} s; use a shorter simulation.step_s"
+                f"the simulation diverged before {done / sample_rate_hz:.2f} s of the record; the drive is too strong "
+                "for this aircraft, or simulation.step_s too long"
             )
         if progress is not None:
             progress(done / samples, f"{done / sample_rate_hz:.0f} s of {samples / sample_rate_hz:.0f} s simulated")
@@ -102,11 +107,15 @@ def _readings(layout: Plan, rig: Rig, run: int, sensors: NDArray[np.float64]) ->
         return np.asarray(sensors[:, address : address + 3] @ direction)
 
     points = layout.run_points(run)
-    rows = [acceleration(p.site, p.dof.direction.unit_vector) for p in points]
+    rows = [acceleration(p.site, p.axis) for p in points]
     stretch = sensors[:, model.sensor("stinger-length").adr[0]] - stinger.length_m
     rate = sensors[:, model.sensor("stinger-rate").adr[0]]
     push = -stinger.axial_stiffness_n_per_m * stretch - stinger.axial_damping_n_s_per_m * rate
     drive = layout.drive
-    rows.append(push - mass_above_element_kg(layout) * acceleration(drive.site, drive.dof.direction.unit_vector))
+    for name, spring in layout.gauged_springs:
+        turn, rate = (sensors[:, model.sensor(f"{name}-{what}").adr[0]] for what in ("length", "rate"))
+        moment = -spring.stiffness_n_m_per_rad * turn - spring.damping_n_m_s_per_rad * rate
+        push = push + spring.gauge_per_m * moment
+    rows.append(push - mass_above_element_kg(layout) * acceleration(drive.site, drive.axis))
     readings = np.array(rows)
     return np.asarray(readings - readings[:, :1])

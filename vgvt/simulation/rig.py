@@ -15,6 +15,7 @@ DRIVE_SITE = "drive-point"
 TRANSDUCER = "force-transducer"
 STINGER = "stinger"
 SUSPENSION = "suspension"
+FRAME_SITE = "frame"
 ARMATURE = "armature"
 COIL = "coil"
 # A lag L/R below this turns the force by less than 0.15 degrees at 40 Hz, and would cost short time steps.
@@ -32,14 +33,14 @@ def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung
     spec.body(ROOT).add_site(name="hook", pos=hook - parts.origin_m[ROOT])
     sag = hung_mass_kg * GRAVITY_M_PER_S2 / suspension.stiffness_n_per_m
     top = hook + np.array([0.0, 0.0, suspension.free_length_m + sag])
-    spec.worldbody.add_site(name="frame", pos=top)
+    spec.worldbody.add_site(name=FRAME_SITE, pos=top)
     spring = spec.add_tendon(
         name=SUSPENSION,
         stiffness=[suspension.stiffness_n_per_m, 0.0, 0.0],
         damping=[suspension.damping_n_s_per_m, 0.0, 0.0],
         springlength=[suspension.free_length_m, suspension.free_length_m],
     )
-    spring.wrap_site("frame")
+    spring.wrap_site(FRAME_SITE)
     spring.wrap_site("hook")
     spec.joint("yaw").stiffness = [suspension.yaw_stiffness_n_m_per_rad, 0.0, 0.0]
     for name in ("yaw", "pitch", "roll"):
@@ -161,5 +162,5 @@ def _add_coil_node(
 
 def hung_mass_kg(scenario: Scenario, airframe_mass_kg: float, run: int) -> float:
     """What the spring carries in a run: airframe, transducer, half the stinger and the run's accelerometers."""
-    sensors = len(scenario.acquisition.runs[run]) * scenario.accelerometers.mass_kg
+    sensors = len(scenario.acquisition.run_nodes[run]) * scenario.accelerometers.mass_kg
     return airframe_mass_kg + sensors + scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg

@@ -49,7 +49,7 @@ def mass_above_element_kg(layout: Plan) -> float:
 def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) -> StateSpace:
     """The linear model of a driven rig, with the accelerations of ``points`` as outputs."""
     model = rig.model
-    linear = linearise(model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in points))
+    linear = linearise(model, rig.qpos, tuple((p.site, p.axis) for p in points))
     n = linear.freedoms
     inverse_mass = np.linalg.inv(linear.mass)
     a, b = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
@@ -58,7 +58,7 @@ def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) ->
     a[n:, n:] = -inverse_mass @ linear.damping
     pushed = model.actuator_trnid[model.actuator(COIL).id, 0]
     b[n:] = inverse_mass[:, model.jnt_dofadr[pushed]] * model.actuator_gainprm[model.actuator(COIL).id, 0]
-    tilt = _tilt_rows(rig, points)
+    tilt = tilt_rows(rig, points)
     acceleration = linear.displacement @ a[n:]
     acceleration[:, :n] += tilt
     force, force_feedthrough = _force_row(layout, rig, a[n:], b[n:])
@@ -71,7 +71,7 @@ def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) ->
     )
 
 
-def _tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.float64]:
+def tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.float64]:
     """What a small rotation of each sensor lets it feel of gravity, rows (points, nv)."""
     data = _at_rest(rig)
     rows = np.zeros((len(points), rig.model.nv))
@@ -79,7 +79,7 @@ def _tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.flo
         site = rig.model.site(point.site).id
         rotation = np.zeros((3, rig.model.nv))
         mujoco.mj_jacSite(rig.model, data, None, rotation, site)
-        direction = data.site_xmat[site].reshape(3, 3) @ point.dof.direction.unit_vector
+        direction = data.site_xmat[site].reshape(3, 3) @ point.axis
         rows[k] = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ rotation
     return rows
 
@@ -98,11 +98,15 @@ def _force_row(
         data.qvel[j] = 1.0
         mujoco.mj_fwdVelocity(model, data)
         length_row[j] = data.ten_velocity[rod]
-    drive_row = site_row(model, _at_rest(rig), DRIVE_SITE, _UP)
+    drive_row = site_row(model, _at_rest(rig), DRIVE_SITE, layout.drive.axis)
     inertia = mass_above_element_kg(layout)
     row = -inertia * (drive_row @ rate_rows)
-    row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * _tilt_rows(rig, (layout.drive,))[0]
+    row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * tilt_rows(rig, (layout.drive,))[0]
     row[n:] -= stinger.axial_damping_n_s_per_m * length_row
+    for _, spring in layout.gauged_springs:
+        joint = model.joint(spring.axis).dofadr[0]
+        row[joint] -= spring.gauge_per_m * spring.stiffness_n_m_per_rad
+        row[n + joint] -= spring.gauge_per_m * spring.damping_n_m_s_per_rad
     return row, float(-inertia * drive_row @ rate_input)
 
 

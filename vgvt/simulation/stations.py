@@ -11,7 +11,7 @@ from vgvt.scenario.airframe import Beam
 from vgvt.scenario.axis import Axis, beam_axis
 from vgvt.simulation.inertia import MassMoments
 
-# Three points integrate the quintic that a linear mass density times a quadratic moment can reach.
+# Linear mass density times a quadratic moment is a cubic: two points would do, three also serve the compliance.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vgvt.data import ModalModel, Truth
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.assembly import Plan, Rig, bare_rig, driven_rig, hung_rig, plans, rigid_body
+from vgvt.simulation.information import frequency_limit_hz
 from vgvt.simulation.labels import mode_labels
 from vgvt.simulation.linear import linearise
 from vgvt.simulation.modes import eigenpairs, modal_model
-from vgvt.simulation.state_space import StateSpace, state_space
+from vgvt.simulation.state_space import StateSpace, state_space, tilt_rows
 
 
 def truth_of(scenario: Scenario) -> Truth:
@@ -30,14 +33,16 @@ def assemble_truth(layouts: list[Plan], driven: list[StateSpace]) -> Truth:
         rigid_body=rigid_body(bare),
         bare=_modes(layouts[0], bare),
         runs=tuple(range(1, len(layouts) + 1)),
-        as_tested=tuple(_modes(layout, hung_rig(layout, run)) for run, layout in enumerate(layouts)),
+        as_tested=tuple(
+            _as_tested(layout, run, model) for run, (layout, model) in enumerate(zip(layouts, driven, strict=True))
+        ),
         coupled=tuple(_coupled(layout, model) for layout, model in zip(layouts, driven, strict=True)),
     )
 
 
 def limit_hz(scenario: Scenario) -> float:
-    """Highest mode in the truth: well above the swept band, so that out-of-band modes can be told."""
-    return max(2.0 * scenario.excitation.band_hz[1], 80.0)
+    """Highest mode in the truth: far above the swept band, so that what is left out matters little inside it."""
+    return max(12.0 * scenario.excitation.band_hz[1], 100.0)
 
 
 def driven_state_space(layout: Plan, run: int) -> tuple[Rig, StateSpace]:
@@ -47,10 +52,23 @@ def driven_state_space(layout: Plan, run: int) -> tuple[Rig, StateSpace]:
 
 
 def _modes(layout: Plan, rig: Rig) -> ModalModel:
-    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in layout.points))
+    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.axis) for p in layout.points))
     labels = mode_labels(layout.parts, rig.model, eigenpairs(linear)[1])
     dofs = tuple(p.dof for p in layout.points)
-    return modal_model(linear, dofs, len(dofs) - 1, limit_hz(layout.scenario), labels)
+    # Without gravity, as for the bare airframe, there is nothing to feel of it.
+    tilt = tilt_rows(rig, layout.points) if rig.model.opt.gravity.any() else None
+    return modal_model(linear, dofs, len(dofs) - 1, limit_hz(layout.scenario), labels, tilt)
+
+
+def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
+    """The modes as a run's sensors feel them, with the smallest standard deviations that the run allows."""
+    modes = _modes(layout, hung_rig(layout, run))
+    limit = frequency_limit_hz(layout, run, driven, modes)
+    return replace(
+        modes,
+        natural_frequency_std_hz=limit,
+        damping_ratio_std=limit / modes.natural_frequency_hz,
+    )
 
 
 def _coupled(layout: Plan, model: StateSpace) -> ModalModel:
@@ -58,7 +76,7 @@ def _coupled(layout: Plan, model: StateSpace) -> ModalModel:
     poles, vectors = np.linalg.eig(model.state_matrix)
     keep = np.flatnonzero((poles.imag > 0) & (np.abs(poles) <= 2 * np.pi * limit_hz(layout.scenario)))
     keep = keep[np.argsort(np.abs(poles[keep]))]
-    seen = (model.linear.displacement @ vectors[: model.linear.freedoms, keep]).T
+    seen = (model.linear.displacement[: len(layout.points)] @ vectors[: model.linear.freedoms, keep]).T
     largest = seen[np.arange(keep.size), np.argmax(np.abs(seen), axis=1)]
     return ModalModel(
         natural_frequency_hz=np.abs(poles[keep]) / (2 * np.pi),

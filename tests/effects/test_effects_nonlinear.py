@@ -1,0 +1,213 @@
+"""Nonlinear root joints against exact solutions of one degree of freedom.
+
+The rig is an arm on a root joint of a body too heavy to move, so that the assembled
+MuJoCo model has one mode in reach: I θ'' + torque(θ, θ') = T(t), I = m L³ / 3 known by hand.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.special
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.effects import Effect, make_effect
+from vgvt.effects.conformance import with_effect
+from vgvt.scenario import Airframe, Beam, Body, Damping, Scenario, Stations, load_scenario
+from vgvt.simulation import simulate
+from vgvt.simulation.assembly import bare_rig, plans
+from vgvt.simulation.effect_conformance import example_scenario
+
+STIFFNESS = 2000.0
+INERTIA = 1.0 / 3.0
+OMEGA = np.sqrt(STIFFNESS / INERTIA)
+STEP_S = 1e-4
+
+
+def arm(effect: Effect) -> mujoco.MjModel:
+    """One metre and one kilogram of nearly rigid arm on a root joint with the effect's law."""
+    stations = Stations(
+        position_m=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        bending_stiffness_n_m2=(4e6, 4e6),
+        torsional_stiffness_n_m2=(1e3, 1e3),
+        mass_kg_per_m=(1.0, 1.0),
+        pitch_inertia_kg_m=(1e-3, 1e-3),
+    )
+    airframe = Airframe(
+        name="arm",
+        body=Body(mass_kg=1e7, centre_of_gravity_m=(0.0, 0.0, 0.0), inertia_kg_m2=(1e7, 1e7, 1e7)),
+        beam=(Beam(name="arm", cells=1, stations=stations),),
+        damping=Damping(damping_ratio=1e-7),
+    )
+    whole = load_scenario("quick")
+    grid = whole.accelerometers.grid.model_copy(
+        update={"node": (1,), "x_m": (0.0,), "y_m": (1.0,), "z_m": None, "attached_to": None, "direction": None}
+    )
+    scenario = whole.model_copy(
+        update={
+            "airframe": airframe,
+            "accelerometers": whole.accelerometers.model_copy(update={"grid": grid}),
+            "acquisition": whole.acquisition.model_copy(update={"runs": ((1,),)}),
+        }
+    )
+    model = bare_rig(plans(with_effect(scenario, effect))[0]).model
+    model.opt.timestep = STEP_S
+    return model
+
+
+def motion(
+    effect: Effect, start_rad: float, duration_s: float, torque_n_m: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Angle of the root joint, (steps + 1,), let go at ``start_rad`` under an outer torque."""
+    model = arm(effect)
+    data = mujoco.MjData(model)
+    joint = model.joint("arm-root/bending")
+    address, dof = int(joint.qposadr[0]), int(joint.dofadr[0])
+    data.qpos[address] = start_rad
+    steps = round(duration_s / STEP_S)
+    angle = np.empty(steps + 1)
+    for k in range(steps + 1):
+        angle[k] = data.qpos[address]
+        if torque_n_m is not None:
+            data.qfrc_applied[dof] = torque_n_m[k]
+        mujoco.mj_step(model, data)
+    return angle
+
+
+def period_s(angle: NDArray[np.float64]) -> float:
+    """Mean time between upward zero crossings."""
+    up = np.flatnonzero((angle[:-1] < 0) & (angle[1:] >= 0))
+    times = (up - angle[up] / (angle[up + 1] - angle[up])) * STEP_S
+    return float(np.diff(times).mean())
+
+
+def turning_points(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sizes of the extremes of a free decay, the first one included."""
+    inside = np.abs(angle)
+    extreme = np.flatnonzero((inside[1:-1] >= inside[:-2]) & (inside[1:-1] > inside[2:])) + 1
+    return np.append(inside[0], inside[extreme])
+
+
+@pytest.mark.parametrize("cubic", [1e5, 1e6, 1e7])
+def test_cubic_joint_has_the_period_of_duffing(cubic: float) -> None:
+    """T = 4 K(m) / sqrt(ω² + α A²), m = α A² / 2(ω² + α A²), α = k3 / I (Nayfeh and Mook)."""
+    amplitude = 0.02
+    alpha = cubic / INERTIA * amplitude**2
+    expected = 4 * scipy.special.ellipk(alpha / (2 * (OMEGA**2 + alpha))) / np.sqrt(OMEGA**2 + alpha)
+    effect = make_effect("cubic-root-stiffness", "test", cubic_n_m_per_rad3=cubic)
+    assert period_s(motion(effect, amplitude, 0.6)) == pytest.approx(expected, rel=3e-4)
+    assert expected < 0.995 * 2 * np.pi / OMEGA
+
+
+@pytest.mark.parametrize("gap", [2e-3, 8e-3])
+def test_play_lengthens_the_period_by_the_time_in_the_gap(gap: float) -> None:
+    """T = 2π/ω + 2 gap / v: half a sine on each side, and the gap crossed twice at v = ω (A - gap/2)."""
+    amplitude = 0.02
+    speed = OMEGA * (amplitude - gap / 2)
+    effect = make_effect("root-freeplay", "test", gap_rad=gap, kind="bending")
+    expected = 2 * np.pi / OMEGA + 2 * gap / speed
+    assert period_s(motion(effect, amplitude, 0.6)) == pytest.approx(expected, rel=3e-4)
+
+
+def test_friction_takes_the_same_off_every_swing_and_then_holds() -> None:
+    """Coulomb: each half swing loses 2 M / k of amplitude; it stays where spring torque falls below M."""
+    friction = 0.5
+    effect = make_effect("root-friction", "test", friction_n_m=friction)
+    unit = friction / STIFFNESS
+    angle = motion(effect, 10.3 * unit, 1.0)
+    np.testing.assert_allclose(turning_points(angle)[:6] / unit, [10.3, 8.3, 6.3, 4.3, 2.3, 0.3], atol=5e-3)
+    assert abs(angle[-1]) == pytest.approx(0.3 * unit, rel=5e-3)
+    assert abs(angle[-1] - angle[-2000]) < 1e-4 * unit
+
+
+def test_a_stuck_joint_is_rigid() -> None:
+    """Below the slip torque nothing turns, neither under a steady nor under an alternating load."""
+    friction = 0.5
+    effect = make_effect("root-friction", "test", friction_n_m=friction)
+    time = np.arange(5001) * STEP_S
+    for load in (np.full(time.size, 0.9 * friction), 0.9 * friction * np.sin(2 * np.pi * 10 * time)):
+        assert np.abs(motion(effect, 0.0, 0.5, load)).max() < 1e-3 * 0.9 * friction / STIFFNESS
+
+
+@pytest.mark.parametrize("ratio", [0.6, 1.3])
+def test_forced_friction_meets_den_hartog(ratio: float) -> None:
+    """x k/T = sqrt(1/(1-r²)² - (M/T)² (sin(π/r) / (r (1 + cos(π/r))))²), without stops (Trans. ASME 53, 1931)."""
+    friction, load = 0.5, 3.0
+    turning = np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
+    expected = load / STIFFNESS * np.sqrt((1 / (1 - ratio**2)) ** 2 - (friction / load * turning) ** 2)
+    duration = 3.0
+    time = np.arange(round(duration / STEP_S) + 1) * STEP_S
+    torque = load * np.cos(ratio * OMEGA * time)
+    angle = motion(make_effect("root-friction", "test", friction_n_m=friction), 0.0, duration, torque)
+    assert np.abs(angle[time > 2.6]).max() == pytest.approx(expected, rel=5e-3)
+    without = load / STIFFNESS / abs(1 - ratio**2)
+    assert abs(expected / without - 1) > 8e-3
+
+
+def test_quadratic_damping_follows_the_ordinary_differential_equation() -> None:
+    """Against scipy's solution of I θ'' + c2 |θ'| θ' + k θ = 0 over ten cycles."""
+    damping, amplitude = 3.0, 0.05
+    effect = make_effect("amplitude-dependent-damping", "test", quadratic_damping_n_m_s2_per_rad2=damping)
+    angle = motion(effect, amplitude, 0.8)
+    time = np.arange(angle.size) * STEP_S
+    solved = scipy.integrate.solve_ivp(
+        lambda _, x: [x[1], -(STIFFNESS * x[0] + damping * abs(x[1]) * x[1]) / INERTIA],
+        (0.0, time[-1]),
+        [amplitude, 0.0],
+        t_eval=time,
+        rtol=1e-9,
+        atol=1e-12,
+    ).y[0]
+    np.testing.assert_allclose(turning_points(angle)[:15], turning_points(solved)[:15], rtol=2e-3)
+    assert turning_points(solved)[10] < 0.5 * amplitude
+
+
+def test_damping_grows_in_proportion_to_amplitude() -> None:
+    """Equivalent linearisation: logarithmic decrement per half swing 4 c2 Θ / 3 I for small damping."""
+    damping = 0.5
+    effect = make_effect("amplitude-dependent-damping", "test", quadratic_damping_n_m_s2_per_rad2=damping)
+    for amplitude in (0.01, 0.04):
+        swings = turning_points(motion(effect, amplitude, 0.12))
+        expected = 4 * damping / (3 * INERTIA) * np.sqrt(swings[0] * swings[1])
+        assert np.log(swings[0] / swings[1]) == pytest.approx(expected, rel=0.01)
+
+
+def test_the_hung_aircraft_sticks_at_low_level_and_slips_at_high_level() -> None:
+    """Stepped friction tends to the rigid root for a quiet test and to the slipping joint for a loud one."""
+
+    def accelerance(scenario: Scenario, engine: str) -> NDArray[np.complex128]:
+        record = simulate(scenario, engine=engine).campaign.runs[0]
+        frequency = np.fft.rfftfreq(record.samples.shape[1], 1 / record.sample_rate_hz)
+        spectra = np.fft.rfft(record.samples, axis=1)[:, (frequency > 4) & (frequency < 34)]
+        return np.asarray(spectra[2:] / spectra[1])
+
+    def distance(got: NDArray[np.complex128], wanted: NDArray[np.complex128]) -> float:
+        return float(np.linalg.norm(got - wanted) / np.linalg.norm(wanted))
+
+    stuck = accelerance(example_scenario(0.02), "linear")
+    slight = with_effect(example_scenario(1.0), make_effect("root-friction", "test", friction_n_m=0.02))
+    slipping = accelerance(slight, "linear")
+    assert distance(slipping, stuck) > 0.3
+    # The damping of the airframe is set with the joint free, so that the stuck peaks differ by some percent.
+    firm = make_effect("root-friction", "test", friction_n_m=2.0)
+    assert distance(accelerance(with_effect(example_scenario(0.02), firm), "mujoco"), stuck) < 0.06
+    assert distance(accelerance(slight, "mujoco"), slipping) < 0.1
+
+
+def test_an_own_root_spring_is_kept_and_an_unknown_beam_refused() -> None:
+    """The law applies to the joint that the scenario gives; a rigid root gets one of the stated stiffness."""
+    scenario = load_scenario("quick")
+    effect = make_effect("cubic-root-stiffness", "test", cubic_n_m_per_rad3=1e6, side="left")
+    (law,) = effect.act(scenario, 0).elements
+    assert (law.beam, law.stiffness_n_m_per_rad) == ("wing-left", 2000.0)
+    wing = scenario.airframe.beam[0].model_copy(update={"root_bending_stiffness_n_m_per_rad": 900.0})
+    airframe = scenario.airframe.model_copy(update={"beam": (wing,)})
+    laws = make_effect("root-friction", "test", friction_n_m=1.0).act(
+        scenario.model_copy(update={"airframe": airframe}), 0
+    )
+    assert [law.stiffness_n_m_per_rad for law in laws.elements] == [900.0, 900.0]
+    with pytest.raises(InputError, match="no beam 'fin'"):
+        make_effect("root-friction", "test", friction_n_m=1.0, beam="fin").act(scenario, 0)

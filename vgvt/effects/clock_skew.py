@@ -1,0 +1,58 @@
+"""Two devices, two clocks: the responses are sampled at another rate than the force."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.action import NOTHING, Action, ChannelTransform
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.scenario.model import Scenario
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ClockSkew:
+    """Sample n of a skewed channel was taken at n (1 + ε)/fs: a delay that grows with time, and in a sweep with f."""
+
+    name: ClassVar[str] = "clock-skew"
+    summary: ClassVar[str] = "Responses and force are sampled by clocks that run at different rates"
+    family: ClassVar[Family] = Family.ACQUISITION
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "a phase that grows through the record: as the square of frequency in a linear sweep"
+    confused_with: ClassVar[tuple[str, ...]] = ("channel-delay", "dropped-samples", "anti-alias-delay")
+    separating_test: ClassVar[str] = (
+        "one signal on both devices, compared at the start and at the end; a reversed sweep"
+    )
+    reference: ClassVar[str] = (
+        "Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., section 4.6 (resampling)"
+    )
+
+    skew: float = parameter(
+        "", -1e-3, 1e-3, "fraction by which the clock is slow", neutral=0.0, source="crystals: 1e-6 to 1e-4"
+    )
+    channels: str = dataclasses.field(default="response", metadata={"doc": "'response', 'force' or a DOF like 12+Z"})
+
+    def __post_init__(self) -> None:
+        """ValueError for a clock that is no clock."""
+        if abs(self.skew) >= 0.1:
+            raise ValueError("skew is a fraction: 1e-4 is 100 parts per million")
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Resample the chosen channels, in every run."""
+        del scenario, run
+        return NOTHING if self.skew == 0 else Action(channels=(ChannelTransform(self.channels, self._resampled),))
+
+    def _resampled(
+        self, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator
+    ) -> NDArray[np.float64]:
+        from scipy.interpolate import CubicSpline
+
+        del sample_rate_hz, generator
+        instant = np.arange(samples.size, dtype=np.float64)
+        # After its last instant the true signal is not known: the record comes to rest there.
+        wanted = np.minimum(instant * (1 + self.skew), instant[-1])
+        return np.asarray(CubicSpline(instant, samples)(wanted))

@@ -1,0 +1,123 @@
+"""The wing moves air with it: mass that no scale shows, and a little drag."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.effects.action import NOTHING, Action
+from vgvt.effects.beams import chosen_beams, plain_name, with_beams, with_columns
+from vgvt.effects.elements import Element, GroundSpring, Vector
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.scenario.airframe import Beam, Stations
+from vgvt.scenario.axis import beam_axis
+from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.model import Scenario
+
+AIR_KG_PER_M3 = 1.225
+"""Standard atmosphere at sea level."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class EntrainedAir:
+    """A flat plate of chord c moves ¼πρc² of air a length at its mid-chord, with ρπc⁴/128 of pitch inertia.
+
+    It is added to the section tables: exact for motion out of the plane; in the plane, which
+    is rigid here, it weighs a few grams too much. Drag is a dashpot for each area of wing.
+    """
+
+    name: ClassVar[str] = "entrained-air"
+    summary: ClassVar[str] = "The wing carries air along: added mass and drag"
+    family: ClassVar[Family] = Family.AIRFRAME
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "all bending frequencies 1 to 4 % low and low modes better damped than high ones"
+    confused_with: ClassVar[tuple[str, ...]] = ("added-mass", "suspension-damping", "nonproportional-damper")
+    separating_test: ClassVar[str] = "weigh the aircraft: air has no weight; a vacuum chamber, for those who have one"
+    reference: ClassVar[str] = "Theodorsen, NACA report 496, 1935 (apparent mass); Blevins, table 14-1"
+
+    mass_fraction: float = parameter(
+        "", 0.3, 1.2, "added mass as a fraction of ¼πρc²", neutral=0.0, source="1 for a plate of high aspect ratio"
+    )
+    drag_n_s_per_m3: float = parameter(
+        "N s/m^3", 0.05, 5.0, "drag force per normal speed and per area of wing", neutral=0.0, scale="log"
+    )
+    beam: str = dataclasses.field(default="", metadata={"doc": "a beam; '' for all on the body that have edges"})
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Add the air to the sections and dashpots along the axis of mid-chord, in every run."""
+        del run
+        if self.mass_fraction == self.drag_n_s_per_m3 == 0:
+            return NOTHING
+        names = chosen_beams(scenario.airframe, self.beam, self.name)
+        edged = [b.name for b in scenario.airframe.beam if b.name in names and _has_edges(b.stations)]
+        if not edged:
+            raise InputError(
+                f"effect {self.name}: beam",
+                "no chosen beam has edges, so nobody knows its chord",
+                "Give its stations forward_edge_m and aft_edge_m.",
+            )
+        plain = {plain_name(n) for n in edged}
+        beams = [b for b in expanded_beams(scenario.airframe) if plain_name(b.name) in plain]
+        dashpots = tuple(e for b in beams for e in self._dashpots(b)) if self.drag_n_s_per_m3 > 0 else ()
+        changed = with_beams(scenario, edged, self._with_air) if self.mass_fraction != 0 else None
+        return Action(scenario=changed, elements=dashpots)
+
+    def _with_air(self, beam: Beam) -> Beam:
+        stations = beam.stations
+        chord, middle = chord_m(stations), mid_chord_m(stations)
+        air = self.mass_fraction * 0.25 * math.pi * AIR_KG_PER_M3 * chord**2
+        turning = self.mass_fraction * math.pi * AIR_KG_PER_M3 * chord**4 / 128
+        mass, pitch = np.array(stations.mass_kg_per_m), np.array(stations.pitch_inertia_kg_m)
+        offset = np.array(stations.cg_offset_m or (0.0,) * len(mass))
+        together = (mass * offset + air * middle) / (mass + air)
+        steiner = mass * (offset - together) ** 2 + air * (middle - together) ** 2
+        return with_columns(
+            beam, mass_kg_per_m=mass + air, cg_offset_m=together, pitch_inertia_kg_m=pitch + turning + steiner
+        )
+
+    def _dashpots(self, beam: Beam) -> list[Element]:
+        """One a cell, at its middle, with the area of the cell."""
+        axis, stations = beam_axis(beam), beam.stations
+        length = float(axis.arc_length_m[-1])
+        found: list[Element] = []
+        for arc in (np.arange(beam.cells) + 0.5) * length / beam.cells:
+            segment = min(int(np.searchsorted(axis.arc_length_m, arc)) - 1, len(axis.tangent) - 1)
+            along = (arc - axis.arc_length_m[segment]) * axis.tangent[segment]
+            aft = np.interp(arc, axis.arc_length_m, mid_chord_m(stations)) * axis.aft[segment]
+            area = length / beam.cells * float(np.interp(arc, axis.arc_length_m, chord_m(stations)))
+            place, normal = _vector(axis.position_m[segment] + along + aft), _vector(axis.normal[segment])
+            damper = self.drag_n_s_per_m3 * area
+            found.append(GroundSpring(beam.name, place, 0.0, damper, normal, owner="airframe"))
+        return found
+
+
+def chord_m(stations: Stations) -> NDArray[np.float64]:
+    """Chord at right angles to the axis at the stations, shape (N,)."""
+    forward, aft = _edges(stations)
+    return forward + aft
+
+
+def mid_chord_m(stations: Stations) -> NDArray[np.float64]:
+    """Mid-chord aft of the axis at the stations, shape (N,)."""
+    forward, aft = _edges(stations)
+    return (aft - forward) / 2
+
+
+def _edges(stations: Stations) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    none = (0.0,) * len(stations.position_m)
+    return np.array(stations.forward_edge_m or none), np.array(stations.aft_edge_m or none)
+
+
+def _has_edges(stations: Stations) -> bool:
+    return stations.forward_edge_m is not None or stations.aft_edge_m is not None
+
+
+def _vector(values: NDArray[np.float64]) -> Vector:
+    x, y, z = (float(v) for v in values)
+    return (x, y, z)

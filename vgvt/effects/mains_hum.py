@@ -1,0 +1,57 @@
+"""Mains hum: the power line's frequency and its harmonics on the converter's inputs."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.action import NOTHING, Action, ChannelTransform
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.scenario.model import Scenario
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class MainsHum:
+    """Sines at the line frequency and twice and three times it, in volts, of a phase of its own on every channel."""
+
+    name: ClassVar[str] = "mains-hum"
+    summary: ClassVar[str] = "The power line couples into the cables"
+    family: ClassVar[Family] = Family.ACQUISITION
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "lines fixed at 50 or 60 Hz and multiples, there before the sweep and after it"
+    confused_with: ClassVar[tuple[str, ...]] = ("local-absorber",)
+    separating_test: ClassVar[str] = "record with the amplifier off; power the conditioner from a battery"
+    reference: ClassVar[str] = "Morrison, Grounding and Shielding, 6th ed., chapter 3; EN 50160 (line frequency)"
+
+    amplitude_v: float = parameter("V", 1e-4, 1e-2, "amplitude of the fundamental", neutral=0.0, scale="log")
+    frequency_hz: float = parameter(
+        "Hz", 49.8, 60.2, "line frequency: 50 or 60 Hz within 0.2 Hz", default=50.0, source="EN 50160"
+    )
+    second: float = parameter("", 0.0, 0.5, "second harmonic per fundamental", default=0.1)
+    third: float = parameter("", 0.0, 1.0, "third harmonic per fundamental", default=0.3)
+    channels: str = dataclasses.field(
+        default="all", metadata={"doc": "'all', 'response', 'force', 'drive' or a DOF like 12+Z"}
+    )
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Add the hum at the converter, in every run."""
+        del scenario, run
+        if self.amplitude_v == 0:
+            return NOTHING
+        return Action(channels=(ChannelTransform(self.channels, self._hum, "converter"),))
+
+    def _hum(
+        self, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator
+    ) -> NDArray[np.float64]:
+        time_s = np.arange(samples.size) / sample_rate_hz
+        out = samples.copy()
+        for order, level in ((1, 1.0), (2, self.second), (3, self.third)):
+            phase = generator.uniform(0.0, 2 * np.pi)
+            # The converter's own filter keeps what lies above half the rate out.
+            if order * self.frequency_hz < sample_rate_hz / 2:
+                out += self.amplitude_v * level * np.sin(2 * np.pi * order * self.frequency_hz * time_s + phase)
+        return out

@@ -1,0 +1,61 @@
+"""The suspension spring has mass: waves run along it, and it resonates at multiples of its surge frequency."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import ClassVar
+
+from vgvt.effects.action import NOTHING, Action
+from vgvt.effects.elements import Absorber, Element, PointMass
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.scenario.model import Scenario
+
+# Six surges reach past the test band for any plausible spring; what is above acts as mass.
+_SURGES = 6
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class SuspensionSurge:
+    """A spring of stiffness k and mass m_s loads the hook with k γ cot γ, γ = ω sqrt(m_s/k), instead of k.
+
+    The partial fractions of that are absorbers of mass 2 m_s/(nπ)² at n f_s,
+    f_s = ½ sqrt(k/m_s), beside the spring itself; those above the sixth, m_s/3 less the
+    six, ride on the hook as mass.
+    """
+
+    name: ClassVar[str] = "suspension-surge"
+    summary: ClassVar[str] = "The suspension spring has mass and resonates along its length"
+    family: ClassVar[Family] = Family.SUSPENSION
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "lightly damped pole-zero pairs at equal spacing in frequency, in all channels and runs"
+    confused_with: ClassVar[tuple[str, ...]] = ("local-absorber", "frame-resonance")
+    separating_test: ClassVar[str] = "tape the coils or hang the aircraft on another spring, and repeat one run"
+    reference: ClassVar[str] = "Wahl, Mechanical Springs, 2nd ed., chapter 25 (surge); Rao, Vibration, section 8.3"
+
+    mass_kg: float = parameter("kg", 0.1, 0.9, "mass of the spring", neutral=0.0, scale="log")
+    loss_factor: float = parameter(
+        "",
+        0.001,
+        0.02,
+        "loss factor of the spring, twice the damping ratio of each surge",
+        default=0.005,
+        scale="log",
+        source="steel springs with their end hooks; guess",
+    )
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Add the surges to the hook, in every run."""
+        del run
+        if self.mass_kg == 0:
+            return NOTHING
+        hook, stiffness = scenario.suspension.hook_m, scenario.suspension.stiffness_n_per_m
+        surge = math.pi * math.sqrt(stiffness / self.mass_kg)
+        elements: list[Element] = []
+        for n in range(1, _SURGES + 1):
+            mass, omega = 2 * self.mass_kg / (n * math.pi) ** 2, n * surge
+            damper = self.loss_factor * mass * omega
+            elements.append(Absorber("body", hook, mass, mass * omega**2, damper, owner="rig"))
+        rest = self.mass_kg / 3 - sum(e.mass_kg for e in elements if isinstance(e, Absorber))
+        return Action(elements=(*elements, PointMass("body", hook, rest, owner="rig")))

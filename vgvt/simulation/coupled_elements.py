@@ -1,0 +1,88 @@
+"""Elements of more than one joint or with a body of their own: the suspension's frame, bend-twist coupling, flaps.
+
+Their joints are named NAME/frame and NAME/flap, so that modes in which they hold
+the energy carry that name.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.elements import BendTwist, HingedFlap, SuspensionFrame
+from vgvt.simulation.airframe import AirframeParts
+from vgvt.simulation.rig import FRAME_SITE, GRAVITY_M_PER_S2
+
+# Radius of gyration of a lump whose inertia is not stated: MuJoCo needs one.
+_SMALL_M = 1e-3
+
+
+def add_suspension_frame(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: SuspensionFrame) -> None:
+    """Move the upper end of the hung aircraft's spring onto a mass that slides up and down."""
+    del parts
+    site = spec.site(FRAME_SITE)
+    top = np.array(site.pos)
+    # The spring refers to its end by name: give the name to a site on the frame.
+    site.name = f"{name}/ground"
+    body = spec.worldbody.add_body(name=name, pos=top, gravcomp=1.0)
+    body.add_joint(
+        name=f"{name}/frame",
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=(0.0, 0.0, 1.0),
+        stiffness=[element.stiffness_n_per_m, 0.0, 0.0],
+        damping=[element.damping_n_s_per_m, 0.0, 0.0],
+    )
+    _set_inertial(body, element.mass_kg, np.zeros(3), np.zeros(3))
+    body.add_site(name=FRAME_SITE)
+
+
+def add_bend_twist(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: BendTwist) -> None:
+    """Couple each cell's bending and torsion hinge by a fixed tendon, at unchanged EI and GJ.
+
+    A tendon of stiffness |κ| over sqrt(k_b) θ_b ± sqrt(k_t) θ_t adds κ sqrt(k_b k_t) off the
+    diagonal and |κ| k_b, |κ| k_t on it; the hinges give those back.
+    """
+    chain = parts.chains[element.beam]
+    size = abs(element.coupling)
+    for link in chain.links:
+        if {"bending", "torsion"} > {hinge.kind for hinge in link.hinges} or link.name.endswith("-root"):
+            continue
+        tangent, normal, aft = chain.table.frame(link.start_arc_m)
+        # Torsion turns about the outboard axis, which is leading edge up on one side and down on the other.
+        up = -np.sign(np.cross(tangent, aft) @ normal)
+        bending, torsion = (spec.joint(f"{link.name}/{kind}") for kind in ("bending", "torsion"))
+        stiffness = np.array([bending.stiffness[0], torsion.stiffness[0]])
+        tendon = spec.add_tendon(name=f"{name}-{link.name}", stiffness=[size, 0.0, 0.0])
+        tendon.wrap_joint(bending.name, float(np.sqrt(stiffness[0])))
+        tendon.wrap_joint(torsion.name, float(-up * np.sign(element.coupling) * np.sqrt(stiffness[1])))
+        for joint, value in zip((bending, torsion), stiffness, strict=True):
+            joint.stiffness = [(1 - size) * float(value), 0.0, 0.0]
+
+
+def add_hinged_flap(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: HingedFlap) -> None:
+    """A rigid flap on a hinge of the link that carries it; the spring is set so that it hangs level."""
+    hinge = np.array(element.hinge_m)
+    carrier = parts.carrier(element.part, hinge)
+    arm = np.array(element.centre_of_gravity_m) - hinge
+    axis = np.array(element.hinge_axis) / np.linalg.norm(element.hinge_axis)
+    weight = np.array([0.0, 0.0, -GRAVITY_M_PER_S2 * element.mass_kg])
+    body = spec.body(carrier).add_body(name=name, pos=hinge - parts.origin_m[carrier])
+    body.add_joint(
+        name=f"{name}/flap",
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=axis,
+        stiffness=[element.stiffness_n_m_per_rad, 0.0, 0.0],
+        damping=[element.damping_n_m_s_per_rad, 0.0, 0.0],
+        springref=float(-(axis @ np.cross(arm, weight)) / element.stiffness_n_m_per_rad),
+    )
+    _set_inertial(body, element.mass_kg, arm, np.array(element.inertia_kg_m2))
+
+
+def _set_inertial(
+    body: mujoco.MjsBody, mass_kg: float, centre_m: NDArray[np.float64], inertia_kg_m2: NDArray[np.float64]
+) -> None:
+    body.explicitinertial = True
+    body.mass = mass_kg
+    body.ipos = centre_m
+    body.inertia = np.maximum(inertia_kg_m2, mass_kg * _SMALL_M**2)
