@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -49,10 +51,12 @@ def test_a_model_too_fast_to_step_is_refused() -> None:
         substeps(np.array([-1e6 + 1e7j]), 1000.0, 2.5e-4)
 
 
-def test_divergence_is_seen(small: Scenario) -> None:
-    """A drive that throws the aircraft about ends in an error, not in a record."""
+def test_divergence_is_seen(small: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drive that throws the aircraft about ends in an error, not in a record, and leaves no log file behind."""
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(FloatingPointError, match="diverged before"):
         simulate(revised(small, excitation={"amplitude_v": 1e6}), engine="mujoco")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_fine_chains_stay_affordable(small: Scenario) -> None:

@@ -57,12 +57,12 @@ def _in_phase(vector: NDArray[np.complex128]) -> NDArray[np.float64]:
 def _label_of_added(
     names: list[str], added: list[int], mass: NDArray[np.float64], real: NDArray[np.float64]
 ) -> str | None:
-    """The kind of an effect's joint that has more than half of a mode's kinetic energy in its own motion."""
-    total = float(real @ mass @ real)
+    """The kind of effects' joints that have more than half of a mode's kinetic energy in their own motion."""
+    energy: Counter[str] = Counter()
     for j in added:
-        if mass[j, j] * real[j] ** 2 > 0.5 * total:
-            return names[j].split("/")[1]
-    return None
+        energy[names[j].split("/")[1]] += mass[j, j] * real[j] ** 2
+    total = float(real @ mass @ real)
+    return next((kind for kind, own in energy.items() if own > 0.5 * total), None)
 
 
 def _label(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import mujoco
 import mujoco.batch
@@ -43,14 +44,15 @@ def step_runs(
         groups.setdefault(tuple(getattr(rig.model, size) for size in _SIZES), []).append(run)
     readings: dict[int, NDArray[np.float64]] = {}
     for k, runs in enumerate(groups.values()):
-        kept = _step_together(
-            [rigs[run] for run in runs],
-            np.array([commands_v[run] for run in runs]),
-            steps_per_sample,
-            sample_rate_hz,
-            _share(progress, k, len(groups)),
-            threads,
-        )
+        with _silent():
+            kept = _step_together(
+                [rigs[run] for run in runs],
+                np.array([commands_v[run] for run in runs]),
+                steps_per_sample,
+                sample_rate_hz,
+                _share(progress, k, len(groups)),
+                threads,
+            )
         readings |= {run: _readings(layouts[run], rigs[run], run, kept[i]) for i, run in enumerate(runs)}
     return [readings[run] for run in range(len(rigs))]
 
@@ -90,6 +92,18 @@ def _step_together(
         if progress is not None:
             progress(done / samples, f"{done / sample_rate_hz:.0f} s of {samples / sample_rate_hz:.0f} s simulated")
     return kept
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep MuJoCo from writing MUJOCO_LOG.TXT into the user's folder: what goes wrong is said by our own error."""
+    before, quiet = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
+    quiet.logto_file = quiet.logto_console = False
+    mujoco.MjLogConfig.set(quiet)
+    try:
+        yield
+    finally:
+        mujoco.MjLogConfig.set(before)
 
 
 def _share(progress: Progress | None, part: int, parts: int) -> Progress | None:
