@@ -58,7 +58,9 @@ class _WindowFit:
         found = np.full(len(self.own), complex(np.nan))
         for run, fit in enumerate(self.own):
             near = abs(fit.poles[which] - self.common.poles[which]) < reach
-            if near and fit.pole_std[which] < 0.1 * abs(self.common.poles[which].real):
+            # A run with its sensors on the nodes of a mode fits something else there, much narrower or wider.
+            alike = 0.5 < fit.poles[which].real / self.common.poles[which].real < 2.0
+            if near and alike and fit.pole_std[which] < 0.1 * abs(self.common.poles[which].real):
                 found[run] = fit.poles[which]
         return found
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vgvt.data import ModalModel, modal_contributions
 
 DAMPING_KNOWN_WITHIN = 0.10
-"""A mode is reachable where the best unbiased method could know its damping ratio to this relative standard deviation."""
+"""A mode is reachable where the best unbiased method could know its damping ratio this well (relative deviation)."""
 
 UNREACHED_BELOW = 0.02
 """Share of the total sigma below which a mode counts as unreached, where the truth states no limit."""

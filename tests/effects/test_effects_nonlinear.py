@@ -6,6 +6,8 @@ MuJoCo model has one mode in reach: I θ'' + torque(θ, θ') = T(t), I = m L³ /
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 import pytest
@@ -25,6 +27,8 @@ STIFFNESS = 2000.0
 INERTIA = 1.0 / 3.0
 OMEGA = np.sqrt(STIFFNESS / INERTIA)
 STEP_S = 1e-4
+# Friction acts on the short link at the root, whose own fast motion the step must follow.
+FRICTION_STEP_S = 2.5e-5
 
 
 def arm(effect: Effect) -> mujoco.MjModel:
@@ -39,7 +43,7 @@ def arm(effect: Effect) -> mujoco.MjModel:
     airframe = Airframe(
         name="arm",
         body=Body(mass_kg=1e7, centre_of_gravity_m=(0.0, 0.0, 0.0), inertia_kg_m2=(1e7, 1e7, 1e7)),
-        beam=(Beam(name="arm", cells=1, stations=stations),),
+        beam=(Beam(name="arm", cells=1, root_bending_stiffness_n_m_per_rad=STIFFNESS, stations=stations),),
         damping=Damping(damping_ratio=1e-7),
     )
     whole = load_scenario("quick")
@@ -53,26 +57,27 @@ def arm(effect: Effect) -> mujoco.MjModel:
             "acquisition": whole.acquisition.model_copy(update={"runs": ((1,),)}),
         }
     )
-    model = bare_rig(plans(with_effect(scenario, effect))[0]).model
-    model.opt.timestep = STEP_S
-    return model
+    return bare_rig(plans(with_effect(scenario, effect))[0]).model
 
 
 def motion(
-    effect: Effect, start_rad: float, duration_s: float, torque_n_m: NDArray[np.float64] | None = None
+    effect: Effect,
+    start_rad: float,
+    duration_s: float,
+    torque_n_m: Callable[[float], float] = lambda _: 0.0,
+    step_s: float = STEP_S,
 ) -> NDArray[np.float64]:
-    """Angle of the root joint, (steps + 1,), let go at ``start_rad`` under an outer torque."""
+    """Angle of the root joint, (steps + 1,), let go at ``start_rad`` under an outer torque, N m at a time in s."""
     model = arm(effect)
+    model.opt.timestep = step_s
     data = mujoco.MjData(model)
     joint = model.joint("arm-root/bending")
     address, dof = int(joint.qposadr[0]), int(joint.dofadr[0])
     data.qpos[address] = start_rad
-    steps = round(duration_s / STEP_S)
-    angle = np.empty(steps + 1)
-    for k in range(steps + 1):
+    angle = np.empty(round(duration_s / step_s) + 1)
+    for k in range(angle.size):
         angle[k] = data.qpos[address]
-        if torque_n_m is not None:
-            data.qfrc_applied[dof] = torque_n_m[k]
+        data.qfrc_applied[dof] = torque_n_m(k * step_s)
         mujoco.mj_step(model, data)
     return angle
 
@@ -85,10 +90,9 @@ def period_s(angle: NDArray[np.float64]) -> float:
 
 
 def turning_points(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sizes of the extremes of a free decay, the first one included."""
-    inside = np.abs(angle)
-    extreme = np.flatnonzero((inside[1:-1] >= inside[:-2]) & (inside[1:-1] > inside[2:])) + 1
-    return np.append(inside[0], inside[extreme])
+    """The largest angle of every half swing of a decay, the start included, without sign."""
+    swings = np.split(np.abs(angle), np.flatnonzero(np.diff(np.sign(angle)) != 0) + 1)
+    return np.array([swing.max() for swing in swings])
 
 
 @pytest.mark.parametrize("cubic", [1e5, 1e6, 1e7])
@@ -117,44 +121,47 @@ def test_friction_takes_the_same_off_every_swing_and_then_holds() -> None:
     friction = 0.5
     effect = make_effect("root-friction", "test", friction_n_m=friction)
     unit = friction / STIFFNESS
-    angle = motion(effect, 10.3 * unit, 1.0)
-    np.testing.assert_allclose(turning_points(angle)[:6] / unit, [10.3, 8.3, 6.3, 4.3, 2.3, 0.3], atol=5e-3)
-    assert abs(angle[-1]) == pytest.approx(0.3 * unit, rel=5e-3)
-    assert abs(angle[-1] - angle[-2000]) < 1e-4 * unit
+    angle = motion(effect, 10.3 * unit, 0.5, step_s=FRICTION_STEP_S)
+    swings = turning_points(angle)
+    np.testing.assert_allclose(swings / unit, [10.3, 8.3, 6.3, 4.3, 2.3, 0.3], atol=0.02)
+    # The arm itself rings without damping and shakes the joint a little while it holds.
+    assert np.ptp(angle[-4000:]) < 0.1 * unit
 
 
-def test_a_stuck_joint_is_rigid() -> None:
+@pytest.mark.parametrize("frequency_hz", [0.0, 10.0])
+def test_a_stuck_joint_is_rigid(frequency_hz: float) -> None:
     """Below the slip torque nothing turns, neither under a steady nor under an alternating load."""
     friction = 0.5
     effect = make_effect("root-friction", "test", friction_n_m=friction)
-    time = np.arange(5001) * STEP_S
-    for load in (np.full(time.size, 0.9 * friction), 0.9 * friction * np.sin(2 * np.pi * 10 * time)):
-        assert np.abs(motion(effect, 0.0, 0.5, load)).max() < 1e-3 * 0.9 * friction / STIFFNESS
+    angle = motion(effect, 0.0, 0.5, lambda t: 0.9 * friction * np.cos(2 * np.pi * frequency_hz * t))
+    assert np.abs(angle).max() < 1e-3 * 0.9 * friction / STIFFNESS
 
 
-@pytest.mark.parametrize("ratio", [0.6, 1.3])
-def test_forced_friction_meets_den_hartog(ratio: float) -> None:
+@pytest.mark.parametrize(("ratio", "load"), [(0.6, 1.2), (1.3, 3.0)])
+def test_forced_friction_meets_den_hartog(ratio: float, load: float) -> None:
     """x k/T = sqrt(1/(1-r²)² - (M/T)² (sin(π/r) / (r (1 + cos(π/r))))²), without stops (Trans. ASME 53, 1931)."""
-    friction, load = 0.5, 3.0
+    friction = 0.5
     turning = np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
     expected = load / STIFFNESS * np.sqrt((1 / (1 - ratio**2)) ** 2 - (friction / load * turning) ** 2)
-    duration = 3.0
-    time = np.arange(round(duration / STEP_S) + 1) * STEP_S
-    torque = load * np.cos(ratio * OMEGA * time)
-    angle = motion(make_effect("root-friction", "test", friction_n_m=friction), 0.0, duration, torque)
-    assert np.abs(angle[time > 2.6]).max() == pytest.approx(expected, rel=5e-3)
+    effect = make_effect("root-friction", "test", friction_n_m=friction)
+    angle = motion(effect, 0.0, 3.0, lambda t: load * np.cos(ratio * OMEGA * t))
+    assert np.abs(angle[-4000:]).max() == pytest.approx(expected, rel=5e-3)
     without = load / STIFFNESS / abs(1 - ratio**2)
-    assert abs(expected / without - 1) > 8e-3
+    assert abs(expected / without - 1) > 0.02
+
+
+def drag(growth: float) -> float:
+    """Coefficient c2 of c2 |θ'| θ' on the arm: modal drag 3 π growth / 4 at the coordinate sqrt(I) θ."""
+    return 0.75 * np.pi * growth * INERTIA**1.5
 
 
 def test_quadratic_damping_follows_the_ordinary_differential_equation() -> None:
     """Against scipy's solution of I θ'' + c2 |θ'| θ' + k θ = 0 over ten cycles."""
-    damping, amplitude = 3.0, 0.05
-    effect = make_effect("amplitude-dependent-damping", "test", quadratic_damping_n_m_s2_per_rad2=damping)
-    angle = motion(effect, amplitude, 0.8)
+    growth, amplitude = 1.5, 0.05
+    angle = motion(make_effect("amplitude-dependent-damping", "test", growth_per_rtkg_m=growth), amplitude, 0.8)
     time = np.arange(angle.size) * STEP_S
     solved = scipy.integrate.solve_ivp(
-        lambda _, x: [x[1], -(STIFFNESS * x[0] + damping * abs(x[1]) * x[1]) / INERTIA],
+        lambda _, x: [x[1], -(STIFFNESS * x[0] + drag(growth) * abs(x[1]) * x[1]) / INERTIA],
         (0.0, time[-1]),
         [amplitude, 0.0],
         t_eval=time,
@@ -162,17 +169,18 @@ def test_quadratic_damping_follows_the_ordinary_differential_equation() -> None:
         atol=1e-12,
     ).y[0]
     np.testing.assert_allclose(turning_points(angle)[:15], turning_points(solved)[:15], rtol=2e-3)
-    assert turning_points(solved)[10] < 0.5 * amplitude
+    assert turning_points(solved)[15] < 0.6 * amplitude
 
 
-def test_damping_grows_in_proportion_to_amplitude() -> None:
-    """Equivalent linearisation: logarithmic decrement per half swing 4 c2 Θ / 3 I for small damping."""
-    damping = 0.5
-    effect = make_effect("amplitude-dependent-damping", "test", quadratic_damping_n_m_s2_per_rad2=damping)
-    for amplitude in (0.01, 0.04):
-        swings = turning_points(motion(effect, amplitude, 0.12))
-        expected = 4 * damping / (3 * INERTIA) * np.sqrt(swings[0] * swings[1])
-        assert np.log(swings[0] / swings[1]) == pytest.approx(expected, rel=0.01)
+@pytest.mark.parametrize("amplitude", [0.01, 0.04])
+def test_damping_ratio_grows_by_growth_times_modal_amplitude(amplitude: float) -> None:
+    """Logarithmic decrement of half a swing is π ζ with ζ = growth sqrt(I) Θ (Krylov and Bogoliubov)."""
+    growth = 0.5
+    swings = turning_points(
+        motion(make_effect("amplitude-dependent-damping", "test", growth_per_rtkg_m=growth), amplitude, 0.12)
+    )
+    expected = np.pi * growth * np.sqrt(INERTIA) * np.sqrt(swings[0] * swings[1])
+    assert np.log(swings[0] / swings[1]) == pytest.approx(expected, rel=0.02)
 
 
 def test_the_hung_aircraft_sticks_at_low_level_and_slips_at_high_level() -> None:
@@ -190,11 +198,11 @@ def test_the_hung_aircraft_sticks_at_low_level_and_slips_at_high_level() -> None
     stuck = accelerance(example_scenario(0.02), "linear")
     slight = with_effect(example_scenario(1.0), make_effect("root-friction", "test", friction_n_m=0.02))
     slipping = accelerance(slight, "linear")
-    assert distance(slipping, stuck) > 0.3
+    assert distance(slipping, stuck) > 1.0
     # The damping of the airframe is set with the joint free, so that the stuck peaks differ by some percent.
     firm = make_effect("root-friction", "test", friction_n_m=2.0)
     assert distance(accelerance(with_effect(example_scenario(0.02), firm), "mujoco"), stuck) < 0.06
-    assert distance(accelerance(slight, "mujoco"), slipping) < 0.1
+    assert distance(accelerance(slight, "mujoco"), slipping) < 0.2
 
 
 def test_an_own_root_spring_is_kept_and_an_unknown_beam_refused() -> None:

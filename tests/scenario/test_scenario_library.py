@@ -89,7 +89,9 @@ def test_the_aircraft_hangs_level_and_slow(name: str) -> None:
     np.testing.assert_allclose(hook[:2], rigid.centre_of_gravity_m[:2], atol=1e-3)
     assert hook[2] > rigid.centre_of_gravity_m[2]
     heave_hz = math.sqrt(scenario.suspension.stiffness_n_per_m / rigid.mass_kg) / (2 * math.pi)
-    assert heave_hz == pytest.approx(0.72, abs=0.01)
+    # mAEWing1 on 130 N/m heaves at 0.72 Hz; the others as their files say.
+    stated = {"bff": 0.78, "garteur-sm-ag19": 1.5, "teaching-beam": 0.8}
+    assert heave_hz == pytest.approx(stated.get(name, 0.72), abs=0.01)
 
 
 def test_mirrored_tables_are_written_out() -> None:

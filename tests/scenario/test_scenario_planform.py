@@ -16,7 +16,7 @@ _HATI = load_scenario("quick").airframe
 def _surface(name: str, position_m: list[list[float]], half_chord_m: float | None, **more: object) -> Beam:
     rows = len(position_m)
     edges = {} if half_chord_m is None else {f"{s}_edge_m": [half_chord_m] * rows for s in ("forward", "aft")}
-    stations = {"position_m": position_m, "mass_kg_per_m": [1.0] * rows, "pitch_inertia_kg_m": [0.0] * rows, **edges}
+    stations = {"position_m": position_m, "mass_kg_per_m": [1.0] * rows, "pitch_inertia_kg_m": [0.001] * rows, **edges}
     stations |= {"bending_stiffness_n_m2": [1.0] * rows, "torsional_stiffness_n_m2": [1.0] * rows}
     return Beam.model_validate({"name": name, "stations": stations, **more})
 

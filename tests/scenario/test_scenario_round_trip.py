@@ -61,7 +61,7 @@ def test_json_schema_refuses_unknown_keys_and_states_units() -> None:
     open_tables = [t["title"] for t in _tables(schema) if t["additionalProperties"] is not False]
     assert open_tables == ["EffectTable"]
     spring = schema["$defs"]["Suspension"]["properties"]["stiffness_n_per_m"]
-    assert spring["description"] == "Unit: N/m."
+    assert spring["description"] == "Stiffness of the spring along its length. Unit: N/m."
     assert spring["exclusiveMinimum"] == 0
     assert set(schema["properties"]) == set(Scenario.model_fields)
     assert {"airframe", "shaker", "name"} <= set(schema["required"])

@@ -68,13 +68,46 @@ def identifiers(as_json: JsonOption = False) -> int:
 @list_app.command()
 def effects(as_json: JsonOption = False) -> int:
     """List the installed effects: physics that a scenario can switch on."""
-    from importlib.metadata import entry_points
+    import dataclasses
 
-    items = [
-        {"name": point.name, "summary": str(getattr(point.load(), "summary", ""))}
-        for point in sorted(entry_points(group="vgvt.effects"), key=lambda point: point.name)
-    ]
-    return _list(items, ("name", "summary"), as_json)
+    from vgvt.effects import available_effects, parameters_of
+
+    items: list[dict[str, Any]] = []
+    for name, cls in available_effects().items():
+        effect: Any = cls
+        parameters = parameters_of(cls)
+        fields = {f.name: f for f in dataclasses.fields(effect)}
+        settings = [f for key, f in fields.items() if key not in {p.name for p in parameters}]
+        items.append(
+            {
+                "name": name,
+                "summary": effect.summary,
+                "family": str(effect.family),
+                "linear": effect.linear,
+                "signature": effect.signature,
+                "confused_with": list(effect.confused_with),
+                "separating_test": effect.separating_test,
+                "reference": effect.reference,
+                "parameters": [
+                    {
+                        "name": p.name,
+                        "unit": p.unit,
+                        "default": fields[p.name].default,
+                        "neutral": p.neutral,
+                        "plausible_range": [p.low, p.high],
+                        "scale": p.scale,
+                        "meaning": p.doc,
+                        "source": p.source,
+                    }
+                    for p in parameters
+                ],
+                "settings": [
+                    {"name": f.name, "default": f.default, "meaning": f.metadata.get("doc", "")} for f in settings
+                ],
+                "parameter": ", ".join(fields),
+            }
+        )
+    return _list(items, ("name", "family", "summary", "parameter"), as_json)
 
 
 def _list(items: list[dict[str, Any]], columns: tuple[str, ...], as_json: bool) -> int:

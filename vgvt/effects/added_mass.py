@@ -25,7 +25,7 @@ class AddedMass:
     signature: ClassVar[str] = "frequencies drop as the square of the mode shape there, the same in all runs"
     confused_with: ClassVar[tuple[str, ...]] = ("local-absorber", "root-compliance", "added-inertia")
     separating_test: ClassVar[str] = "weigh the aircraft and find its centre of gravity"
-    reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., section 3.4 (mass loading)"
+    reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (mass loading)"
 
     mass_kg: float = parameter("kg", 0.002, 0.2, "mass", neutral=0.0, scale="log")
     x_m: float = parameter("m", 0.0, 1.2, "where it sits, aft of the nose", default=0.45)

@@ -31,7 +31,7 @@ class BendTwistCoupling:
         "a static load on the elastic axis: coupling twists the wing, a mass offset does not"
     )
     reference: ClassVar[str] = (
-        "Weisshaar and Foist, Vibration tailoring of composite lifting surfaces, J. Aircraft 22, 1985"
+        "Weisshaar and Foist, Vibration tailoring of advanced composite lifting surfaces, J. Aircraft 22, 1985"
     )
 
     coupling: float = parameter(

@@ -22,10 +22,10 @@ class ClippingRange:
     signature: ClassVar[str] = "flat tops at resonance, odd harmonics while they last, the overload flag"
     confused_with: ClassVar[tuple[str, ...]] = ("quantisation",)
     separating_test: ClassVar[str] = "histogram of the samples; shake at half the level"
-    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed., section 10.3 (data qualification)"
+    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed. (data qualification)"
 
     range_divisor: float = parameter(
-        "", 2.0, 1e4, "how many times smaller the range is than stated", neutral=1.0, scale="log", source="gains of 10^n"
+        "", 2.0, 1e4, "how many times smaller the range is", neutral=1.0, scale="log", source="gains of 10^n"
     )
 
     def __post_init__(self) -> None:

@@ -138,7 +138,7 @@ def declares_its_parameters(effect: type) -> None:
 
 def acts_without_side_effects(effect: type) -> None:
     """The same scenario and run give the same action, and neither the scenario nor any samples are changed."""
-    scenario = load_scenario("quick")
+    scenario = load_scenario("hati-unsymmetric")
     before = to_toml(scenario)
     made = switched_on(effect)
     for run in (0, 3):
@@ -163,7 +163,7 @@ def _facts(action: Action) -> list[Any]:
     """Everything an action says, as things that can be compared; its functions by what they do to a test signal."""
     time_s = np.arange(256) / _RATE_HZ
     signal = np.sin(40 * time_s) + 0.3 * np.cos(230 * time_s)
-    facts: list[Any] = [action.scenario is None or to_toml(action.scenario), *action.elements]
+    facts: list[Any] = [action.scenario is None or to_toml(action.scenario), *action.elements, *action.points]
     if action.command is not None:
         facts.append(_unchanged(signal, lambda x: action.command(x, time_s) if action.command else x))
     for change in action.channels:

@@ -36,9 +36,7 @@ class ControlSurface:
     signature: ClassVar[str] = "a pole-zero pair near the hinge frequency, strongest at the sensors nearest to the flap"
     confused_with: ClassVar[tuple[str, ...]] = ("local-absorber",)
     separating_test: ClassVar[str] = "lock the surface with tape and repeat one run"
-    reference: ClassVar[str] = (
-        "Bisplinghoff, Ashley and Halfman, Aeroelasticity, section 9-6 (control surface rotation)"
-    )
+    reference: ClassVar[str] = "Bisplinghoff, Ashley and Halfman, Aeroelasticity, 1955 (control surface rotation)"
 
     compliance_rad_per_n_m: float = parameter(
         "rad/(N m)", 1.0, 100.0, "compliance of the hinge: linkage and servo", neutral=0.0, scale="log"

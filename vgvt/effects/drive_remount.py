@@ -23,7 +23,7 @@ class DriveRemount:
     signature: ClassVar[str] = (
         "residues of later runs change mode by mode with the shape at the drive point; poles nearly stay"
     )
-    confused_with: ClassVar[tuple[str, ...]] = ("gain-drift", "re-hang", "drive-position-error")
+    confused_with: ClassVar[tuple[str, ...]] = ("gain-drift", "re-hang", "drive-point-offset")
     separating_test: ClassVar[str] = "mark the drive point; keep one accelerometer where it was in every run"
     reference: ClassVar[str] = (
         "Ewins, Modal Testing, 2nd ed., chapter 3 (attachment of the shaker); residue ratio phi(d + shift) / phi(d)"

@@ -17,10 +17,10 @@ from vgvt.scenario.streams import named_stream
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class DroppedSamples:
-    """Each sample is lost with a small chance, at the same instants on all channels of the device.
+    """Now and then the device loses a few samples, at the same instants on all of its channels.
 
-    'repeated' writes the sample before it once more; 'closed-up' writes nothing, so that all that
-    follows comes a sample early.
+    'repeated' writes the sample before them once more; 'closed-up' writes nothing, so that all that
+    follows comes early.
     """
 
     name: ClassVar[str] = "dropped-samples"
@@ -30,9 +30,14 @@ class DroppedSamples:
     signature: ClassVar[str] = "repeated: a white floor in the responses; closed up: a phase lead that grows in steps"
     confused_with: ClassVar[tuple[str, ...]] = ("clock-skew", "channel-delay", "quantisation")
     separating_test: ClassVar[str] = "record one signal on both devices and compare start and end of the record"
-    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed., section 10.3 (data qualification)"
+    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed. (data qualification)"
 
-    fraction: float = parameter("", 1e-6, 1e-2, "share of the samples that is lost", neutral=0.0, scale="log")
+    losses: float = parameter(
+        "", 1.0, 100.0, "how often in a record, rounded to a whole number", neutral=0.0, scale="log"
+    )
+    samples_lost: float = parameter(
+        "", 1.0, 100.0, "samples lost each time, rounded to a whole number", default=1.0, scale="log"
+    )
     kind: Literal["repeated", "closed-up"] = dataclasses.field(
         default="repeated", metadata={"doc": "what is written in their place"}
     )
@@ -41,13 +46,13 @@ class DroppedSamples:
     )
 
     def __post_init__(self) -> None:
-        """ValueError for a share that is none."""
-        if not 0 <= self.fraction < 1:
-            raise ValueError("fraction must be at least 0 and below 1")
+        """ValueError for fewer than none."""
+        if self.losses < 0 or self.samples_lost < 1:
+            raise ValueError("losses cannot be negative, and samples_lost must be at least 1")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Lose samples, other ones in every run."""
-        if self.fraction == 0:
+        if round(self.losses) == 0:
             return NOTHING
         seed = scenario.seed
 
@@ -56,11 +61,16 @@ class DroppedSamples:
         ) -> NDArray[np.float64]:
             del sample_rate_hz, generator
             # A stream of the device, not of the channel: all its channels lose the same samples.
-            lost = named_stream(seed, self.name, run).random(samples.size) < self.fraction
-            lost[0] = False
-            source = np.flatnonzero(~lost)
+            lost = self._lost(named_stream(seed, self.name, run), samples.size)
             if self.kind == "repeated":
                 return samples[np.maximum.accumulate(np.where(lost, 0, np.arange(samples.size)))]
-            return np.concatenate([samples[source], np.full(int(lost.sum()), samples[-1])])
+            return np.concatenate([samples[~lost], np.full(int(lost.sum()), samples[-1])])
 
         return Action(channels=(ChannelTransform(self.channels, change, "converter"),))
+
+    def _lost(self, generator: np.random.Generator, size: int) -> NDArray[np.bool_]:
+        """Which samples of a record are lost; never the first."""
+        lost = np.zeros(size, dtype=bool)
+        for start in generator.integers(1, size, round(self.losses)):
+            lost[start : start + round(self.samples_lost)] = True
+        return lost

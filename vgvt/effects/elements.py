@@ -74,8 +74,16 @@ class MountCompliance:
 
 
 @dataclass(frozen=True, slots=True)
+class ModalDrag:
+    """A force d |q'| q' on the coordinate q, mass-normalised, of every mode with a damping ratio of its own."""
+
+    drag_per_rtkg_m: float
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
 class JointLaw:
-    """Another force law for a root joint of a beam: k θ + k3 θ³ + c2 |θ'| θ', Coulomb friction, play around zero.
+    """Another force law for a root joint of a beam: k θ + k3 θ³, Coulomb friction, play around zero.
 
     ``stiffness_n_m_per_rad`` replaces the joint's own; ``play_rad`` is the half gap.
     The scenario must give the beam that root joint; ``beam`` is a name after mirroring.
@@ -85,7 +93,6 @@ class JointLaw:
     kind: Literal["bending", "torsion"]
     stiffness_n_m_per_rad: float
     cubic_n_m_per_rad3: float = 0.0
-    quadratic_damping_n_m_s2_per_rad2: float = 0.0
     friction_n_m: float = 0.0
     play_rad: float = 0.0
     owner: Owner = "airframe"
@@ -135,6 +142,7 @@ Element = (
     | Absorber
     | MountCompliance
     | JointLaw
+    | ModalDrag
     | SuspensionFrame
     | BendTwist
     | HingedFlap

@@ -39,7 +39,9 @@ class EntrainedAir:
     signature: ClassVar[str] = "all bending frequencies 1 to 4 % low and low modes better damped than high ones"
     confused_with: ClassVar[tuple[str, ...]] = ("added-mass", "suspension-damping", "nonproportional-damper")
     separating_test: ClassVar[str] = "weigh the aircraft: air has no weight; a vacuum chamber, for those who have one"
-    reference: ClassVar[str] = "Theodorsen, NACA report 496, 1935 (apparent mass); Blevins, table 14-1"
+    reference: ClassVar[str] = (
+        "Theodorsen, NACA report 496, 1935 (apparent mass); Blevins, Formulas for Natural Frequency, 1979"
+    )
 
     mass_fraction: float = parameter(
         "", 0.3, 1.2, "added mass as a fraction of ¼πρc²", neutral=0.0, source="1 for a plate of high aspect ratio"

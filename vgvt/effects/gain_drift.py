@@ -24,7 +24,7 @@ class GainDrift:
     family: ClassVar[Family] = Family.BETWEEN_RUNS
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = "residues of later runs are off by one factor in all modes; poles stay"
-    confused_with: ClassVar[tuple[str, ...]] = ("run-drift", "channel-gain-error")
+    confused_with: ClassVar[tuple[str, ...]] = ("run-drift", "channel-gain")
     separating_test: ClassVar[str] = "keep one accelerometer at the drive point in every run"
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (calibration before and after the test)"
 

@@ -26,7 +26,7 @@ class HookOffset:
 
     aft_m: float = parameter("m", -0.05, 0.05, "how far aft of its stated place", neutral=0.0)
     right_m: float = parameter("m", -0.05, 0.05, "how far to the right", neutral=0.0)
-    up_m: float = parameter("m", -0.05, 0.2, "how far above; more height makes pitch and roll faster", neutral=0.0)
+    up_m: float = parameter("m", 0.0, 0.2, "how far above; more height makes pitch and roll faster", neutral=0.0)
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Move the hook, in every run."""

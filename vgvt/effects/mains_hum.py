@@ -16,16 +16,19 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class MainsHum:
-    """Sines at the line frequency and twice and three times it, in volts, of a phase of its own on every channel."""
+    """Sines at the line frequency and twice and three times it, in volts, of a phase of its own on every channel.
+
+    It is there without any drive: twice the drive does not give twice the record.
+    """
 
     name: ClassVar[str] = "mains-hum"
     summary: ClassVar[str] = "The power line couples into the cables"
     family: ClassVar[Family] = Family.ACQUISITION
-    linear: ClassVar[bool] = True
+    linear: ClassVar[bool] = False
     signature: ClassVar[str] = "lines fixed at 50 or 60 Hz and multiples, there before the sweep and after it"
     confused_with: ClassVar[tuple[str, ...]] = ("local-absorber",)
     separating_test: ClassVar[str] = "record with the amplifier off; power the conditioner from a battery"
-    reference: ClassVar[str] = "Morrison, Grounding and Shielding, 6th ed., chapter 3; EN 50160 (line frequency)"
+    reference: ClassVar[str] = "Morrison, Grounding and Shielding, 6th ed.; EN 50160 (line frequency)"
 
     amplitude_v: float = parameter("V", 1e-4, 1e-2, "amplitude of the fundamental", neutral=0.0, scale="log")
     frequency_hz: float = parameter(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from vgvt.data import Direction
 from vgvt.effects.elements import Vector
 
 
@@ -21,3 +23,18 @@ class PointError:
     at_node: int | None = None
     shift_m: Vector = (0.0, 0.0, 0.0)
     lean: Vector = (0.0, 0.0, 0.0)
+
+
+def across(direction: Direction, azimuth_rad: float) -> Vector:
+    """The unit vector across a direction at an azimuth; for one that is up or down: 0 aft, pi/2 to the right."""
+    own = abs(direction.value) - 1
+    vector = [0.0, 0.0, 0.0]
+    vector[(own + 1) % 3], vector[(own + 2) % 3] = math.cos(azimuth_rad), math.sin(azimuth_rad)
+    return (vector[0], vector[1], vector[2])
+
+
+def turned(direction: Direction, angle_rad: float, azimuth_rad: float) -> Vector:
+    """What the unit vector of a direction gains when it is turned by an angle towards an azimuth."""
+    aside, shrunk = across(direction, azimuth_rad), math.cos(angle_rad) - 1
+    x, y, z = (shrunk * float(d) + math.sin(angle_rad) * a for d, a in zip(direction.unit_vector, aside, strict=True))
+    return (x, y, z)

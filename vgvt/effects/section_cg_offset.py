@@ -26,9 +26,7 @@ class SectionCgOffset:
     )
     confused_with: ClassVar[tuple[str, ...]] = ("bend-twist-coupling", "added-inertia")
     separating_test: ClassVar[str] = "balance the wing alone on its axis; a static load shows no twist"
-    reference: ClassVar[str] = (
-        "Bisplinghoff, Ashley and Halfman, Aeroelasticity, section 3-11 (coupled bending and torsion)"
-    )
+    reference: ClassVar[str] = "Bisplinghoff, Ashley and Halfman, Aeroelasticity, 1955 (coupled bending and torsion)"
 
     offset_m: float = parameter("m", -0.01, 0.01, "how far aft of its stated place each section's mass is", neutral=0.0)
     pitch_inertia_change: float = parameter(

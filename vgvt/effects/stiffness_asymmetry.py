@@ -29,7 +29,7 @@ class StiffnessAsymmetry:
     signature: ClassVar[str] = "amplitudes of left and right differ in every mode; close pairs of modes split"
     confused_with: ClassVar[tuple[str, ...]] = ("root-compliance", "added-mass")
     separating_test: ClassVar[str] = "load both wing tips with the same weight and compare the deflections"
-    reference: ClassVar[str] = "Pierre, Mode localization and eigenvalue loci veering, J. Sound and Vibration 126, 1988"
+    reference: ClassVar[str] = "Pierre, Mode localization and eigenvalue loci veering, J. Sound Vib. 126, 1988"
 
     bending: float = parameter("", -0.15, 0.15, "fraction by which the right EI is higher, the left lower", neutral=0.0)
     torsion: float = parameter("", -0.15, 0.15, "fraction by which the right GJ is higher, the left lower", neutral=0.0)

@@ -22,7 +22,7 @@ class SuspensionStiffness:
     signature: ClassVar[str] = "the heave mode moves; nothing above about 3 Hz"
     confused_with: ClassVar[tuple[str, ...]] = ("added-mass", "pendulum-length")
     separating_test: ClassVar[str] = "count heave cycles by hand for a minute, or hang known weights on the spring"
-    reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., section 3.3 (free supports)"
+    reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (free supports)"
 
     stiffness_change: float = parameter(
         "", -0.2, 0.2, "change of the stiffness as a fraction of the stated one", neutral=0.0

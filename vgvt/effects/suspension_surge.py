@@ -32,7 +32,9 @@ class SuspensionSurge:
     signature: ClassVar[str] = "lightly damped pole-zero pairs at equal spacing in frequency, in all channels and runs"
     confused_with: ClassVar[tuple[str, ...]] = ("local-absorber", "frame-resonance")
     separating_test: ClassVar[str] = "tape the coils or hang the aircraft on another spring, and repeat one run"
-    reference: ClassVar[str] = "Wahl, Mechanical Springs, 2nd ed., chapter 25 (surge); Rao, Vibration, section 8.3"
+    reference: ClassVar[str] = (
+        "Wahl, Mechanical Springs, 2nd ed. (surge of helical springs); Rao, Mechanical Vibrations (bars)"
+    )
 
     mass_kg: float = parameter("kg", 0.1, 0.9, "mass of the spring", neutral=0.0, scale="log")
     loss_factor: float = parameter(

@@ -88,6 +88,7 @@ class Beam(Table):
     root_torsional_stiffness_n_m_per_rad: Positive | None = None
     """Torsion spring of the root joint; left out, the root is rigid."""
     stations: Stations
+    """Axis, stiffness, mass and edges along the beam."""
 
     @model_validator(mode="after")
     def _bends_across_its_axis(self) -> Self:
@@ -119,7 +120,9 @@ class Item(Table):
     """A lumped mass: a servo, a flap, a fitting, a winglet."""
 
     name: str
+    """Name of the item; a mirrored item becomes NAME-right and NAME-left."""
     mass_kg: Positive
+    """Its mass."""
     position_m: Point
     """Its centre of gravity."""
     inertia_kg_m2: tuple[NonNegative, NonNegative, NonNegative] = (0.0, 0.0, 0.0)
@@ -168,12 +171,17 @@ class Airframe(Table):
     """Everything that is weighed: the aircraft without instruments."""
 
     name: str
+    """What the aircraft is called in reports."""
     configuration: str = ""
     """Which one of several (centre body 2 + wing set 3, fuel, …), in words."""
     body: Body
+    """The rigid centre body."""
     beam: tuple[Beam, ...] = ()
+    """The flexible surfaces."""
     item: tuple[Item, ...] = ()
+    """The lumped masses."""
     damping: Damping = Damping()
+    """Structural damping."""
     sources: tuple[str, ...] = ()
     """Where the numbers come from."""
 

@@ -14,6 +14,7 @@ class NoiseSpectrum(Table):
     """One-sided amplitude spectral density against frequency, log-log in between, flat outside."""
 
     frequency_hz: tuple[Positive, ...] = Field(min_length=1)
+    """Frequencies at which the density is given, rising."""
     density: tuple[Positive, ...] = Field(min_length=1)
     """In the sensor's own unit per root hertz: g/√Hz for accelerometers, N/√Hz for force."""
 
@@ -39,8 +40,11 @@ class Transducer(Table):
     """Force transducer between stinger and structure; it measures the force at its sensing element."""
 
     model: str = ""
+    """Make and type, in words."""
     sensitivity_v_per_n: Positive
+    """Volts per newton, before the conditioner's gain."""
     conditioner_gain: Positive = 1.0
+    """Gain between sensor and converter."""
     mass_kg: NonNegative
     """All of it; it rides on the aircraft."""
     end_mass_kg: NonNegative
@@ -48,6 +52,7 @@ class Transducer(Table):
     high_pass_hz: NonNegative = 0.0
     """First-order corner of the AC-coupled chain; 0 is DC coupled."""
     noise: NoiseSpectrum | None = None
+    """The sensor's own noise; left out, there is none."""
 
     @model_validator(mode="after")
     def _end_mass_is_part_of_mass(self) -> Self:
@@ -64,8 +69,11 @@ class Grid(Table):
     """Where accelerometers can be put: columns of equal length."""
 
     node: tuple[Whole, ...] = Field(min_length=1)
+    """Number of each point; runs and results name points by it."""
     x_m: tuple[Finite, ...]
+    """Aft of the nose."""
     y_m: tuple[Finite, ...]
+    """To the right of the plane of symmetry."""
     z_m: tuple[Finite, ...] | None = None
     """Left out, the points lie at the height of the surface that they are on."""
     direction: tuple[str, ...] | None = None
@@ -99,20 +107,26 @@ class Accelerometers(Table):
     """The roving accelerometers: all of one type, their mass moves with them from run to run."""
 
     model: str = ""
+    """Make and type, in words."""
     sensitivity_v_per_g: Positive
+    """Volts per g of 9.80665 m/s², before the conditioner's gain."""
     conditioner_gain: Positive = 1.0
+    """Gain between sensor and converter."""
     mass_kg: NonNegative
     """One sensor with what of its cable moves along."""
     high_pass_hz: NonNegative = 0.0
     """First-order corner of the AC-coupled chain; 0 is DC coupled."""
     noise: NoiseSpectrum | None = None
+    """The sensors' own noise, each its own; left out, there is none."""
     grid: Grid
+    """The points where an accelerometer can sit."""
 
 
 class Acquisition(Table):
     """The converter and the plan of runs."""
 
     model: str = ""
+    """Make and type, in words."""
     sample_rate_hz: Positive
     """Samples per second of every channel; all are sampled at once."""
     bits: Whole = Field(default=24, ge=2, le=32)

@@ -1,21 +1,28 @@
-"""From a text file to a scenario, with every mistake in it told at once."""
+"""From a text file to a scenario, with the mistakes in it told together."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from vgvt.data.errors import InputError
+from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.base import Table
 from vgvt.scenario.explain import Problem, key_path, problems_of
 from vgvt.scenario.inheritance import Source, read_source
+from vgvt.scenario.instruments import Grid
 from vgvt.scenario.library import bundled_path
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.placement import placement_problems
+from vgvt.scenario.rig import Shaker, Suspension
 
 _SHOWN_AT_ONCE = 10
+
+_AnyTable = TypeVar("_AnyTable", bound=Table)
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
@@ -23,17 +30,41 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
 
     Text that ends in ``.toml`` or holds a path separator is a file; other text
     is a bundled name, or else a file of that name. InputError names the file,
-    the key and what to write, for up to ten mistakes at once.
+    the key and what to write, for up to ten mistakes at once. Tables that are right in
+    themselves are also checked against each other where others are still wrong.
     """
     source = read_source(scenario_path(name_or_path))
     try:
         scenario = Scenario.model_validate(source.tables)
     except ValidationError as error:
-        raise _refusal(source, problems_of(error)) from None
-    problems = placement_problems(scenario)
+        raise _refusal(source, _with_placement(problems_of(error), source.tables)) from None
+    problems = placement_problems(scenario.airframe, scenario.accelerometers.grid, scenario.shaker, scenario.suspension)
     if problems:
         raise _refusal(source, problems)
     return scenario
+
+
+def _with_placement(problems: Sequence[Problem], tables: Mapping[str, Any]) -> tuple[Problem, ...]:
+    """The mistakes, and what is off the aircraft as far as the tables that say so are right in themselves."""
+    airframe = _valid(Airframe, tables.get("airframe"))
+    if airframe is None:
+        return tuple(problems)
+    accelerometers = tables.get("accelerometers")
+    placed = placement_problems(
+        airframe,
+        _valid(Grid, accelerometers.get("grid") if isinstance(accelerometers, dict) else None),
+        _valid(Shaker, tables.get("shaker")),
+        _valid(Suspension, tables.get("suspension")),
+    )
+    known = {problem.key for problem in problems}
+    return (*problems, *(problem for problem in placed if problem.key not in known))
+
+
+def _valid(kind: type[_AnyTable], value: Any) -> _AnyTable | None:
+    try:
+        return kind.model_validate(value)
+    except ValidationError:
+        return None
 
 
 def scenario_path(name_or_path: str | Path) -> Path:

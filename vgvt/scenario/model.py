@@ -26,6 +26,7 @@ class Scenario(Table):
     """A complete virtual test; see ``vgvt list scenarios`` for the bundled ones."""
 
     schema_version: Literal[1] = 1
+    """Version of this file format."""
     name: str = Field(pattern=r"^[a-z0-9][a-z0-9-]*$")
     """Lower-case letters, digits and hyphens."""
     summary: str
@@ -33,17 +34,27 @@ class Scenario(Table):
     lesson: str = ""
     """What a reader can learn from it."""
     seed: Whole = Field(default=0, ge=0)
+    """Every random number of the test follows from it; the same seed gives the same records."""
     airframe: Airframe
+    """The aircraft, without instruments."""
     suspension: Suspension
+    """What the aircraft hangs on."""
     shaker: Shaker
+    """What shakes it, and where."""
     stinger: Stinger
+    """The rod between shaker and force transducer."""
     transducer: Transducer
+    """What measures the force."""
     accelerometers: Accelerometers
+    """What measures the motion, and where it can sit."""
     acquisition: Acquisition
+    """What samples the signals, and in which runs."""
     excitation: Excitation
+    """The command to the shaker."""
     effect: tuple[EffectTable, ...] = ()
     """Departures from the ideal test, applied in this order."""
     simulation: Simulation = Simulation()
+    """How the test is computed."""
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
@@ -69,7 +80,7 @@ class Scenario(Table):
         if top_hz >= rate_hz / 2:
             raise MisfitError(
                 ("acquisition", "sample_rate_hz"),
-                f"is {rate_hz:g}, but the sweep goes up to {top_hz:g} Hz",
-                f"Sample faster than {2 * top_hz:g} Hz, or sweep less far.",
+                f"is {rate_hz:g}, but the excitation goes up to {top_hz:g} Hz",
+                f"Sample faster than {2 * top_hz:g} Hz, or excite less far up.",
             )
         return self

@@ -13,7 +13,9 @@ class Suspension(Table):
     """One soft spring from a fixed frame to a hook on the aircraft."""
 
     stiffness_n_per_m: Positive = 130.0
+    """Stiffness of the spring along its length."""
     damping_n_s_per_m: NonNegative = 0.4
+    """Viscous damping of the spring along its length."""
     hook_m: Point
     """Where the spring holds the aircraft, aircraft axes."""
     free_length_m: Positive = 0.8
@@ -30,6 +32,7 @@ class Shaker(Table):
     """Electrodynamic shaker: m x'' + c x' + k x = Bl i - F and V = R i + L di/dt + Bl x'."""
 
     model: str = ""
+    """Make and type, in words."""
     node: Whole = Field(default=100, ge=0)
     """Node number of the drive point in the campaign's geometry."""
     position_m: Point
@@ -41,12 +44,17 @@ class Shaker(Table):
     amplifier_gain: Positive = 1.0
     """Volts (voltage drive) or amperes (current drive) at the coil per volt of command."""
     coil_resistance_ohm: Positive
+    """R, of coil and leads."""
     coil_inductance_h: NonNegative = 0.0
+    """L."""
     force_factor_n_per_a: Positive
     """Bl."""
     armature_mass_kg: Positive
+    """Moving mass of the shaker."""
     flexure_stiffness_n_per_m: NonNegative
+    """Stiffness that centres the armature."""
     flexure_damping_n_s_per_m: NonNegative
+    """Viscous damping of the armature in its flexure."""
 
     @model_validator(mode="after")
     def _inductance_fits_the_armature(self) -> Self:
@@ -66,8 +74,11 @@ class Stinger(Table):
     """The rod between armature and force transducer: axial only; lateral stiffness is an effect."""
 
     axial_stiffness_n_per_m: Positive
+    """Stiffness along the rod, EA / length for a plain one."""
     axial_damping_n_s_per_m: NonNegative = 0.0
+    """Viscous damping along the rod."""
     length_m: Positive = 0.2
+    """Length of the rod."""
     mass_kg: NonNegative = 0.0
     """Half rides on the armature, half on the transducer."""
 

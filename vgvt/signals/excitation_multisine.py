@@ -53,7 +53,7 @@ def multisine(
 
 
 def crest_factor(lines: NDArray[np.intp], amplitudes: NDArray[np.complex128]) -> float:
-    """Peak over root mean square of a sum of harmonics."""
+    """Peak over root mean square of a sum of harmonics ``lines`` (L,) with complex ``amplitudes`` (L,)."""
     wave = one_period(lines, amplitudes)
     return float(np.abs(wave).max() / np.sqrt((wave**2).mean()))
 

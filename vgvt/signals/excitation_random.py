@@ -85,7 +85,7 @@ def periodic_signal(
 
 
 def one_period(lines: NDArray[np.intp], amplitudes: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """One period of a sum of harmonics on a fine even grid."""
+    """One period of a sum of harmonics ``lines`` (L,) on a fine even grid, shape (points,)."""
     from scipy.fft import irfft, next_fast_len
 
     size = next_fast_len(OVERSAMPLING * int(lines[-1]), real=True)

@@ -17,6 +17,7 @@ from vgvt.scenario.airframe import Damping
 from vgvt.simulation.linear import linearise
 
 RIGID_MODES = 6
+MODAL_DAMPING = "modal-damping-"
 _HIGHEST_RATIO = 0.3
 
 
@@ -45,7 +46,7 @@ def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
         joint.damping = [per_stiffness * joint.stiffness[0], 0.0, 0.0]
     for r in np.flatnonzero(exact):
         coefficient = 2 * ratios[r] * omega[r] - per_stiffness * omega[r] ** 2
-        tendon = spec.add_tendon(name=f"modal-damping-{r + 1}", damping=[coefficient, 0.0, 0.0])
+        tendon = spec.add_tendon(name=f"{MODAL_DAMPING}{r + 1}", damping=[coefficient, 0.0, 0.0])
         weights = bare.mass @ shapes[:, r]
         for address, joint in elastic:
             tendon.wrap_joint(joint.name, weights[address])

@@ -17,6 +17,7 @@ from vgvt.effects.elements import (
     GroundSpring,
     HingedFlap,
     JointLaw,
+    ModalDrag,
     MountCompliance,
     PointMass,
     RotationSpring,
@@ -25,6 +26,7 @@ from vgvt.effects.elements import (
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.airframe import AirframeParts
 from vgvt.simulation.coupled_elements import add_bend_twist, add_hinged_flap, add_suspension_frame
+from vgvt.simulation.damping import MODAL_DAMPING
 from vgvt.simulation.rig import TRANSDUCER, add_point_mass
 
 # Far enough that a ground spring keeps its direction to 1e-5 for a centimetre of sideways motion.
@@ -43,6 +45,7 @@ def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: E
         Absorber: _add_absorber,
         MountCompliance: _add_mount,
         JointLaw: _add_joint_law,
+        ModalDrag: _add_modal_drag,
         SuspensionFrame: add_suspension_frame,
         BendTwist: add_bend_twist,
         HingedFlap: add_hinged_flap,
@@ -123,6 +126,13 @@ def _slide(
     )
 
 
+def _add_modal_drag(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: ModalDrag) -> None:
+    del parts, name
+    for tendon in spec.tendons:
+        if tendon.name.startswith(MODAL_DAMPING):
+            tendon.damping = [tendon.damping[0], element.drag_per_rtkg_m, 0.0]
+
+
 def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: JointLaw) -> None:
     beam = part_name(parts.airframe, element.beam, 1.0)
     joint: Any = spec.joint(f"{beam}-root/{element.kind}")
@@ -133,7 +143,6 @@ def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
             f"Give the beam a root_{element.kind}_stiffness_n_m_per_rad (torsion: root_torsional_…).",
         )
     joint.stiffness = [element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3]
-    joint.damping = [joint.damping[0], element.quadratic_damping_n_m_s2_per_rad2, 0.0]
     if element.friction_n_m > 0:
         joint.frictionloss = element.friction_n_m
         joint.solref_friction = [_AT_ONCE_S, 1.0]

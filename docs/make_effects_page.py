@@ -1,0 +1,107 @@
+"""Write the effect catalogue from the registry: ``python docs/make_effects_page.py``."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+from vgvt.effects import Family, available_effects, parameters_of
+
+PAGE = Path(__file__).parent / "reference" / "effects.md"
+
+_HEAD = """# The effects
+
+Written by `python docs/make_effects_page.py` from the installed effects; edit the effect's file, not this page.
+
+An effect is a departure from the ideal test. A scenario switches one on with an `[[effect]]` table that gives its name
+and the parameters that differ from their defaults:
+
+```toml
+[[effect]]
+name = "local-absorber"
+mass_kg = 0.08
+frequency_hz = 14.0
+```
+
+Effects act in the order of their tables. At its neutral value a parameter switches the effect off. The plausible
+range is for an aircraft of some kilograms and three metres of span, with the source of the numbers, or *guess*.
+`vgvt list effects` prints the same catalogue, with `--json` for programs, and installed plugins beside it.
+
+To add an effect, write one file like those in `vgvt/effects/`, give it an entry point in the group `vgvt.effects`, and
+let it pass the conformance suite:
+
+```text
+import pytest
+from vgvt.simulation.effect_conformance import checks
+
+@pytest.mark.parametrize("check", checks(), ids=str)
+def test_conformance(check):
+    check(MyEffect)
+```
+"""
+
+
+def own_effects() -> dict[str, Any]:
+    """The effects that come with vgvt, by name; plugins of others have pages of their own."""
+    return {name: cls for name, cls in available_effects().items() if cls.__module__.startswith("vgvt.effects.")}
+
+
+def effects_page() -> str:
+    """The whole page as Markdown: a table of all effects, then one section an effect, family by family."""
+    effects = own_effects()
+    families = {family: [n for n, cls in effects.items() if cls.family is family] for family in Family}
+    lines = [_HEAD, "| effect | family | linear | in one sentence |", "|---|---|---|---|"]
+    for family, names in families.items():
+        lines += [
+            f"| [{name}](#{name}) | {family} | {'yes' if effects[name].linear else 'no'} | {effects[name].summary} |"
+            for name in names
+        ]
+    for family, names in families.items():
+        if names:
+            lines += ["", f"## {family.capitalize()}"]
+        for name in names:
+            lines += ["", *_section(effects[name])]
+    return "\n".join(lines) + "\n"
+
+
+def _section(effect: Any) -> list[str]:
+    parameters = {p.name: p for p in parameters_of(effect)}
+    alike = ", ".join(f"`{name}`" for name in effect.confused_with) or "nothing in this catalogue"
+    doc = " ".join((effect.__doc__ or "").split())
+    lines = [
+        f"### {effect.name}",
+        "",
+        f"{effect.summary}. {doc}",
+        "",
+        f"- Signature: {effect.signature}.",
+        f"- Confused with: {alike}.",
+        f"- The test that tells: {effect.separating_test}.",
+        f"- Source: {effect.reference}.",
+        "",
+        "| parameter | unit | default | neutral | plausible | meaning | source of the range |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for f in dataclasses.fields(effect):
+        p = parameters.get(f.name)
+        if p is None:
+            lines.append(f"| `{f.name}` |  | {_text(f.default)} |  |  | {_cell(f.metadata.get('doc', ''))} |  |")
+            continue
+        neutral = "" if p.neutral is None else f"{p.neutral:g}"
+        lines.append(
+            f"| `{p.name}` | {p.unit or '1'} | {f.default:g} | {neutral} | {p.low:g} to {p.high:g} | {_cell(p.doc)} | "
+            f"{_cell(p.source)} |"
+        )
+    return lines
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def _text(value: object) -> str:
+    return f"`{value!r}`" if isinstance(value, str) else f"{value}"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(effects_page(), encoding="utf-8")

@@ -1,0 +1,195 @@
+"""Effects of the suspension leave the signature that a formula predicts; they and the airframe's go together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hung_hati import (
+    AFT,
+    HEIGHT_M,
+    RIGHT,
+    UP,
+    as_tested,
+    elastic,
+    hung,
+    hung_hati,
+    made,
+    mode,
+    receptance,
+    stiffened,
+    with_effect,
+)
+from scipy.linalg import eigh
+
+from vgvt.data import InputError
+from vgvt.effects.elements import Absorber, PointMass
+from vgvt.scenario import Scenario
+from vgvt.scenario.mass import rigid_body_properties
+from vgvt.simulation.assembly import hung_rig, plans
+
+
+@pytest.fixture(scope="module")
+def hati() -> Scenario:
+    """Hati, one run, hung right above its centre of gravity."""
+    return hung_hati()
+
+
+@pytest.fixture(scope="module")
+def stiff(hati: Scenario) -> Scenario:
+    """The same as a rigid body, or nearly."""
+    return stiffened(hati)
+
+
+def test_surge_elements_sum_to_the_exact_spring(hati: Scenario) -> None:
+    """k plus absorbers plus lump equals k γ cot γ with γ = ω sqrt(m_s/k) up to three surges, loss and all."""
+    mass, loss, k = 0.4, 0.01, hati.suspension.stiffness_n_per_m
+    elements = made("suspension-surge", mass_kg=mass, loss_factor=loss).act(hati, 0).elements
+    assert sum(e.mass_kg for e in elements if isinstance(e, Absorber | PointMass)) == pytest.approx(mass / 3, rel=1e-12)
+    omega = 2 * np.pi * np.linspace(0.5, 30.0, 4000)
+    stiffness = np.full(omega.shape, k, dtype=complex)
+    for element in elements:
+        if isinstance(element, Absorber):
+            spring = element.stiffness_n_per_m + 1j * omega * element.damping_n_s_per_m
+            inertia = omega**2 * element.mass_kg
+            stiffness -= inertia * spring / (spring - inertia)
+        elif isinstance(element, PointMass):
+            stiffness -= omega**2 * element.mass_kg
+    gamma = omega * np.sqrt(mass / (k * (1 + 1j * loss)))
+    exact = k * (1 + 1j * loss) * gamma / np.tan(gamma)
+    # What the lump stands for grows as (f/f_7)²; a hysteretic spring loses more between its surges, and at rest.
+    assert np.abs(stiffness - exact).max() / np.abs(exact).max() < 0.02
+    np.testing.assert_allclose(stiffness.real[:400], exact.real[:400], rtol=1e-3)
+
+
+def test_surge_in_the_rig_equals_substructuring_with_the_exact_spring(hati: Scenario) -> None:
+    """The plain rig with its spring exchanged at the hook for k γ cot γ (Woodbury) is the rig with surge.
+
+    Sideways the spring acts as a taut string, which below its own resonance is a third of its mass."""
+    mass, loss, k = 0.3, 0.004, hati.suspension.stiffness_n_per_m
+    frequency = np.linspace(4.0, 35.0, 3000)
+    points = (("drive-point", UP), ("hook", AFT), ("hook", RIGHT), ("hook", UP))
+    plain = receptance(hung(hati, *points), frequency)
+    omega = 2 * np.pi * frequency
+    gamma = omega * np.sqrt(mass / (k * (1 + 1j * loss)))
+    along, across = k * (1 + 1j * loss) * gamma / np.tan(gamma) - k, -(omega**2) * mass / 3
+    change = np.array([np.diag(row) for row in zip(across, across, along, strict=True)])
+    loaded = np.linalg.solve(np.eye(3) + change @ plain[:, 1:, 1:], change @ plain[:, 1:, :1])
+    expected = plain[:, 0, 0] - (plain[:, :1, 1:] @ loaded)[:, 0, 0]
+    got = receptance(
+        hung(with_effect(hati, "suspension-surge", mass_kg=mass, loss_factor=loss), ("drive-point", UP)), frequency
+    )
+    assert np.abs(got[:, 0, 0] - expected).max() < 0.02 * np.abs(expected).max()
+    assert np.abs(expected - plain[:, 0, 0]).max() > 0.2 * np.abs(expected).max(), "the surge must show in this test"
+
+
+def test_surges_are_named_and_equally_spaced(hati: Scenario) -> None:
+    modes = as_tested(with_effect(hati, "suspension-surge", mass_kg=0.3))
+    surges = [f for f, label in zip(modes.natural_frequency_hz, modes.labels, strict=True) if "absorber" in label]
+    spacing = 0.5 * np.sqrt(hati.suspension.stiffness_n_per_m / 0.3)
+    np.testing.assert_allclose(surges, spacing * np.arange(1, len(surges) + 1), rtol=0.03)
+
+
+def test_heave_goes_with_the_root_of_the_spring(hati: Scenario, stiff: Scenario) -> None:
+    stiffer = with_effect(stiff, "suspension-stiffness", stiffness_change=0.2)
+    ratio = mode(as_tested(stiffer), "heave")[0] / mode(as_tested(stiff), "heave")[0]
+    assert ratio == pytest.approx(np.sqrt(1.2), rel=1e-3)
+    assert elastic(with_effect(hati, "suspension-stiffness", stiffness_change=0.2)) == pytest.approx(
+        elastic(hati), rel=5e-3
+    )
+
+
+def test_suspension_damping_adds_to_heave(stiff: Scenario) -> None:
+    """ζ = c/(2 sqrt(k m)) of a mass on a spring; frequencies stay."""
+    damper = 2.0
+    spring, weighed = stiff.suspension.stiffness_n_per_m, rigid_body_properties(stiff.airframe).mass_kg
+    before, after = (
+        mode(as_tested(s), "heave") for s in (stiff, with_effect(stiff, "suspension-damping", damping_n_s_per_m=damper))
+    )
+    assert after[1] - before[1] == pytest.approx(damper / (2 * np.sqrt(spring * weighed)), rel=0.02)
+    assert after[0] == pytest.approx(before[0], rel=2e-3)
+
+
+@pytest.mark.parametrize("change_m", [0.0, 0.7])
+def test_swing_is_that_of_the_double_pendulum(stiff: Scenario, change_m: float) -> None:
+    """A body hung by a cord of length l at height h over its centre of gravity: a 2x2 problem a plane."""
+    longer = with_effect(stiff, "pendulum-length", length_change_m=change_m)
+    weighed = rigid_body_properties(stiff.airframe)
+    mass, spring = weighed.mass_kg, stiff.suspension.stiffness_n_per_m
+    length = stiff.suspension.free_length_m + change_m + mass * 9.80665 / spring
+    height, tension = HEIGHT_M, mass * 9.80665
+    pull = tension / length * np.array([[1.0, height], [height, height**2]])
+    expected = []
+    for axis in (0, 1):
+        stiffness = pull + np.diag([0.0, tension * height])
+        squared = eigh(stiffness, np.diag([mass, weighed.inertia_kg_m2[axis, axis]]), eigvals_only=True)
+        expected += list(np.sqrt(squared) / (2 * np.pi))
+    got = as_tested(longer).natural_frequency_hz
+    for frequency in expected:
+        assert np.abs(got / frequency - 1).min() < 0.01, f"{frequency:.3f} Hz is not among {got[:6]}"
+
+
+def test_hook_offset_tilts_the_aircraft_until_the_hook_is_above_the_centre_of_gravity(stiff: Scenario) -> None:
+    offset, height = 0.02, HEIGHT_M
+    layout = plans(with_effect(stiff, "hook-offset", aft_m=offset))[0]
+    rig = hung_rig(layout, 0)
+    pitch = rig.qpos[rig.model.joint("pitch").qposadr[0]]
+    assert abs(pitch) == pytest.approx(np.arctan(offset / height), rel=0.01)
+    level = hung_rig(plans(stiff)[0], 0)
+    assert abs(level.qpos[level.model.joint("pitch").qposadr[0]]) < 2e-3
+
+
+def test_frame_and_heave_are_two_masses_in_series(stiff: Scenario) -> None:
+    """Aircraft on its spring on the frame's mass on the frame's spring: eigenvalues of a 2x2 problem."""
+    compliance, frequency = 4e-4, 4.0
+    modes = as_tested(with_effect(stiff, "frame-resonance", compliance_m_per_n=compliance, frequency_hz=frequency))
+    spring, weighed = stiff.suspension.stiffness_n_per_m, rigid_body_properties(stiff.airframe).mass_kg
+    frame = 1 / compliance
+    stiffness = np.array([[spring, -spring], [-spring, spring + frame]])
+    mass = np.diag([weighed, frame / (2 * np.pi * frequency) ** 2])
+    expected = np.sqrt(eigh(stiffness, mass, eigvals_only=True)) / (2 * np.pi)
+    got = [mode(modes, "heave")[0], mode(modes, "1st frame")[0]]
+    np.testing.assert_allclose(got, expected, rtol=2e-3)
+    assert got[0] < mode(as_tested(stiff), "heave")[0] * 0.98
+
+
+def test_effects_that_split_the_wings_go_together(hati: Scenario) -> None:
+    """One after the other on an aircraft whose wings were written out by the first."""
+    both = with_effect(hati, "stiffness-asymmetry", bending=0.1, beam="wing")
+    for name, parameters in (
+        ("root-compliance", {"bending": 0.1, "side": "right", "beam": "wing"}),
+        ("bend-twist-coupling", {"coupling": 0.1, "side": "left"}),
+        ("control-surface", {"compliance_rad_per_n_m": 10.0, "side": "both"}),
+        ("entrained-air", {"mass_fraction": 1.0, "drag_n_s_per_m3": 1.0}),
+        ("added-mass", {"mass_kg": 0.01, "x_m": 1.0, "y_m": -1.4}),
+    ):
+        both = with_effect(both, name, **parameters)
+    modes = as_tested(both)
+    assert {"1st flap", "2nd flap"} <= set(modes.labels)
+    assert (modes.damping_ratio > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "says"),
+    [
+        ("root-compliance", {"bending": 0.1, "beam": "wnig"}, "did you mean|wing"),
+        ("control-surface", {"compliance_rad_per_n_m": 1.0, "item": "flap-outr"}, "flap-outer"),
+        ("pendulum-length", {"length_change_m": -2.0}, "only 0.8 m"),
+    ],
+)
+def test_mistakes_are_explained(hati: Scenario, name: str, parameters: dict[str, object], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        made(name, **parameters).act(hati, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("root-compliance", {"bending": -0.1}),
+        ("bend-twist-coupling", {"coupling": 1.0}),
+        ("suspension-stiffness", {"stiffness_change": -1.0}),
+        ("added-mass", {"mass_kg": -0.1}),
+    ],
+)
+def test_impossible_sizes_are_refused(name: str, parameters: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=name):
+        made(name, **parameters)

@@ -1,0 +1,52 @@
+"""The reference of the keys is what the schema says, and the schema says something about every key."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from vgvt.scenario.base import Table
+from vgvt.scenario.vocabulary import unit_of
+
+
+@pytest.fixture(scope="module")
+def maker(repository_root: Path) -> ModuleType:
+    """The script that writes the page."""
+    spec = importlib.util.spec_from_file_location(
+        "make_scenario_keys", repository_root / "docs" / "make_scenario_keys.py"
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_page_is_up_to_date(maker: ModuleType) -> None:
+    """The committed page is what the script writes; renew it with python docs/make_scenario_keys.py."""
+    assert maker.PAGE.read_text(encoding="utf-8") == maker.keys_page()
+
+
+def test_the_page_has_every_key_of_every_table(maker: ModuleType) -> None:
+    found: dict[type[Table], list[str]] = maker.tables()
+    assert [h for hs in found.values() for h in hs if "noise" in h] == ["[transducer.noise]", "[accelerometers.noise]"]
+    sections = maker.keys_page().split("\n## ")[1:]
+    assert len(sections) == len(found) >= 18
+    for (table, headings), section in zip(found.items(), sections, strict=True):
+        assert all(heading in section.splitlines()[0] for heading in headings)
+        rows = [line.split(" | ") for line in section.splitlines() if line.startswith("| `")]
+        assert [row[0] for row in rows] == [f"| `{key}`" for key in table.model_fields]
+        assert [row[2] for row in rows] == [unit_of(key) for key in table.model_fields]
+
+
+def test_every_key_says_what_it_means(maker: ModuleType) -> None:
+    silent = [
+        f"{table.__name__}.{key}"
+        for table in maker.tables()
+        for key, field in table.model_fields.items()
+        if not (field.description or "").strip()
+    ]
+    assert not silent, "give it a docstring under its line"

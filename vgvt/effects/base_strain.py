@@ -1,0 +1,54 @@
+"""Base strain: a force gauge that also reads the moment the stinger puts through it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar, Literal
+
+from vgvt.effects.action import NOTHING, Action
+from vgvt.effects.elements import RotationSpring
+from vgvt.effects.equivalent_damper import equivalent_damper
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.effects.stinger_moment import require_body_drive
+from vgvt.scenario.model import Scenario
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class BaseStrain:
+    """The gauge reads F + s M, with M = -k θ - c θ' the moment of a stinger that resists rotation about one axis.
+
+    The moment path is its own, so that the effect stands alone; for a drive point on the centre body only.
+    """
+
+    name: ClassVar[str] = "base-strain"
+    summary: ClassVar[str] = "The force gauge reads part of the stinger's bending moment as force"
+    family: ClassVar[Family] = Family.DRIVE_PATH
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "one factor on all channels of A/F, coherent with the rotation of the drive point"
+    confused_with: ClassVar[tuple[str, ...]] = ("stinger-moment", "transducer-mass", "drive-point-offset")
+    separating_test: ClassVar[str] = "turn the gauge by 90 degrees about its own axis"
+    reference: ClassVar[str] = (
+        "Ewins, Modal Testing, 2nd ed., chapter 3 (force transducers: cross sensitivity to moments)"
+    )
+
+    apparent_force_per_moment_per_m: float = parameter(
+        "1/m", -20.0, 20.0, "apparent force s per bending moment, N per N m", neutral=0.0
+    )
+    rotational_stiffness_n_m_per_rad: float = parameter(
+        "N m/rad", 0.5, 30.0, "stiffness of what holds the drive point", default=10.0, scale="log"
+    )
+    loss_factor: float = parameter("", 0.01, 0.5, "loss factor of the moment path", default=0.05, scale="log")
+    frequency_hz: float = parameter("Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log")
+    axis: Literal["roll", "pitch"] = dataclasses.field(default="pitch", metadata={"doc": "'roll' or 'pitch'"})
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Add the moment path and let the gauge feel it, in every run; InputError for a drive point on a beam."""
+        del run
+        if self.apparent_force_per_moment_per_m == 0:
+            return NOTHING
+        require_body_drive(scenario, self.name)
+        stiffness = self.rotational_stiffness_n_m_per_rad
+        damping = equivalent_damper(stiffness, self.loss_factor, self.frequency_hz)
+        spring = RotationSpring(self.axis, stiffness, damping, gauge_per_m=self.apparent_force_per_moment_per_m)
+        return Action(elements=(spring,))

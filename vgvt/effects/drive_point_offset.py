@@ -1,0 +1,43 @@
+"""The shaker pushes a little beside the point that the records name."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+from vgvt.effects.action import NOTHING, Action
+from vgvt.effects.parameter import parameter
+from vgvt.effects.protocol import Family
+from vgvt.scenario.model import Scenario
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class DrivePointOffset:
+    """The drive point lies (dx, dy) from where the scenario says, on the same part; the geometry keeps the stated one.
+
+    Residues scale mode by mode with φ(d + δ) / φ(d). The truth's drive DOF is where the force acts.
+    """
+
+    name: ClassVar[str] = "drive-point-offset"
+    summary: ClassVar[str] = "The shaker pushes beside the drive point that the records name"
+    family: ClassVar[Family] = Family.DRIVE_PATH
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = (
+        "residues of all channels scale mode by mode with the shape at the drive point; poles stay (but for the "
+        "transducer's mass, which moves along)"
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("drive-remount", "channel-gain", "stinger-moment", "root-compliance")
+    separating_test: ClassVar[str] = "measure the drive point with a tape; excite at a second point"
+    reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 2 (residues as products of shape entries)"
+
+    dx_m: float = parameter("m", -0.025, 0.025, "how far aft of the stated point", neutral=0.0)
+    dy_m: float = parameter("m", -0.025, 0.025, "how far to the right of the stated point", neutral=0.0)
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Move the drive point in every run."""
+        del run
+        if self.dx_m == 0 and self.dy_m == 0:
+            return NOTHING
+        x, y, z = scenario.shaker.position_m
+        shaker = scenario.shaker.model_copy(update={"position_m": (x + self.dx_m, y + self.dy_m, z)})
+        return Action(scenario=scenario.model_copy(update={"shaker": shaker}))

@@ -1,0 +1,53 @@
+"""Which accelerometers an effect means: all, one, every other one, or one of the roving set."""
+
+from __future__ import annotations
+
+import re
+
+from vgvt.data import Dof, InputError
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.points import SensorPoint, sensor_points
+
+CHOICES = "'response' (all), 'odd' or 'even' nodes, 'sensor-2' (the second one of every run), or a DOF like 12+Z"
+
+
+def chosen_sensors(scenario: Scenario, run: int, choice: str, effect: str) -> tuple[SensorPoint, ...]:
+    """The accelerometers of a run (counted from 0) that a choice means, in the order of the channels.
+
+    ``choice`` is one of ``CHOICES``. InputError, naming the effect, for anything
+    else, and for a DOF that the test does not measure.
+    """
+    by_node = {p.dof.node: p for p in sensor_points(scenario)}
+    there = tuple(by_node[node] for node in scenario.acquisition.run_nodes[run])
+    if choice == "response":
+        return there
+    if choice in ("odd", "even"):
+        return tuple(p for p in there if p.dof.node % 2 == (choice == "odd"))
+    instrument = re.fullmatch(r"sensor-([1-9]\d*)", choice)
+    if instrument is not None:
+        return there[int(instrument[1]) - 1 : int(instrument[1])]
+    wanted = _dof(scenario, choice, effect)
+    if wanted not in {p.dof for p in by_node.values()}:
+        known = ", ".join(str(p.dof) for p in list(by_node.values())[:30])
+        raise InputError(
+            f"scenario {scenario.name}: effect {effect}", f"nothing measures {choice}", f"There is {known}."
+        )
+    return tuple(p for p in there if p.dof == wanted)
+
+
+def chosen_node(scenario: Scenario, node: int, effect: str) -> SensorPoint:
+    """The accelerometer point of a node, or for 0 that of the first channel; InputError for an unknown node."""
+    by_node = {p.dof.node: p for p in sensor_points(scenario)}
+    chosen = node or scenario.acquisition.run_nodes[0][0]
+    if chosen not in by_node:
+        known = ", ".join(map(str, list(by_node)[:30]))
+        raise InputError(f"scenario {scenario.name}: effect {effect}", f"there is no node {node}", f"There is {known}.")
+    return by_node[chosen]
+
+
+def _dof(scenario: Scenario, text: str, effect: str) -> Dof:
+    try:
+        return Dof.from_label(text)
+    except ValueError as error:
+        where = f"scenario {scenario.name}: effect {effect}"
+        raise InputError(where, f"{text!r} chooses no sensor", f"Write {CHOICES}.") from error

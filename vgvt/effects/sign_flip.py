@@ -1,0 +1,43 @@
+"""An accelerometer upside down, or a plug the wrong way round: one channel has the wrong sign."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.action import NOTHING, Action, ChannelFilter
+from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHOICES, chosen_sensors
+from vgvt.scenario.model import Scenario
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class SignFlip:
+    """The chosen channels read minus what they should."""
+
+    name: ClassVar[str] = "sign-flip"
+    summary: ClassVar[str] = "Some channels have the wrong sign"
+    family: ClassVar[Family] = Family.SENSORS
+    linear: ClassVar[bool] = True
+    signature: ClassVar[str] = "one entry of every mode shape has the wrong sign, magnitudes and poles are perfect"
+    confused_with: ClassVar[tuple[str, ...]] = ("swapped-sensors",)
+    separating_test: ClassVar[str] = "rigid modes: all of a rigid aircraft heaves the same way"
+    reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (checks on the transducers)"
+
+    channels: str = dataclasses.field(default="", metadata={"doc": f"empty for none, 'force', or {CHOICES}"})
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        """Turn the chosen channels of the run over."""
+        if not self.channels:
+            return NOTHING
+        if self.channels == "force":
+            return Action(channels=(ChannelFilter("force", _minus),))
+        where = chosen_sensors(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(str(p.dof), _minus) for p in where))
+
+
+def _minus(frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return np.full(frequency_hz.shape, -1.0, dtype=complex)
