@@ -11,7 +11,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from vgvt.cli.claim import read_claim
+from vgvt.files.claim import read_claim
 from vgvt.data import FrequencyResponseSet, InputError, ModalModel
 from vgvt.files import read_campaign
 from vgvt.files.truth import read_truth

@@ -15,9 +15,10 @@ _HEAD = """# The keys of a scenario
 
 Written by `python docs/make_scenario_keys.py` from the schema; edit the texts in `vgvt/scenario/`, not this page.
 
-Every key ends in its unit. Numbers are SI; positions are aircraft axes: x aft from the nose, y right, z up. A key without a
-default must be there; one that is *left out* by default means what its text says. A file that begins with `extends`
-gives only what differs ([how](../how-to/write-your-own-scenario.md)). `vgvt schema` prints the same as JSON Schema.
+Every key ends in its unit. Numbers are SI; positions are aircraft axes: x aft from the nose, y right, z up. A key
+without a default must be there; one that is *left out* by default means what its text says. A file that begins with
+`extends` gives only what differs ([how](../how-to/write-your-own-scenario.md)). `vgvt schema` prints the same as JSON
+Schema.
 """
 
 _BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum": "< {:g}", "maximum": "≤ {:g}"}

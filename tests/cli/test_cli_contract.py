@@ -8,21 +8,21 @@ from pathlib import Path
 import pytest
 
 DOCUMENTS = [
-    (("list", "scenarios"), {"items"}),
-    (("list", "identifiers"), {"items"}),
-    (("list", "effects"), {"items"}),
-    (("data", "list"), {"items"}),
-    (("data", "where"), {"searched", "fetched_into", "variable"}),
-    (("schema",), {"$schema", "$defs", "properties"}),
-    (("cite",), {"entries"}),
+    (("list", "scenarios"), ("items",)),
+    (("list", "identifiers"), ("items",)),
+    (("list", "effects"), ("items",)),
+    (("data", "list"), ("items",)),
+    (("data", "where"), ("searched", "fetched_into", "variable")),
+    (("schema",), ("$schema", "$defs", "properties")),
+    (("cite",), ("entries",)),
 ]
 
 
 @pytest.mark.parametrize(("arguments", "keys"), DOCUMENTS, ids=lambda value: " ".join(value))
-def test_one_object_with_its_keys(vgvt, arguments: tuple[str, ...], keys: set[str]) -> None:
+def test_one_object_with_its_keys(vgvt, arguments: tuple[str, ...], keys: tuple[str, ...]) -> None:
     result = vgvt(*arguments, "--json")
     assert result.status == 0
-    assert keys <= set(result.document)
+    assert set(keys) <= set(result.document)
 
 
 @pytest.mark.parametrize("arguments", [a for a, _ in DOCUMENTS] + [("--help",), ("--version",), ()], ids=" ".join)
@@ -189,3 +189,20 @@ def test_a_warning_is_a_line(vgvt, monkeypatch: pytest.MonkeyPatch) -> None:
         result = vgvt("list", "scenarios", "--json")
     assert result.document == {"items": []}
     assert result.err.strip() == "vgvt: warning: something is odd"
+
+
+def test_defaults_of_settings_are_numbers_where_they_are_numeric(vgvt) -> None:
+    items = {item["name"]: item for item in vgvt("list", "identifiers", "--json").document["items"]}
+    assert all("setting" not in item for item in items.values())
+    defaults = {setting["name"]: setting["default"] for setting in items["quadrature"]["settings"]}
+    assert isinstance(defaults["prominence_db"], float | int)
+
+
+def test_an_empty_mat_file_is_called_empty(tmp_path: Path) -> None:
+    from vgvt.data import InputError
+    from vgvt.files.mat import read_mat
+
+    path = tmp_path / "empty.mat"
+    path.touch()
+    with pytest.raises(InputError, match="empty"):
+        read_mat(path, ["x"])

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from vgvt.cli.claim import Claim, claim_document, read_claim
 from vgvt.cli.document import document_text, plain
 from vgvt.data import Direction, Dof, ModalModel, Outcome
+from vgvt.files.claim import Claim, claim_document, read_claim
 
 
 class Colour(StrEnum):

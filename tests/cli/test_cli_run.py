@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -183,3 +184,109 @@ def test_score_of_a_run_folder_is_the_score_of_the_run(vgvt, simulations) -> Non
         assert ours["claimed_hz"] == pytest.approx(theirs["claimed_hz"], rel=1e-12)
         assert ours["mac"] == pytest.approx(theirs["mac"], abs=1e-12)
     assert vgvt("score", "runs/quick/claims/quadrature.json").status == 0
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for name in files_in(folder)}
+
+
+def full_disk(*_: object) -> object:
+    from collections import namedtuple
+
+    return namedtuple("Usage", "total used free")(1 << 20, 1 << 20, 0)
+
+
+def test_an_interrupt_while_writing_leaves_the_old_run_whole(vgvt, simulations, monkeypatch) -> None:
+    vgvt("run", "quick", "--out", "here")
+    before = contents(Path("here"))
+    with monkeypatch.context() as patch:
+        patch.setattr("vgvt.files.write_campaign", interrupted)
+        result = vgvt("run", "quick", "--out", "here", "--seed", 5, "--force")
+    assert result.status == 130
+    assert "stopped while writing; here is as it was" in result.err
+    assert contents(Path("here")) == before
+    assert vgvt("run", "quick", "--out", "here").status == 0
+    assert simulations == ["quick", "quick"]
+
+
+def test_a_swap_stopped_half_way_is_never_taken_for_a_run(vgvt, simulations, monkeypatch) -> None:
+    vgvt("run", "quick", "--out", "here")
+    rename = Path.replace
+
+    def stop_at_campaign(self: Path, target: Path) -> Path:
+        if self.parent.name.endswith(".part") and self.name == "campaign.nc":
+            raise KeyboardInterrupt
+        return rename(self, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", stop_at_campaign)
+        result = vgvt("run", "quick", "--out", "here", "--seed", 5, "--force")
+    assert result.status == 1
+    assert "as it was" not in result.err
+    assert "--force" in result.err
+    assert vgvt("run", "quick", "--out", "here").status == 2
+
+
+def test_a_full_disk_is_said_before_anything_is_written(vgvt, simulations, monkeypatch) -> None:
+    monkeypatch.setattr("shutil.disk_usage", full_disk)
+    result = vgvt("run", "quick")
+    assert result.status == 1
+    assert "disk is full" in result.err
+    assert "--out" in result.err
+    assert "stopped while writing; nothing was kept" in result.err
+    assert not Path("runs/quick").exists()
+
+
+def test_settings_reach_the_identifier_they_name(vgvt, simulations) -> None:
+    used = ("run", "quick", "--no-report", "--out", "here")
+    assert vgvt(*used, "--setting", "quadrature.prominence_db=9").status == 0
+    manifest = json.loads(Path("here/manifest.json").read_text())
+    assert float(manifest["identifiers"]["quadrature"]["prominence_db"]) == 9.0
+    refused = vgvt(*used, "--setting", "other.prominence_db=9")
+    assert refused.status == 2
+    assert "'other'" in refused.err
+
+
+def test_overloads_are_said(vgvt, simulations, monkeypatch) -> None:
+    import vgvt.simulation as simulation
+
+    whole = simulation.simulate
+
+    def clipped(*arguments: object, **options: object) -> simulation.SimulationResult:
+        result = whole(*arguments, **options)
+        first = result.campaign.runs[0]
+        runs = (replace(first, overloaded=(first.channels[0].name,)), *result.campaign.runs[1:])
+        return replace(result, campaign=replace(result.campaign, runs=runs))
+
+    monkeypatch.setattr(simulation, "simulate", clipped)
+    result = vgvt("run", "quick", "--no-report", "--json")
+    ((run, channels),) = result.document["overloaded"].items()
+    assert f"run {run}: {channels[0]} overloaded" in result.err
+
+
+def test_a_resumed_run_keeps_no_old_simulation_time(vgvt, simulations) -> None:
+    vgvt("run", "quick", "--no-report")
+    assert "simulate" in json.loads(Path("runs/quick/manifest.json").read_text())["timing_s"]
+    vgvt("run", "quick", "--no-report")
+    assert "simulate" not in json.loads(Path("runs/quick/manifest.json").read_text())["timing_s"]
+
+
+def test_a_folder_given_as_truth_is_called_a_folder(vgvt, simulations) -> None:
+    vgvt("run", "quick", "--no-report")
+    result = vgvt("score", "runs/quick", "runs/quick")
+    assert result.status == 2
+    assert "folder" in result.err
+    assert "sealed" in result.err
+
+
+def test_identify_writes_the_page_of_a_campaign_without_truth(vgvt, campaign_file) -> None:
+    assert vgvt("identify", campaign_file, "--report", "page.html").status == 0
+    assert "</html>" in Path("page.html").read_text(encoding="utf-8")
+
+
+def test_every_mode_with_a_sigma_peak_states_it_as_a_number(vgvt, campaign_file) -> None:
+    modes = vgvt("identify", campaign_file, "--json").document["modes"]
+    assert modes
+    for mode in modes:
+        flag = next(flag for flag in mode["flags"] if flag.startswith("sigma_peak_hz="))
+        assert mode["sigma_peak_hz"] == float(flag.partition("=")[2])

@@ -56,3 +56,20 @@ def test_a_mistake_gets_the_answer_on_the_page(tmp_path: Path, right: str, wrong
         load_scenario(written(tmp_path, PLANK.replace(right, wrong)))
     assert caught.value.where.endswith(f": {key}")
     assert f"{caught.value.problem}. {caught.value.advice}" == answer
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "key"),
+    [
+        ("position_m = [0.05, 0.45, 0.0]", "position_m = [9.0, 0.45, 0.0]", "shaker.position_m"),
+        ("x_m = [0.05, 0.05,", "x_m = [0.05, 9.0,", "accelerometers.grid.x_m[1]"),
+    ],
+)
+def test_nine_metres_are_off_the_plank_without_its_outlines_too(
+    tmp_path: Path, right: str, wrong: str, key: str
+) -> None:
+    bare = re.sub(r"^(?:outline_m|forward_edge_m|aft_edge_m) = .*\n", "", PLANK, flags=re.MULTILINE)
+    assert load_scenario(written(tmp_path, bare)).airframe.body.outline_m == ()
+    with pytest.raises(InputError, match="has no outline") as caught:
+        load_scenario(written(tmp_path, bare.replace(right, wrong)))
+    assert caught.value.where.endswith(f": {key}")

@@ -22,8 +22,13 @@ BINARY = {".png", ".jpg", ".nc", ".npz", ".mat", ".gz", ".whl", ".pdf", ".ico", 
 # Home folders, scratch folders and mounts of somebody's machine; addresses of package registries and their mirrors.
 PRIVATE_PATH = re.compile(r"(?<![\w./:~<>$}-])(?:/(?:home|Users|root|mnt|tmp|var/folders)/[\w.-]+|[A-Z]:\\Users\\)")
 THIS_CHECKOUT = re.compile("|".join(re.escape(str(place)) for place in (ROOT, ROOT.parent / "shared")))
+# An index is told by the shape of its address or by the option that names it, so that no host need be named here.
 REGISTRY_HOST = re.compile(
-    r"https?://[^\s\"'<>)]*(?:artifactory|nexus|devpi|pypi\.org/simple|test\.pypi|/simple/|index-url)", re.IGNORECASE
+    r"https?://[^\s\"'<>)]*/simple(?:/|\b(?![\w.-]))"
+    r"|https?://files\.[^\s\"'<>)]+"
+    r"|(?:extra[-_])?index[-_]url\s*[= ]\s*[\"']?https?:"
+    r"|https?://[^\s\"'<>)]+\.whl\b",
+    re.IGNORECASE,
 )
 
 
@@ -129,7 +134,7 @@ def test_the_seed_check_can_tell(snippet: str, found: bool) -> None:
 def test_no_file_names_a_machine_or_a_registry() -> None:
     offences = []
     for path in project_files():
-        if path == Path(__file__).resolve():
+        if path == Path(__file__).resolve():  # its own samples of what is forbidden
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
         for pattern in (PRIVATE_PATH, THIS_CHECKOUT, REGISTRY_HOST):
@@ -154,3 +159,22 @@ def test_no_file_names_a_machine_or_a_registry() -> None:
 )
 def test_the_path_check_can_tell(text: str, found: bool) -> None:
     assert bool(PRIVATE_PATH.search(text)) is found
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("https://host.example/simple/numpy/", True),
+        ("http://host.example:8080/api/simple", True),
+        ("--index-url https://host.example/root", True),
+        ('extra-index-url = "https://host.example"', True),
+        ("https://files.host.example/packages/ab/cd", True),
+        ("https://host.example/numpy-2.0-py3-none-any.whl", True),
+        ("https://example.org/simple-harmonic-motion", False),
+        ("https://example.org/a/simpler/b", False),
+        ("set an index url of your own", False),
+        ("https://example.org/profiles.html", False),
+    ],
+)
+def test_the_registry_check_can_tell(text: str, found: bool) -> None:
+    assert bool(REGISTRY_HOST.search(text)) is found

@@ -41,7 +41,8 @@ def test_nine_metres_are_off_a_plank_without_outline(edges: bool) -> None:
     airframe = _plank(edges=edges)
     said = _hook_problem(airframe, (9.0, 0.0, 0.0))
     assert "off the aircraft" in said
-    assert "outline_m in [airframe.body]" in said
+    assert "has no outline; if it reaches further, give it" in said
+    assert ("outline_m in [airframe.body]" in said) == edges, "the part that the point would be on"
     assert "300 mm beyond are allowed" in said
     assert not _hook_problem(airframe, (0.05, 0.0, 0.0))
 
@@ -79,7 +80,7 @@ def test_a_point_off_a_beam_without_edges_is_told_to_give_it_edges() -> None:
 
 
 def test_millimetres_are_recognised_without_an_outline() -> None:
-    assert "Were these millimetres? Then write (0.05, 0.1, 0)." in _hook_problem(_plank(), (50.0, 100.0, 0.0))
+    assert "Were these millimetres? Then write (0.05, 0.2, 0)." in _hook_problem(_plank(), (50.0, 200.0, 0.0))
 
 
 @pytest.mark.parametrize("point", [(0.05, 0.9, 0.0), (0.05, 0.75, 0.0)])

@@ -18,6 +18,8 @@ import typer
 from vgvt.cli.console import log
 from vgvt.cli.document import write_document
 
+_FULL_DISK_ADVICE = "make room, or write to another disk with --out"
+
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -97,6 +99,8 @@ def _explain(error: Exception, as_json: bool) -> int:
         # The interpreter flushes stdout once more on exit; give it somewhere to go.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return _explain(CommandError(f"the disk is full: {error.strerror}", _FULL_DISK_ADVICE), as_json)
     if _is_usage_error(error):
         return _report(BAD_INPUT, "usage", _usage_message(error), as_json)
     if os.environ.get("VGVT_TRACEBACK"):

@@ -12,8 +12,8 @@ from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, CampaignArgument, JsonOption
 
 if TYPE_CHECKING:
-    from vgvt.cli.claim import Claim
     from vgvt.data import Campaign
+    from vgvt.files.claim import Claim
     from vgvt.identification import Identifier
 
 
@@ -25,6 +25,9 @@ def identify(
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the identifier; may be given again.")
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the claim to a file too.")] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="FILE", help="Write the one-file page of the campaign too.")
+    ] = None,
     leave_out_faulty: Annotated[
         bool, typer.Option("--leave-out-faulty", help="Go on without channels that hold NaN or are dead.")
     ] = False,
@@ -35,16 +38,19 @@ def identify(
     Exit status 0 also when there is nothing to find; 1 when the identifier
     declined or did not converge.
     """
-    from vgvt.cli.claim import claim_document
     from vgvt.cli.options import parsed_settings
     from vgvt.cli.soundness import sound_campaign
     from vgvt.data import Outcome
+    from vgvt.files.claim import claim_document
 
     method = made_identifier(identifier, parsed_settings(setting or []))
-    claim = claimed(method, sound_campaign(campaign, leave_out_faulty), band)
+    opened = sound_campaign(campaign, leave_out_faulty)
+    claim = claimed(method, opened, band)
     document = claim_document(claim)
     if out is not None:
         write_claim(out, document)
+    if report is not None:
+        _write_report(report, opened, claim)
     if as_json:
         write_document(document)
     else:
@@ -56,6 +62,22 @@ def identify(
     return 0 if claim.model.outcome in (Outcome.FOUND, Outcome.NOTHING_FOUND) else 1
 
 
+def _write_report(path: Path, campaign: Campaign, claim: Claim) -> None:
+    from vgvt import __version__
+    from vgvt.signals import estimate_frf
+    from vgvt.view import write_report
+
+    write_report(
+        path,
+        title=f"{campaign.name}: modes by {claim.identifier}",
+        campaign=campaign,
+        frf=estimate_frf(campaign) if campaign.reference_dofs else None,
+        claims={claim.identifier: claim.model},
+        facts={"made by": f"vgvt {__version__}"},
+    )
+    log(f"open {path} in a browser")
+
+
 def made_identifier(name: str, settings: dict[str, Any]) -> Identifier:
     """The identifier with its settings; InputError for a name or a setting that it does not have."""
     from vgvt.identification import make_identifier
@@ -65,7 +87,7 @@ def made_identifier(name: str, settings: dict[str, Any]) -> Identifier:
 
 def claimed(method: Identifier, campaign: Campaign, band: tuple[float, float] | None) -> Claim:
     """What the method says about the campaign."""
-    from vgvt.cli.claim import Claim
+    from vgvt.files.claim import Claim
     from vgvt.identification import run_identifier
 
     band_hz = campaign.band_hz if band is None else band

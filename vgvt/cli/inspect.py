@@ -23,7 +23,7 @@ def inspect(campaign: CampaignArgument, as_json: JsonOption = False) -> int:
     from vgvt.cli.tables import items_table
 
     show(
-        f"{document['name']}: {len(document['runs'])} runs, excited from {document['band_hz'][0]:g} "
+        f"{document['name']}: {_runs_in_words(len(document['runs']))}, excited from {document['band_hz'][0]:g} "
         f"to {document['band_hz'][1]:g} Hz, responses {' '.join(document['responses'])}, "
         f"references {' '.join(document['references'])}"
     )
@@ -67,6 +67,10 @@ def campaign_document(campaign: Campaign) -> dict[str, Any]:
         "references": [dof.label for dof in campaign.reference_dofs],
         "runs": [_run_document(record, faults) for record in campaign.runs],
     }
+
+
+def _runs_in_words(count: int) -> str:
+    return f"{count} run" if count == 1 else f"{count} runs"
 
 
 def _run_document(record: Record, faults: dict[tuple[int, str], str]) -> dict[str, Any]:

@@ -10,6 +10,8 @@ from vgvt.cli.console import show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import JsonOption
 
+_EXPENDABLE = ("sample_rate_hz", "duration_s", "runs")  # left to --json where the terminal is narrow
+
 list_app = typer.Typer(help="List scenarios, identifiers or effects.", no_args_is_help=False)
 
 
@@ -41,7 +43,7 @@ def scenarios(as_json: JsonOption = False) -> int:
                 "band_hz": list(excitation.band_hz),
             }
         )
-    return _list(items, ("name", "aircraft", "runs", "duration_s", "sample_rate_hz", "summary"), as_json)
+    return _list(items, ("name", "aircraft", "runs", "duration_s", "sample_rate_hz", "summary"), as_json, _EXPENDABLE)
 
 
 @list_app.command()
@@ -52,17 +54,20 @@ def identifiers(as_json: JsonOption = False) -> int:
     items: list[dict[str, Any]] = []
     for name, cls in available_identifiers().items():
         needs: Any = getattr(cls, "needs", None)
-        settings = [{"name": s.name, "type": s.type, "default": s.default, "meaning": s.doc} for s in settings_of(cls)]
+        settings = [
+            {"name": s.name, "type": s.type, "default": _number_or_text(s.default), "meaning": s.doc}
+            for s in settings_of(cls)
+        ]
         items.append(
             {
                 "name": name,
                 "summary": str(getattr(cls, "summary", "")),
                 "needs": [str(need.name).lower() for need in needs or ()],
                 "settings": settings,
-                "setting": ", ".join(f"{s['name']}={s['default']}" for s in settings),
             }
         )
-    return _list(items, ("name", "summary", "setting"), as_json)
+    rows = [{**item, "setting": ", ".join(f"{s['name']}={s['default']}" for s in item["settings"])} for item in items]
+    return _list(items if as_json else rows, ("name", "summary", "setting"), as_json)
 
 
 @list_app.command()
@@ -110,11 +115,13 @@ def effects(as_json: JsonOption = False) -> int:
     return _list(items, ("name", "family", "summary", "parameter"), as_json)
 
 
-def _list(items: list[dict[str, Any]], columns: tuple[str, ...], as_json: bool) -> int:
+def _list(
+    items: list[dict[str, Any]], columns: tuple[str, ...], as_json: bool, expendable: tuple[str, ...] = ()
+) -> int:
     if as_json:
         write_document({"items": items})
         return 0
     from vgvt.cli.tables import items_table
 
-    show(items_table(items, columns) if items else "none installed")
+    show(items_table(items, columns, expendable) if items else "none installed")
     return 0

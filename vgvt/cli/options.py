@@ -45,6 +45,21 @@ def resolved_scenario(name: str, seed: int | None, engine: str | None) -> Scenar
     return scenario.model_copy(update=changes) if changes else scenario
 
 
+def settings_by_identifier(pairs: list[str], names: list[str]) -> dict[str, dict[str, str]]:
+    """Settings written as key=value, for every identifier, or as NAME.key=value, for the one of that name."""
+    from vgvt.data import InputError
+
+    settings: dict[str, dict[str, str]] = {name: {} for name in names}
+    for pair in pairs:
+        owner, dot, _ = pair.partition("=")[0].rpartition(".")
+        if dot and owner not in settings:
+            raise InputError("--setting", f"{owner!r} is not used in this run", f"used are {', '.join(names)}")
+        rest = pair[len(owner) + 1 :] if dot else pair
+        for name in [owner] if dot else names:
+            settings[name] |= parsed_settings([rest])
+    return settings
+
+
 def parsed_settings(pairs: list[str]) -> dict[str, str]:
     """Settings written as key=value; the identifier gives the text its type."""
     from vgvt.data import InputError

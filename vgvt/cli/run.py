@@ -13,11 +13,11 @@ from vgvt.cli.document import document_text, write_document
 from vgvt.cli.identify import claimed, made_identifier, write_claim
 from vgvt.cli.options import BandOption, EngineOption, JsonOption, ScenarioArgument, SeedOption
 from vgvt.cli.score import scored
-from vgvt.cli.simulate import ForceOption, OutOption, Simulated, simulated, simulation_document
+from vgvt.cli.simulate import ForceOption, OutOption, Simulated, overloads, simulated, simulation_document
 
 if TYPE_CHECKING:
-    from vgvt.cli.claim import Claim
     from vgvt.data import Scorecard
+    from vgvt.files.claim import Claim
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +34,10 @@ def run(
     identifier: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="An identifier; may be given again. Default: quadrature.")
     ] = None,
+    setting: Annotated[
+        list[str] | None,
+        typer.Option(metavar="[NAME.]KEY=VALUE", help="A setting of the identifier (NAME); may be given again."),
+    ] = None,
     band: BandOption = None,
     out: OutOption = None,
     seed: SeedOption = None,
@@ -47,10 +51,16 @@ def run(
     A folder that already holds the same scenario's campaign is taken up where
     it stands: only identification, score and report are done again.
     """
+    from vgvt.cli.options import settings_by_identifier
+
     start = time.perf_counter()
     # Made before the simulation, so that a misspelt name costs no time.
-    methods = {name: made_identifier(name, {}) for name in identifier or ["quadrature"]}
+    names = identifier or ["quadrature"]
+    settings = settings_by_identifier(setting or [], names)
+    methods = {name: made_identifier(name, settings[name]) for name in names}
     result = simulated(scenario, out, seed, engine, force)
+    for run_number, channels in overloads(result.campaign).items():
+        log(f"run {run_number}: {', '.join(channels)} overloaded; the clipped record is used as it is")
     try:
         judged = _judge(result, methods, band)
         if report:
@@ -70,8 +80,8 @@ def run(
 
 
 def _judge(result: Simulated, methods: dict[str, Any], band: tuple[float, float] | None) -> Judged:
-    from vgvt.cli.claim import claim_document
     from vgvt.files.atomically import replacing
+    from vgvt.files.claim import claim_document
 
     judged = Judged({}, {}, dict(result.timing_s))
     for name, method in methods.items():
@@ -107,14 +117,12 @@ def _write_report(result: Simulated, judged: Judged) -> None:
 def _facts(result: Simulated) -> dict[str, str]:
     from vgvt import __version__
 
-    scenario, campaign = result.scenario, result.campaign
+    scenario = result.scenario
     return {
         "aircraft": scenario.airframe.name,
         "scenario": f"{scenario.name}: {scenario.summary}",
         "engine": scenario.simulation.engine,
         "seed": str(scenario.seed),
-        "runs": f"{len(campaign.runs)} of {campaign.runs[0].duration_s:g} s at {campaign.runs[0].sample_rate_hz:g} Hz",
-        "excited band": f"{campaign.band_hz[0]:g} to {campaign.band_hz[1]:g} Hz",
         "made by": f"vgvt {__version__}",
     }
 
@@ -126,7 +134,8 @@ def _complete_manifest(result: Simulated, judged: Judged) -> None:
     before = result.folder.manifest_document() or {}
     facts = {key: before[key] for key in ("scenario", "scenario_sha256", "engine")}
     facts["identifiers"] = {name: claim.model.settings for name, claim in judged.claims.items()}
-    facts["timing_s"] = {**before["timing_s"], **judged.timing_s}
+    # A resumed run simulated nothing: an old simulation's time beside a new total would add up to nonsense.
+    facts["timing_s"] = judged.timing_s
     facts["peak_memory_mib"] = peak_memory_mib()
     write_manifest(result.folder.path, seeds=before["seeds"], facts=facts)
 

@@ -5,10 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shutil
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vgvt.cli.boundary import CommandError
 from vgvt.data.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,6 +21,13 @@ if TYPE_CHECKING:
 
 _TEMPORARY = ".*.part"  # what vgvt.files.atomically leaves when the machine goes down in the middle of writing
 _REPLACE = "remove the folder, or replace the run in it with --force"
+
+
+class HalfSwappedError(CommandError):
+    """Stopped between the first and the last rename of a swap of runs."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(f"{path}: stopped while the new run took the old one's place", "do it again with --force")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +81,35 @@ class RunFolder:
             raise InputError(str(self.manifest), "is not a manifest", _REPLACE)
         return document
 
+    @contextmanager
+    def staging(self) -> Iterator[RunFolder]:
+        """A run folder within this one to write a new run into; it goes with what is left in it."""
+        path = self.path / f".{uuid.uuid4().hex[:8]}.part"
+        path.mkdir()
+        try:
+            yield RunFolder(path)
+        finally:
+            shutil.rmtree(path, ignore_errors=True)
+
+    def take_over(self, staged: RunFolder) -> None:
+        """Put a staged run in the place of this one; only renames, with the manifest last.
+
+        HalfSwappedError when that was stopped in the middle: no manifest then, so that nobody takes the run for whole.
+        """
+        try:
+            self.forget_results()
+            self.truth.parent.mkdir(exist_ok=True)
+            for new, place in (
+                (staged.scenario, self.scenario),
+                (staged.truth, self.truth),
+                (staged.campaign, self.campaign),
+                (staged.manifest, self.manifest),
+            ):
+                new.replace(place)
+        except (OSError, KeyboardInterrupt, SystemExit) as error:
+            self.manifest.unlink(missing_ok=True)
+            raise HalfSwappedError(self.path) from error
+
     def forget_results(self) -> None:
         """Remove what was concluded from a campaign that is about to be replaced."""
         stale = [self.manifest, self.report]
@@ -109,7 +150,7 @@ def prepared_folder(path: Path, sha256: str, force: bool) -> tuple[RunFolder, bo
     if not os.access(path, os.W_OK | os.X_OK):
         raise InputError(str(path), "may not write here", "give another place with --out FOLDER")
     for leftover in (*path.glob(_TEMPORARY), *path.glob(f"*/{_TEMPORARY}")):
-        leftover.unlink()
+        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
     if force:
         return folder, False
     manifest = folder.manifest_document()

@@ -12,9 +12,9 @@ from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption
 
 if TYPE_CHECKING:
-    from vgvt.cli.claim import Claim
     from vgvt.cli.run_folder import RunFolder
     from vgvt.data import Scorecard, Truth
+    from vgvt.files.claim import Claim
 
 
 def score(
@@ -29,7 +29,7 @@ def score(
     as_json: JsonOption = False,
 ) -> int:
     """Score a claim against the truth: errors, MAC, missed and false modes."""
-    from vgvt.cli.claim import read_claim
+    from vgvt.files.claim import read_claim
     from vgvt.files.truth import read_truth
 
     claim_path, truth_path = _paths(claim, truth, identifier)
@@ -63,6 +63,10 @@ def _paths(claim: Path, truth: Path | None, identifier: str | None) -> tuple[Pat
     from vgvt.cli.run_folder import RunFolder
     from vgvt.data import InputError
 
+    if truth is not None and truth.is_dir():
+        inside = RunFolder(truth).truth
+        advice = f"give {inside}" if inside.is_file() else "give the truth.nc of a run, under sealed/"
+        raise InputError(str(truth), "this is a folder, not a truth", advice)
     if claim.is_dir():
         folder = RunFolder(claim)
         return _claim_of(folder, identifier), truth or folder.truth

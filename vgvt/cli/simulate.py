@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from vgvt.cli.run_folder import RunFolder
     from vgvt.data import Campaign, Truth
     from vgvt.scenario.model import Scenario
+    from vgvt.simulation import SimulationResult
 
 OutOption = Annotated[
     Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for the files; runs/SCENARIO when left out.")
@@ -71,13 +74,7 @@ def simulated(name: str, out: Path | None, seed: int | None, engine: str | None,
     path = out if out is not None else default_folder(scenario, original.seed, original.simulation.engine)
     was_there = path.exists()
     folder, reusable = prepared_folder(path, scenario_sha256(scenario), force)
-    try:
-        timing = {} if reusable else _simulate_into(folder, scenario)
-    except BaseException:
-        log(f"the simulation had not ended; nothing was kept in {path}" if not was_there else f"{path} is as it was")
-        if not was_there:
-            _remove_empty(path)
-        raise
+    timing = {} if reusable else _simulate_into(folder, scenario, was_there)
     if reusable:
         log(f"took the campaign that {path} already holds; --force simulates it again")
     from vgvt.files import read_campaign
@@ -90,9 +87,11 @@ def simulated(name: str, out: Path | None, seed: int | None, engine: str | None,
 
 def simulation_document(result: Simulated) -> dict[str, Any]:
     """The document of ``vgvt simulate``; ``vgvt run`` adds the identifiers to it."""
-    from vgvt.cli.claim import mode_documents
+    from vgvt.files.claim import mode_documents
     from vgvt_scoreboard import merge_truth
 
+    # The sealed truth reaches far above the band; a reader wants what the test could have met.
+    shown_hz = 2.0 * result.campaign.band_hz[1]
     return {
         "scenario": result.scenario.name,
         "folder": result.folder.path,
@@ -101,41 +100,71 @@ def simulation_document(result: Simulated) -> dict[str, Any]:
         "engine": result.scenario.simulation.engine,
         "resumed": result.resumed,
         "truth": {
-            "bare": mode_documents(result.truth.bare),
-            "as_tested": mode_documents(merge_truth(result.truth).model),
+            "bare": mode_documents(result.truth.bare.band(0.0, shown_hz)),
+            "as_tested": mode_documents(merge_truth(result.truth).model.band(0.0, shown_hz)),
         },
+        "overloaded": overloads(result.campaign),
         "timing_s": dict(result.timing_s),
     }
 
 
-def _simulate_into(folder: RunFolder, scenario: Scenario) -> dict[str, float]:
-    from vgvt.cli.run_folder import scenario_sha256
-    from vgvt.files import write_campaign, write_manifest
-    from vgvt.files.atomically import replacing
-    from vgvt.files.truth import write_truth
-    from vgvt.scenario import to_toml
+def overloads(campaign: Campaign) -> dict[int, list[str]]:
+    """The channels that clipped, by run; nothing where none did."""
+    return {record.run: list(record.overloaded) for record in campaign.runs if record.overloaded}
+
+
+def _simulate_into(folder: RunFolder, scenario: Scenario, was_there: bool) -> dict[str, float]:
     from vgvt.simulation import simulate as simulate_scenario
 
     try:
-        with progress(f"simulate {scenario.name}") as report:
+        with (
+            _untouched_on_failure(folder.path, was_there, "simulating"),
+            progress(f"simulate {scenario.name}") as report,
+        ):
             result = simulate_scenario(scenario, progress=report)
     except FloatingPointError as error:
         raise CommandError(str(error), "or try --engine linear") from error
+    return _write_into(folder, scenario, result, was_there)
+
+
+def _write_into(folder: RunFolder, scenario: Scenario, result: SimulationResult, was_there: bool) -> dict[str, float]:
+    """Write everything beside its place, then swap: until then what the folder held stays whole."""
+    from vgvt.cli.run_folder import scenario_sha256
+    from vgvt.files import write_campaign, write_manifest
+    from vgvt.files.truth import write_truth
+    from vgvt.scenario import to_toml
+
     facts = {
         "scenario": scenario.name,
         "scenario_sha256": scenario_sha256(scenario),
         "engine": scenario.simulation.engine,
     }
-    # The manifest goes first and comes last: a folder with a manifest holds a whole campaign.
-    folder.forget_results()
     start = time.perf_counter()
-    with replacing(folder.scenario) as temporary:
-        temporary.write_text(to_toml(scenario), encoding="utf-8")
-    write_truth(folder.truth, result.truth)
-    write_campaign(folder.campaign, result.campaign, manifest={**facts, "seed": scenario.seed})
-    timing = {**result.timing_s, "write": time.perf_counter() - start}
-    write_manifest(folder.path, seeds={"scenario": scenario.seed}, facts={**facts, "timing_s": timing})
+    with _untouched_on_failure(folder.path, was_there, "writing"), folder.staging() as staged:
+        staged.scenario.write_text(to_toml(scenario), encoding="utf-8")
+        write_truth(staged.truth, result.truth)
+        write_campaign(staged.campaign, result.campaign, manifest={**facts, "seed": scenario.seed})
+        timing = {**result.timing_s, "write": time.perf_counter() - start}
+        write_manifest(staged.path, seeds={"scenario": scenario.seed}, facts={**facts, "timing_s": timing})
+        folder.take_over(staged)
     return timing
+
+
+@contextmanager
+def _untouched_on_failure(path: Path, was_there: bool, doing: str) -> Iterator[None]:
+    """Say what the folder holds when the work on a run that is to come into it ends early."""
+    from vgvt.cli.run_folder import HalfSwappedError
+
+    try:
+        yield
+    except HalfSwappedError:
+        raise
+    except BaseException:
+        kept = f"{path} is as it was" if was_there else f"nothing was kept in {path}"
+        log(f"stopped while {doing}; {kept}")
+        if not was_there:
+            _remove_empty(path)
+        raise
 
 
 def _remove_empty(path: Path) -> None:

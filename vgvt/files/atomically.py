@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import shutil
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,6 +33,18 @@ def replacing(path: str | Path) -> Iterator[Path]:
         temporary.replace(final)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_space(folder: Path, needed_bytes: int) -> None:
+    """OSError (ENOSPC) when the disk of a folder, which need not exist yet, has less room than that."""
+    existing = next(place for place in (folder.absolute(), *folder.absolute().parents) if place.exists())
+    free_bytes = shutil.disk_usage(existing).free
+    if free_bytes < needed_bytes:
+        raise OSError(
+            errno.ENOSPC,
+            f"{needed_bytes / 2**20:.1f} MiB are needed and {free_bytes / 2**20:.1f} MiB are free",
+            str(folder),
+        )
 
 
 def _flush_to_disk(path: Path) -> None:

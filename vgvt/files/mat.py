@@ -27,6 +27,8 @@ def read_mat(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
             start = stream.read(520)
     except OSError as error:
         raise InputError(str(path), f"cannot be read: {error.strerror or error}", "check the path") from error
+    if not start:
+        raise InputError(str(path), "the file is empty", "copy or download the file again")
     if start.startswith(_HDF5_SIGNATURE) or start[512:520] == _HDF5_SIGNATURE:
         return _read_hdf5(path, names)
     if not start.startswith(b"MATLAB"):

@@ -7,17 +7,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vgvt.data import InputError
-from vgvt.files.atomically import replacing
+from vgvt.files.atomically import check_space, replacing
 
 if TYPE_CHECKING:
     import xarray
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _CHUNK_BYTES = 1 << 20
+_OVERHEAD_BYTES = 1 << 15  # of a group: its header and attributes
 
 
 def write_groups(path: str | Path, groups: Mapping[str, xarray.Dataset]) -> None:
-    """Write datasets as groups ('/' is the root) of one file, numbers compressed, in one stroke."""
+    """Write datasets as groups ('/' is the root) of one file, numbers compressed, in one stroke.
+
+    OSError (ENOSPC) beforehand when the disk has no room for the numbers uncompressed:
+    HDF5 survives a disk that fills up in the middle badly.
+    """
+    check_space(Path(path).parent, sum(dataset.nbytes for dataset in groups.values()) + _OVERHEAD_BYTES * len(groups))
     with replacing(path) as temporary:
         for i, (group, dataset) in enumerate(groups.items()):
             dataset.to_netcdf(

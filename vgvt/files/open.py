@@ -59,7 +59,12 @@ def _open_sidecar(path: Path) -> Campaign:
     records = sidecar.records
     if records.dataset:
         first = (Path(records.folder) / sidecar.run[0].file).as_posix()
-        return read_measured(sidecar, find_dataset(records.dataset, first) / records.folder)
+        folder = find_dataset(records.dataset, first) / records.folder
+        try:
+            return read_measured(sidecar, folder)
+        except InputError as error:
+            again = f"{error.advice}; `vgvt data get {records.dataset}` fetches it again"
+            raise InputError(error.where, error.problem, again) from error
     return read_measured(sidecar, path.parent / records.folder)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from vgvt.data import Campaign, ModalModel, ModeScore, ModeStatus, Scorecard, Truth
 from vgvt.view.shape_drawing import setup_drawing, shape_drawing
+from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
 
 _MARKS = {
     ModeStatus.FOUND: "✓ found",
@@ -133,37 +134,23 @@ def _score_table(card: Scorecard) -> str:
 def _score_cells(row: ModeScore) -> tuple[str, ...]:
     return (
         f'<span class="{row.status.value}">{_MARKS[row.status]}</span>',
-        _number(row.true_hz, "{:.3f}"),
-        _number(row.claimed_hz, "{:.3f}"),
-        _number(row.claimed_std_hz, "{:#.2g}"),
-        _number(row.frequency_error_percent, "{:+.2f}"),
-        _percent(row.true_damping_ratio, "{:.2f}"),
-        _percent(row.claimed_damping_ratio, "{:.2f}"),
-        _number(row.damping_error_percent, "{:+.1f}"),
-        _number(row.mac, "{:.3f}"),
+        *map(_typeset, score_numbers(row)),
         _e(row.label),
-        _e(row.remark),
+        _e(remark_in_words(row.remark)),
     )
 
 
 def _claim_table(claim: ModalModel) -> str:
     if not len(claim):
         return f'<p class="note">No modes: {_e(claim.outcome.value.replace("_", " "))}.</p>'
-    rows = []
-    for k in range(len(claim)):
-        std = claim.natural_frequency_std_hz[k] if claim.natural_frequency_std_hz is not None else None
-        damping_std = claim.damping_ratio_std[k] if claim.damping_ratio_std is not None else None
-        rows.append(
-            (
-                str(k + 1),
-                _number(claim.natural_frequency_hz[k], "{:.3f}"),
-                _number(std, "{:#.2g}"),
-                _percent(claim.damping_ratio[k], "{:.2f}"),
-                _percent(damping_std, "{:#.2g}"),
-                _e(claim.labels[k] if claim.labels else ""),
-                _e("; ".join(claim.flags[k]) if claim.flags else ""),
-            )
+    rows = [
+        (
+            *map(_typeset, claim_numbers(claim, k)),
+            _e(claim.labels[k] if claim.labels else ""),
+            _e(remark_in_words("; ".join(claim.flags[k]) if claim.flags else "")),
         )
+        for k in range(len(claim))
+    ]
     return _table(_CLAIM_COLUMNS, rows, "Claimed modes.")
 
 
@@ -225,12 +212,9 @@ def _advice(lines: tuple[str, ...]) -> str:
     return f'<ul class="advice">{inner}</ul>' if inner else ""
 
 
-def _number(value: float | None, form: str) -> str:
-    return form.format(value).replace("-", "−") if value is not None and np.isfinite(value) else ""
-
-
-def _percent(value: float | None, form: str) -> str:
-    return _number(None if value is None else 100 * value, form)
+def _typeset(number: str) -> str:
+    """A number with a true minus sign."""
+    return number.replace("-", "−")
 
 
 def _e(text: object) -> str:

@@ -4,100 +4,68 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from vgvt.data import ModalModel, ModeScore, ModeStatus, Scorecard
+from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.text import Text
 
-_LOOK = {
-    ModeStatus.FOUND: "[green]found[/green]",
-    ModeStatus.MISSED: "[yellow]missed[/yellow]",
-    ModeStatus.FALSE: "[magenta]false[/magenta]",
-    ModeStatus.UNREACHED: "[dim]unreached[/dim]",
+    from vgvt.view.fitted_table import FittedTable
+
+_STYLES = {
+    ModeStatus.FOUND: "green",
+    ModeStatus.MISSED: "yellow",
+    ModeStatus.FALSE: "magenta",
+    ModeStatus.UNREACHED: "dim",
 }
+_SCORE_NUMBERS = ("true Hz", "claimed Hz", "±", "Δf %", "true ζ %", "claimed ζ %", "Δζ %", "MAC")
+_CLAIM_NUMBERS = ("mode", "frequency Hz", "± Hz", "damping %", "± %")
 
 
-def scorecard_table(card: Scorecard) -> Table:
-    """A rich table of a scorecard, one row a mode, counts in the caption; columns without content are left out."""
-    names = ("true Hz", "claimed Hz", "±", "Δf %", "true ζ %", "claimed ζ %", "Δζ %", "MAC", "status", "mode", "remark")
-    table = _filled(
-        f"{card.identifier} on {card.scenario}", names, [_score_cells(row) for row in (*card.modes, *card.unreached)]
-    )
+def scorecard_table(card: Scorecard) -> FittedTable:
+    """A rich renderable of a scorecard, one row a mode, counts in the caption; columns without content are left out.
+
+    In a narrow terminal the true damping and the ± go first; names, status, MAC and Δf always stay.
+    """
+    from vgvt.view.fitted_table import FittedTable
+
     unreached = f", {len(card.unreached)} unreached" if card.unreached else ""
-    table.caption = (
-        f"{card.found} found, {card.missed} missed, {card.false} false{unreached}; "
-        f"{card.band_hz[0]:g} to {card.band_hz[1]:g} Hz"
-    )
-    return table
-
-
-def modal_table(model: ModalModel, title: str = "") -> Table:
-    """A rich table of the modes of a model; without modes, its caption says why."""
-    names = ("mode", "frequency Hz", "±", "damping %", "±", "name", "remark")
-    table = _filled(title or model.method, names, [_modal_cells(model, k) for k in range(len(model))])
-    if not len(model):
-        table.caption = _plain("; ".join((model.outcome.value.replace("_", " "), *model.advice)))
-    return table
-
-
-def _filled(title: str, names: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
-    """A table with the columns that say something (all of them when there is no row)."""
-    table = _new_table(title)
-    shown = [k for k in range(len(names)) if not rows or any(row[k] for row in rows)]
-    for k in shown:
-        if names[k] in ("status", "mode", "name", "remark"):
-            table.add_column(names[k], overflow="fold")
-        else:
-            table.add_column(names[k], justify="right", no_wrap=True)
-    for row in rows:
-        table.add_row(*(row[k] for k in shown))
-    return table
-
-
-def _modal_cells(model: ModalModel, k: int) -> tuple[str, ...]:
-    frequency_std, damping_std = model.natural_frequency_std_hz, model.damping_ratio_std
-    return (
-        str(k + 1),
-        _number(model.natural_frequency_hz[k], "{:.3f}"),
-        _number(None if frequency_std is None else frequency_std[k], "{:#.2g}"),
-        _number(100 * model.damping_ratio[k], "{:.2f}"),
-        _number(None if damping_std is None else 100 * damping_std[k], "{:#.2g}"),
-        _plain(model.labels[k] if model.labels else ""),
-        _plain("; ".join(model.flags[k]) if model.flags else ""),
+    return FittedTable(
+        columns=(*_SCORE_NUMBERS, "status", "mode", "remark"),
+        rows=tuple(_score_row(row) for row in (*card.modes, *card.unreached)),
+        whole=frozenset((*_SCORE_NUMBERS, "status")),
+        expendable=("true ζ %", "±", "claimed ζ %", "remark", "Δζ %"),
+        right=frozenset(_SCORE_NUMBERS),
+        title=f"{card.identifier} on {card.scenario}",
+        caption=(
+            f"{card.found} found, {card.missed} missed, {card.false} false{unreached}; "
+            f"{card.band_hz[0]:g} to {card.band_hz[1]:g} Hz"
+        ),
     )
 
 
-def _new_table(title: str) -> Table:
-    from rich import box
-    from rich.table import Table
+def modal_table(model: ModalModel, title: str = "") -> FittedTable:
+    """A rich renderable of the modes of a model; without modes, its caption says so and no table is drawn."""
+    from vgvt.view.fitted_table import FittedTable
 
-    return Table(title=_plain(title) or None, box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left")
-
-
-def _score_cells(row: ModeScore) -> tuple[str, ...]:
-    return (
-        _number(row.true_hz, "{:.3f}"),
-        _number(row.claimed_hz, "{:.3f}"),
-        _number(row.claimed_std_hz, "{:#.2g}"),
-        _number(row.frequency_error_percent, "{:+.2f}"),
-        _number(None if row.true_damping_ratio is None else 100 * row.true_damping_ratio, "{:.2f}"),
-        _number(None if row.claimed_damping_ratio is None else 100 * row.claimed_damping_ratio, "{:.2f}"),
-        _number(row.damping_error_percent, "{:+.1f}"),
-        _number(row.mac, "{:.3f}"),
-        _LOOK[row.status],
-        _plain(row.label),
-        _plain(row.remark),
+    return FittedTable(
+        columns=(*_CLAIM_NUMBERS, "name", "remark"),
+        rows=tuple(_claim_row(model, k) for k in range(len(model))),
+        whole=frozenset(_CLAIM_NUMBERS),
+        expendable=("± %", "± Hz", "remark"),
+        right=frozenset(_CLAIM_NUMBERS),
+        title=title or model.method,
+        caption="" if len(model) else f"no modes: {model.outcome.value.replace('_', ' ')}",
     )
 
 
-def _number(value: float | None, form: str) -> str:
-    return form.format(value) if value is not None and np.isfinite(value) else ""
+def _score_row(row: ModeScore) -> tuple[str | Text, ...]:
+    from rich.text import Text
+
+    status = Text(row.status.value, style=_STYLES[row.status])
+    return (*score_numbers(row), status, row.label, remark_in_words(row.remark))
 
 
-def _plain(text: str) -> str:
-    """Text without rich markup of its own."""
-    from rich.markup import escape
-
-    return escape(text)
+def _claim_row(model: ModalModel, k: int) -> tuple[str, ...]:
+    name = model.labels[k] if model.labels else ""
+    return (*claim_numbers(model, k), name, remark_in_words("; ".join(model.flags[k]) if model.flags else ""))

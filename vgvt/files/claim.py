@@ -45,8 +45,16 @@ def mode_documents(model: ModalModel) -> list[dict[str, Any]]:
         }
         if model.modal_mass_kg is not None:
             document["modal_mass_kg"] = model.modal_mass_kg[k]
+        peak_hz = _sigma_peak_hz(document["flags"])
+        if peak_hz is not None:
+            document["sigma_peak_hz"] = peak_hz
         documents.append(document)
     return documents
+
+
+def _sigma_peak_hz(flags: list[str]) -> float | None:
+    prefix = "sigma_peak_hz="
+    return next((float(flag.removeprefix(prefix)) for flag in flags if flag.startswith(prefix)), None)
 
 
 def claim_document(claim: Claim) -> dict[str, Any]:
