@@ -11,9 +11,9 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from vgvt.files.claim import read_claim
 from vgvt.data import FrequencyResponseSet, InputError, ModalModel
 from vgvt.files import read_campaign
+from vgvt.files.claim import read_claim
 from vgvt.files.truth import read_truth
 from vgvt.signals import estimate_frf
 from vgvt_scoreboard import merge_truth

@@ -115,6 +115,16 @@ def effects(as_json: JsonOption = False) -> int:
     return _list(items, ("name", "family", "summary", "parameter"), as_json)
 
 
+def _number_or_text(default: Any) -> Any:
+    """A default that is written as a number becomes one."""
+    for kind in (int, float):
+        try:
+            return kind(default) if isinstance(default, str) else default
+        except ValueError:
+            continue
+    return default
+
+
 def _list(
     items: list[dict[str, Any]], columns: tuple[str, ...], as_json: bool, expendable: tuple[str, ...] = ()
 ) -> int:

@@ -73,8 +73,14 @@ def simulated(name: str, out: Path | None, seed: int | None, engine: str | None,
     scenario = resolved_scenario(name, seed, engine)
     path = out if out is not None else default_folder(scenario, original.seed, original.simulation.engine)
     was_there = path.exists()
-    folder, reusable = prepared_folder(path, scenario_sha256(scenario), force)
-    timing = {} if reusable else _simulate_into(folder, scenario, was_there)
+    try:
+        folder, reusable = prepared_folder(path, scenario_sha256(scenario), force)
+        timing = {} if reusable else _simulate_into(folder, scenario, was_there)
+    except BaseException:
+        # Ctrl-C may come at any point after the folder was made.
+        if not was_there:
+            _remove_empty(path)
+        raise
     if reusable:
         log(f"took the campaign that {path} already holds; --force simulates it again")
     from vgvt.files import read_campaign
@@ -162,8 +168,6 @@ def _untouched_on_failure(path: Path, was_there: bool, doing: str) -> Iterator[N
     except BaseException:
         kept = f"{path} is as it was" if was_there else f"nothing was kept in {path}"
         log(f"stopped while {doing}; {kept}")
-        if not was_there:
-            _remove_empty(path)
         raise
 
 
