@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pty
@@ -12,6 +13,9 @@ import time
 from pathlib import Path
 
 import pytest
+
+from vgvt.cli import interruption
+from vgvt.cli.console import progress
 
 VGVT = (sys.executable, "-m", "vgvt")
 
@@ -73,10 +77,26 @@ def test_ctrl_c_right_after_the_start(tmp_path: Path) -> None:
     while not (tmp_path / "long").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    try:
+        _, err = process.communicate(timeout=120)
+    finally:
+        process.kill()
     assert process.returncode == 130
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_interrupt_that_a_library_swallows_comes_again_with_the_next_progress() -> None:
+    interruption.forget()
+    try:
+        with progress("work") as report:
+            report(0.1, "going")
+            with contextlib.suppress(KeyboardInterrupt):
+                interruption.on_signal(signal.SIGINT, None)
+            with pytest.raises(KeyboardInterrupt):
+                report(0.2, "still going")
+    finally:
+        interruption.forget()
 
 
 def test_a_closed_pipe_is_quiet() -> None:

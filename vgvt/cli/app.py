@@ -16,6 +16,7 @@ from vgvt.cli.listing import list_app
 from vgvt.cli.run import run
 from vgvt.cli.schema import schema
 from vgvt.cli.score import score
+from vgvt.cli.show import show_scenario
 from vgvt.cli.simulate import simulate
 
 app = typer.Typer(
@@ -47,6 +48,7 @@ app.command(rich_help_panel=_TEST)(simulate)
 app.command(rich_help_panel=_TEST)(identify)
 app.command(rich_help_panel=_TEST)(score)
 app.add_typer(list_app, name="list", rich_help_panel=_LOOK)
+app.command("show", rich_help_panel=_LOOK)(show_scenario)
 app.command(rich_help_panel=_LOOK)(inspect)
 app.command(rich_help_panel=_LOOK)(schema)
 app.command(rich_help_panel=_LOOK)(cite)

@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 
 import typer
 
+from vgvt.cli import interruption
 from vgvt.cli.console import log
 from vgvt.cli.document import write_document
 
@@ -67,8 +68,9 @@ def _signals() -> Iterator[None]:
     def leave(number: int, _: FrameType | None) -> NoReturn:
         raise SystemExit(128 + number)
 
+    interruption.forget()
     before = {
-        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+        signal.SIGINT: signal.signal(signal.SIGINT, interruption.on_signal),
         signal.SIGTERM: signal.signal(signal.SIGTERM, leave),
     }
     try:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from vgvt.cli import interruption
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
@@ -43,11 +45,21 @@ def progress(title: str) -> Iterator[ProgressReport]:
     On a terminal a bar with the time left; elsewhere a line every ten seconds.
     """
     if sys.stderr.isatty():
-        yield from _bar(title)
+        with _bar(title) as report:
+            yield _interruptible(report)
     else:
-        yield _lines(title)
+        yield _interruptible(_lines(title))
 
 
+def _interruptible(report: ProgressReport) -> ProgressReport:
+    def checked(fraction: float, message: str) -> None:
+        interruption.raise_if_asked()
+        report(fraction, message)
+
+    return checked
+
+
+@contextmanager
 def _bar(title: str) -> Iterator[ProgressReport]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn

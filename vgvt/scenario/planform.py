@@ -78,6 +78,14 @@ def outlines_m(airframe: Airframe) -> tuple[NDArray[np.float64], ...]:
     return tuple(outlines)
 
 
+def edge_lines_m(beam: Beam) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Forward and aft edge of an expanded beam at its stations, each (N, 3); on the axis where it has no edges."""
+    axis, edges = beam_axis(beam), _edges(beam)
+    segment = np.minimum(np.arange(len(axis.position_m)), len(axis.tangent) - 1)
+    across = np.array([axis.aft[i] + _slant(axis, i) * axis.tangent[i] for i in segment])
+    return axis.position_m + edges[:, :1] * across, axis.position_m + edges[:, 1:] * across
+
+
 def _beam(airframe: Airframe, part: str) -> Beam:
     beams = {b.name: b for b in expanded_beams(airframe)}
     if part not in beams:
@@ -116,14 +124,8 @@ def _slant(axis: Axis, i: int) -> float:
 
 
 def _beam_outline_m(beam: Beam) -> NDArray[np.float64]:
-    axis, edges = beam_axis(beam), _edges(beam)
-    sides: tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]] = ([], [])
-    for station, point in enumerate(axis.position_m):
-        i = min(station, len(axis.tangent) - 1)
-        for side, offset in zip(sides, edges[station], strict=True):
-            side.append(point + offset * (axis.aft[i] + _slant(axis, i) * axis.tangent[i]))
-    corners = np.array([*sides[0], *reversed(sides[1])])
-    return np.vstack([corners, corners[:1]])
+    forward, aft = edge_lines_m(beam)
+    return np.vstack([forward, aft[::-1], forward[:1]])
 
 
 def _in_segment(axis: Axis, i: int, position_m: Sequence[float]) -> NDArray[np.float64]:

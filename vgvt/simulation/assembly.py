@@ -173,6 +173,16 @@ def hung_rig(layout: Plan, run: int) -> Rig:
 
 def driven_rig(layout: Plan, run: int) -> Rig:
     """The complete rig of a run, ready to be driven, with its sensors."""
+    spec, qpos = driven_spec(layout, run)
+    model = spec.compile()
+    return Rig(model, np.concatenate([qpos, np.zeros(model.nq - qpos.size)]))
+
+
+def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float64]]:
+    """The complete rig of a run before it is compiled, and the hung aircraft's equilibrium.
+
+    The coordinates of armature and coil come after those and are zero there.
+    """
     spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
     hung = spec.compile()
     qpos = _settle(layout, hung, springs)
@@ -184,8 +194,7 @@ def driven_rig(layout: Plan, run: int) -> Rig:
     push = drive.xmat.reshape(3, 3) @ layout.drive.axis
     add_shaker(spec, layout.scenario.shaker, layout.scenario.stinger, drive.xpos.copy(), push)
     _add_sensors(spec, layout, run)
-    model = spec.compile()
-    return Rig(model, np.concatenate([qpos, np.zeros(model.nq - qpos.size)]))
+    return spec, qpos
 
 
 def rigid_body(rig: Rig) -> RigidBodyProperties:

@@ -18,7 +18,7 @@ from vgvt.simulation.linear import linearise
 
 RIGID_MODES = 6
 MODAL_DAMPING = "modal-damping-"
-_HIGHEST_RATIO = 0.3
+_HIGHEST_RATIO = 0.7
 
 
 def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:

@@ -1,0 +1,83 @@
+"""``vgvt show``: numbers, picture, animation, and a machine without OpenGL."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vgvt.scenario import load_scenario, rigid_body_properties
+
+
+def test_the_document_holds_the_contract(vgvt) -> None:
+    document = vgvt("show", "quick", "--no-picture", "--json").document
+    assert {"mass_kg", "cg_m", "inertia_kg_m2", "modes", "picture", "coupled", "animation"} <= set(document)
+    # The masses of the tables, summed without MuJoCo.
+    expected = rigid_body_properties(load_scenario("quick").airframe)
+    assert document["mass_kg"] == pytest.approx(expected.mass_kg, rel=1e-6)
+    assert np.allclose(document["cg_m"], expected.centre_of_gravity_m, atol=1e-6)
+    assert document["picture"] is None and document["animation"] is None
+    assert document["modes"] and document["coupled"]
+    # Attached to the ground through the shaker's flexure, the rig has more slow resonances than the bare airframe.
+    assert len(document["coupled"]) > len(document["modes"])
+    assert list(Path().iterdir()) == []
+
+
+def test_the_tables_name_bare_modes_tested_modes_and_the_rig(vgvt) -> None:
+    result = vgvt("show", "quick", "--no-picture")
+    assert result.status == 0
+    for words in ("mass", "bare airframe", "as tested", "whole rig"):
+        assert words in result.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--no-picture", "--mode", 7), "--no-picture"),
+        (("--mode", 999), "no mode 999"),
+        (("--out", "rig.jpg"), ".png"),
+    ],
+)
+def test_bad_input(vgvt, arguments: tuple[object, ...], words: str) -> None:
+    result = vgvt("show", "quick", *arguments)
+    assert result.status == 2
+    assert words in result.err
+    assert list(Path().iterdir()) == []
+
+
+def test_without_opengl_exit_status_1_and_advice(vgvt, monkeypatch: pytest.MonkeyPatch) -> None:
+    import mujoco
+
+    def broken(*_: object) -> None:
+        raise AttributeError("no eglQueryString")
+
+    monkeypatch.setattr(mujoco, "Renderer", broken)
+    result = vgvt("show", "quick", "--out", "pictures")
+    assert result.status == 1
+    assert "--no-picture" in result.err
+    assert list(Path().iterdir()) == []
+    assert vgvt("show", "quick", "--no-picture").status == 0
+
+
+def test_picture_and_animation_without_a_display(tmp_path: Path) -> None:
+    """As a process, because MuJoCo takes its way to OpenGL from the environment when it is first imported."""
+    environment = {k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "DISPLAY", "WAYLAND_DISPLAY")}
+    arguments = ["show", "quick", "--out", "here", "--mode", "7", "--width", "320", "--height", "200"]
+    done = subprocess.run(
+        [sys.executable, "-m", "vgvt", *arguments],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    if done.returncode == 1 and "OpenGL does not work here" in done.stderr:
+        pytest.skip(f"no rendering on this machine: {done.stderr.strip()}")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "here/quick.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "here/quick-mode-7.webp").read_bytes()[8:12] == b"WEBP"
