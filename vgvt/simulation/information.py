@@ -5,7 +5,8 @@ For one lightly damped mode with s = ζω, measured force of energy density E(f)
 accelerance |H_o| in noise of one-sided density G_o, every unbiased estimate obeys
 std(f) ≥ sqrt(2 s / (E Σ|H_o|²/G_o)) / 2π and std(ζ)/ζ ≥ 2π std(f)/s: the
 Cramér–Rao bound of one mode alone. For a linear chirp of amplitude F0 over Δf in T
-the density is F0² T / (4 Δf). Force noise adds |H_o|² G_f to G_o.
+the density is F0² T / (4 Δf). Force noise adds |H_o|² G_f to G_o. E is taken at the mode, where the
+force drops out most, which errs on the side of too large a bound.
 """
 
 from __future__ import annotations
