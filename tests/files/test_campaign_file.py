@@ -183,6 +183,10 @@ def test_a_full_campaign_is_handled_without_piling_up_copies(tmp_path: Path) -> 
     nodes = (*range(1, 21), 100)
     full = Campaign("full", Geometry(nodes, np.zeros((21, 3))), tuple(runs), (1.0, 35.0))
     size = sum(r.samples.nbytes for r in runs)
+    # The libraries come in with the first call, whichever test makes it; they are not what is measured.
+    brief = Campaign("brief", full.geometry, tuple(replace(r, samples=r.samples[:, :4000]) for r in runs), (1.0, 35.0))
+    write_campaign(tmp_path / "brief.nc", brief)
+    estimate_frf(read_campaign(tmp_path / "brief.nc"), band_hz=(1.0, 35.0), local_variance=True)
     peak = {}
     for name, work in {
         "write": lambda: write_campaign(tmp_path / "c.nc", full),
