@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.effects import Effect, make_effect
-from vgvt.effects.conformance import with_effect
+from vgvt.effects.conformance import table_of, with_effect
 from vgvt.scenario import Airframe, Beam, Body, Damping, Scenario, Stations, load_scenario
 from vgvt.simulation import simulate
 from vgvt.simulation.assembly import bare_rig, plans
@@ -219,3 +219,64 @@ def test_an_own_root_spring_is_kept_and_an_unknown_beam_refused() -> None:
     assert [law.stiffness_n_m_per_rad for law in laws.elements] == [900.0, 900.0]
     with pytest.raises(InputError, match="no beam 'fin'"):
         make_effect("root-friction", "test", friction_n_m=1.0, beam="fin").act(scenario, 0)
+
+
+@pytest.mark.parametrize("name", ["cubic-root-stiffness", "root-freeplay", "root-friction"])
+def test_root_joints_are_found_on_wings_that_another_effect_wrote_out(name: str) -> None:
+    """After an effect that gives each side a table of its own, the law acts on the sides that are asked for."""
+    scenario = load_scenario("quick")
+    size = {
+        "cubic-root-stiffness": "cubic_n_m_per_rad3",
+        "root-freeplay": "gap_rad",
+        "root-friction": "friction_n_m",
+    }[name]
+    split = make_effect("stiffness-asymmetry", "test", bending=0.1).act(scenario, 0).scenario
+    assert split is not None
+    for side, beam, wanted in (
+        ("both", "", ["wing-right", "wing-left"]),
+        ("both", "wing", ["wing-right", "wing-left"]),
+        ("left", "wing", ["wing-left"]),
+        ("right", "", ["wing-right"]),
+        ("both", "wing-left", ["wing-left"]),
+    ):
+        action = make_effect(name, "test", side=side, beam=beam, **{size: 1e-3}).act(split, 0)
+        assert [law.beam for law in action.elements] == wanted
+    with pytest.raises(InputError, match="no right copy"):
+        make_effect(name, "test", side="right", beam="wing-left", **{size: 1e-3}).act(split, 0)
+    both = (make_effect("stiffness-asymmetry", "test", bending=0.1), make_effect(name, "test", **{size: 1e-3}))
+    chained = scenario.model_copy(update={"effect": tuple(table_of(effect) for effect in both)})
+    assert bare_rig(plans(chained)[0]).model.joint(
+        "wing-left-root/bending" if "play" not in name else "wing-left-root/torsion"
+    )
+
+
+def test_warming_follows_the_ordinary_differential_equation() -> None:
+    """An arm that is let go, I θ'' + k (1 - s (1 - exp(-t/T))) θ = 0, against scipy over thirty swings."""
+    softening, constant_s, step_s = 0.4, 0.2, 1e-4
+    model = arm(make_effect("warm-up", "test", softening=softening, time_constant_s=constant_s))
+    model.opt.timestep = step_s
+    data = mujoco.MjData(model)
+    joint = model.joint("arm-root/bending")
+    data.qpos[int(joint.qposadr[0])] = 0.02
+    angle = np.empty(6001)
+    for k in range(angle.size):
+        angle[k] = data.qpos[int(joint.qposadr[0])]
+        mujoco.mj_step(model, data)
+    time = np.arange(angle.size) * step_s
+    solved = scipy.integrate.solve_ivp(
+        lambda t, x: [x[1], -STIFFNESS * (1 - softening * (1 - np.exp(-t / constant_s))) * x[0] / INERTIA],
+        (0.0, time[-1]),
+        [0.02, 0.0],
+        t_eval=time,
+        rtol=1e-9,
+        atol=1e-12,
+    ).y[0]
+
+    def crossings(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        up = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
+        return np.asarray(time[up] - x[up] / (x[up + 1] - x[up]) * step_s)
+
+    # The arm bends a little, which adds 5e-4 to its compliance.
+    np.testing.assert_allclose(crossings(angle), crossings(solved), rtol=1e-3)
+    periods = np.diff(crossings(angle))
+    assert periods[-1] / periods[0] > 1.1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -23,12 +23,18 @@ def list_what(context: typer.Context) -> None:
 
 
 @list_app.command()
-def scenarios(as_json: JsonOption = False) -> int:
+def scenarios(
+    spoiled: Annotated[
+        bool, typer.Option("--spoiled", help="The small ones instead, each spoiled by one effect.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> int:
     """List the bundled scenarios."""
-    from vgvt.scenario import bundled_scenarios, load_scenario
+    from vgvt.scenario import bundled_scenarios, load_scenario, spoiled_scenarios
 
+    small = spoiled_scenarios()
     items: list[dict[str, Any]] = []
-    for name in bundled_scenarios():
+    for name in small if spoiled else bundled_scenarios():
         scenario = load_scenario(name)
         acquisition, excitation = scenario.acquisition, scenario.excitation
         items.append(
@@ -37,13 +43,20 @@ def scenarios(as_json: JsonOption = False) -> int:
                 "summary": scenario.summary,
                 "lesson": scenario.lesson,
                 "aircraft": scenario.airframe.name,
+                "effects": [table.name for table in scenario.effect],
                 "runs": len(acquisition.run_nodes),
                 "duration_s": excitation.record_s,
                 "sample_rate_hz": acquisition.sample_rate_hz,
                 "band_hz": list(excitation.band_hz),
             }
         )
-    return _list(items, ("name", "aircraft", "runs", "duration_s", "sample_rate_hz", "summary"), as_json, _EXPENDABLE)
+    if spoiled:
+        return _list(items, ("name", "summary", "lesson"), as_json)
+    columns = ("name", "aircraft", "runs", "duration_s", "sample_rate_hz", "summary")
+    status = _list(items, columns, as_json, _EXPENDABLE)
+    if small and not as_json:
+        show(f"and {len(small)} small ones, each spoiled by one effect: vgvt list scenarios --spoiled")
+    return status
 
 
 @list_app.command()

@@ -66,10 +66,15 @@ class Absorber:
 
 @dataclass(frozen=True, slots=True)
 class MountCompliance:
-    """Spring and dashpot between structure and force transducer, along the stinger."""
+    """Spring and dashpot between structure and force transducer, along the stinger.
+
+    Pulled by more than ``preload_n`` it keeps only the fraction ``tension_ratio`` of its stiffness.
+    """
 
     stiffness_n_per_m: float
     damping_n_s_per_m: float
+    tension_ratio: float = 1.0
+    preload_n: float = 0.0
     owner: Owner = "rig"
 
 
@@ -135,6 +140,59 @@ class HingedFlap:
     owner: Owner = "airframe"
 
 
+@dataclass(frozen=True, slots=True)
+class PointPair:
+    """Spring and dashpot on the difference of two points' heights above the rigid centre body, at rest as hung."""
+
+    part: str
+    position_m: Vector
+    other_part: str
+    other_position_m: Vector
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
+class RattlingMass:
+    """A mass that lies on the lower of two stops and can jump to the upper one, ``gap_m`` above, along the vertical."""
+
+    part: str
+    position_m: Vector
+    mass_kg: float
+    gap_m: float
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
+class Relaxation:
+    """Maxwell branches (spring and dashpot in series) beside the airframe's stiffness, the same for every elastic mode.
+
+    ``branches`` are pairs of a branch's spring over the stiffness it stands beside and its
+    corner: in hertz, or, ``relative``, in multiples of each mode's own frequency. To
+    that come a plain spring and a plain dashpot, the latter by its share of the stiffness at
+    the mode's own frequency. Modes up to ``limit_hz`` have them; the sum over all modes is the material's own law.
+    """
+
+    limit_hz: float
+    branches: tuple[tuple[float, float], ...]
+    relative: bool = False
+    spring_share: float = 0.0
+    dashpot_share: float = 0.0
+    owner: Owner = "airframe"
+
+
+@dataclass(frozen=True, slots=True)
+class WarmUp:
+    """All beams' springs lose a share of their stiffness while a record runs: k (1 - softening (1 - exp(-t/T)))."""
+
+    softening: float
+    time_constant_s: float
+    owner: Owner = "airframe"
+
+
 Element = (
     PointMass
     | GroundSpring
@@ -146,4 +204,8 @@ Element = (
     | SuspensionFrame
     | BendTwist
     | HingedFlap
+    | PointPair
+    | RattlingMass
+    | Relaxation
+    | WarmUp
 )

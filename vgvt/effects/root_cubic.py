@@ -52,9 +52,10 @@ class CubicRootStiffness:
         del run
         if self.cubic_n_m_per_rad3 == 0:
             return NOTHING
-        joints = root_joints(scenario, self.beam, self.side, self.kind, self.root_stiffness_n_m_per_rad)
+        stiffness = self.root_stiffness_n_m_per_rad
+        jointed, joints = root_joints(scenario, self.beam, self.side, self.kind, stiffness, self.name)
         laws = tuple(
-            JointLaw(beam, self.kind, joints.stiffness_n_m_per_rad, cubic_n_m_per_rad3=self.cubic_n_m_per_rad3)
-            for beam in joints.beams
+            JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, cubic_n_m_per_rad3=self.cubic_n_m_per_rad3)
+            for j in joints
         )
-        return Action(scenario=joints.scenario, elements=laws)
+        return Action(scenario=jointed, elements=laws)

@@ -53,9 +53,9 @@ class RootFriction:
         del run
         if self.friction_n_m == 0:
             return NOTHING
-        joints = root_joints(scenario, self.beam, self.side, self.kind, self.root_stiffness_n_m_per_rad)
+        stiffness = self.root_stiffness_n_m_per_rad
+        jointed, joints = root_joints(scenario, self.beam, self.side, self.kind, stiffness, self.name)
         laws = tuple(
-            JointLaw(beam, self.kind, joints.stiffness_n_m_per_rad, friction_n_m=self.friction_n_m)
-            for beam in joints.beams
+            JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, friction_n_m=self.friction_n_m) for j in joints
         )
-        return Action(scenario=joints.scenario, elements=laws)
+        return Action(scenario=jointed, elements=laws)

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from vgvt.data import InputError
-from vgvt.data.suggestion import choose_one_of
+from vgvt.effects.beams import Side, chosen_beams, plain_name, with_beams
 from vgvt.scenario.airframe import Beam, mirrored_names
 from vgvt.scenario.model import Scenario
 
+__all__ = ["Kind", "RootJoint", "Side", "root_joints"]
+
 Kind = Literal["bending", "torsion"]
-Side = Literal["both", "right", "left"]
 _FIELD = {
     "bending": "root_bending_stiffness_n_m_per_rad",
     "torsion": "root_torsional_stiffness_n_m_per_rad",
@@ -19,41 +20,41 @@ _FIELD = {
 
 
 @dataclass(frozen=True, slots=True)
-class RootJoints:
-    """A scenario in which a beam has root joints, the names of the beam's copies, and the joints' stiffness."""
+class RootJoint:
+    """The root joint of one beam (a name after mirroring), and its linear stiffness."""
 
-    scenario: Scenario
-    beams: tuple[str, ...]
+    beam: str
     stiffness_n_m_per_rad: float
 
 
 def root_joints(
-    scenario: Scenario, beam: str, side: Side, kind: Kind, spare_stiffness_n_m_per_rad: float
-) -> RootJoints:
-    """The root joints of a beam: its own, or for a rigid root new ones of the spare stiffness.
+    scenario: Scenario, beam: str, side: Side, kind: Kind, spare_stiffness_n_m_per_rad: float, effect: str
+) -> tuple[Scenario, tuple[RootJoint, ...]]:
+    """The scenario with root joints at a beam, and these: its own, or for a rigid root new ones of the spare stiffness.
 
-    ``beam`` is a plain name, or '' for the first beam. New joints are on both sides of a
-    mirrored beam; ``side`` chooses the copies that are named. InputError for an unknown beam.
+    ``beam`` is the name of a table, a plain name, or '' for the first beam. New joints are on
+    both sides; ``side`` chooses those that are given back. InputError, naming the ``effect``,
+    for an unknown beam or a side without one.
     """
     airframe = scenario.airframe
-    chosen = _chosen(scenario, beam)
-    names = mirrored_names(chosen.name, chosen.mirror)
-    if chosen.mirror and side != "both":
-        names = (names[0 if side == "right" else 1],)
-    stiffness = getattr(chosen, _FIELD[kind])
-    if stiffness is not None:
-        return RootJoints(scenario, names, stiffness)
-    jointed = chosen.model_copy(update={_FIELD[kind]: spare_stiffness_n_m_per_rad})
-    beams = tuple(jointed if b is chosen else b for b in airframe.beam)
-    changed = scenario.model_copy(update={"airframe": airframe.model_copy(update={"beam": beams})})
-    return RootJoints(changed, names, spare_stiffness_n_m_per_rad)
+    if not airframe.beam:
+        where = f"scenario {scenario.name}: effect {effect}"
+        raise InputError(where, "the airframe has no beam to joint", "Leave the effect out.")
+    names = chosen_beams(airframe, beam or plain_name(airframe.beam[0].name), effect)
 
+    def jointed(table: Beam) -> Beam:
+        if getattr(table, _FIELD[kind]) is not None:
+            return table
+        return table.model_copy(update={_FIELD[kind]: spare_stiffness_n_m_per_rad})
 
-def _chosen(scenario: Scenario, name: str) -> Beam:
-    beams = {b.name: b for b in scenario.airframe.beam}
-    if not beams:
-        raise InputError(f"scenario {scenario.name}", "the airframe has no beam to joint", "Leave the effect out.")
-    if name and name not in beams:
-        where = f"scenario {scenario.name}: effect.beam"
-        raise InputError(where, f"there is no beam {name!r}", choose_one_of(name, tuple(beams)))
-    return beams[name] if name else next(iter(beams.values()))
+    changed = with_beams(scenario, names, jointed)
+    joints = tuple(
+        RootJoint(copy, getattr(table, _FIELD[kind]))
+        for table in changed.airframe.beam
+        if table.name in names
+        for copy in mirrored_names(table.name, table.mirror)
+        if side == "both" or copy == plain_name(copy) or copy.endswith(f"-{side}")
+    )
+    if not joints:
+        raise InputError(f"effect {effect}: side", f"there is no {side} copy of the beam", "Write side = 'both'.")
+    return changed, joints

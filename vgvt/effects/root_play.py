@@ -53,8 +53,7 @@ class RootFreeplay:
         del run
         if self.gap_rad == 0:
             return NOTHING
-        joints = root_joints(scenario, self.beam, self.side, self.kind, self.root_stiffness_n_m_per_rad)
-        laws = tuple(
-            JointLaw(beam, self.kind, joints.stiffness_n_m_per_rad, play_rad=self.gap_rad / 2) for beam in joints.beams
-        )
-        return Action(scenario=joints.scenario, elements=laws)
+        stiffness = self.root_stiffness_n_m_per_rad
+        jointed, joints = root_joints(scenario, self.beam, self.side, self.kind, stiffness, self.name)
+        laws = tuple(JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, play_rad=self.gap_rad / 2) for j in joints)
+        return Action(scenario=jointed, elements=laws)

@@ -20,14 +20,20 @@ from vgvt.effects.elements import (
     ModalDrag,
     MountCompliance,
     PointMass,
+    PointPair,
+    RattlingMass,
+    Relaxation,
     RotationSpring,
     SuspensionFrame,
+    WarmUp,
 )
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.airframe import AirframeParts
+from vgvt.simulation.contact_elements import add_mount, add_point_pair, add_rattling_mass
 from vgvt.simulation.coupled_elements import add_bend_twist, add_hinged_flap, add_suspension_frame
 from vgvt.simulation.damping import MODAL_DAMPING
-from vgvt.simulation.rig import TRANSDUCER, add_point_mass
+from vgvt.simulation.relaxation_elements import add_relaxation, add_warm_up
+from vgvt.simulation.rig import add_point_mass
 
 # Far enough that a ground spring keeps its direction to 1e-5 for a centimetre of sideways motion.
 _FAR_M = 1000.0
@@ -43,12 +49,16 @@ def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: E
         GroundSpring: _add_ground_spring,
         RotationSpring: _add_rotation_spring,
         Absorber: _add_absorber,
-        MountCompliance: _add_mount,
+        MountCompliance: add_mount,
         JointLaw: _add_joint_law,
         ModalDrag: _add_modal_drag,
         SuspensionFrame: add_suspension_frame,
         BendTwist: add_bend_twist,
         HingedFlap: add_hinged_flap,
+        PointPair: add_point_pair,
+        RattlingMass: add_rattling_mass,
+        Relaxation: add_relaxation,
+        WarmUp: add_warm_up,
     }
     adders[type(element)](spec, parts, name, element)
 
@@ -106,12 +116,6 @@ def _add_absorber(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element:
         element.stiffness_n_per_m,
         element.damping_n_s_per_m,
     )
-
-
-def _add_mount(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: MountCompliance) -> None:
-    del parts
-    body = spec.body(TRANSDUCER)
-    _slide(body, name, np.array([0.0, 0.0, 1.0]), element.stiffness_n_per_m, element.damping_n_s_per_m)
 
 
 def _slide(

@@ -1,0 +1,83 @@
+"""Elements that touch or tie: one-sided springs as tendons with a dead band, and a spring between two points."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.elements import MountCompliance, PointPair, RattlingMass
+from vgvt.simulation.airframe import ROOT, AirframeParts
+from vgvt.simulation.rig import GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass
+
+# Far enough that a spring along a line keeps its direction; longer than any stretch for an open side.
+_FAR_M = 1000.0
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def add_mount(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: MountCompliance) -> None:
+    """Let the transducer slide along the vertical on its mount; up is compression.
+
+    The law k x, with the slope ratio · k where the pull exceeds the preload, is a plain spring of that slope and
+    a one-sided one for the rest; the plain one's rest length takes the offset of the latter's corner.
+    """
+    del parts
+    stiffness, ratio = element.stiffness_n_per_m, element.tension_ratio
+    corner = -element.preload_n / stiffness
+    spec.body(TRANSDUCER).add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=_UP,
+        stiffness=[ratio * stiffness, 0.0, 0.0],
+        springref=(ratio - 1) * corner / ratio,
+        damping=[element.damping_n_s_per_m, 0.0, 0.0],
+    )
+    if ratio != 1.0:
+        one_sided = spec.add_tendon(
+            name=name, stiffness=[(1 - ratio) * stiffness, 0.0, 0.0], springlength=[-_FAR_M, corner]
+        )
+        one_sided.wrap_joint(name, 1.0)
+
+
+def add_rattling_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: RattlingMass) -> None:
+    """A mass on a vertical slide between two stops; at zero it lies on the lower one with its weight."""
+    position = np.array(element.position_m)
+    add_point_mass(spec, parts, name, parts.carrier(element.part, position), position, element.mass_kg)
+    spec.body(name).add_joint(
+        name=f"{name}/rattle",
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=_UP,
+        damping=[element.damping_n_s_per_m, 0.0, 0.0],
+    )
+    pressed_in = element.mass_kg * GRAVITY_M_PER_S2 / element.stiffness_n_per_m
+    stops = spec.add_tendon(
+        name=name,
+        stiffness=[element.stiffness_n_per_m, 0.0, 0.0],
+        springlength=[pressed_in, pressed_in + element.gap_m],
+    )
+    stops.wrap_joint(f"{name}/rattle", 1.0)
+
+
+def add_point_pair(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: PointPair) -> None:
+    """A tendon as long as the difference of two points' heights above the centre body, plus a constant.
+
+    Each end's height is its distance from a site of the body far above, or below, so that the
+    forces balance within the aircraft and no rigid motion stretches anything.
+    """
+    rod = spec.add_tendon(
+        name=name,
+        stiffness=[element.stiffness_n_per_m, 0.0, 0.0],
+        damping=[element.damping_n_s_per_m, 0.0, 0.0],
+    )
+    ends = ((element.part, element.position_m, _FAR_M), (element.other_part, element.other_position_m, -_FAR_M))
+    for k, (part, place, away_m) in enumerate(ends):
+        position = np.array(place)
+        if k:
+            rod.wrap_pulley(1.0)
+        rod.wrap_site(_site(spec, parts, ROOT, f"{name}/body-{k}", position + away_m * _UP))
+        rod.wrap_site(_site(spec, parts, parts.carrier(part, position), f"{name}/end-{k}", position))
+
+
+def _site(spec: mujoco.MjSpec, parts: AirframeParts, carrier: str, name: str, position_m: NDArray[np.float64]) -> str:
+    spec.body(carrier).add_site(name=name, pos=position_m - parts.origin_m[carrier])
+    return name

@@ -1,0 +1,97 @@
+"""Elements with a state of their own in time: Maxwell branches beside the airframe's stiffness, joints that warm up.
+
+A Maxwell branch is a spring k and a dashpot c in series, whose node MuJoCo needs as a
+body: it gets the mass c / p for a rate p far above the band, so that the branch errs by at
+most half of ω/p of its own spring. Branches stand beside modal coordinates (Mφ)ᵀq:
+for a material that relaxes alike everywhere the modes stay uncoupled, and a node a mode
+says the same as one in every hinge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import mujoco
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from vgvt.effects.elements import Relaxation, WarmUp
+from vgvt.simulation.airframe import AirframeParts
+from vgvt.simulation.damping import RIGID_MODES
+from vgvt.simulation.linear import linearise
+
+NODE_RATE_RAD_PER_S = 2 * np.pi * 1000.0
+# Joints with less than this share of the largest momentum carry rounding errors.
+_NOTHING = 1e-10
+
+
+def add_relaxation(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Relaxation) -> None:
+    """Put the branches beside the stiffness of every elastic mode up to the element's limit."""
+    del parts
+    for r, (omega, weights) in enumerate(_elastic_modes(spec, 2 * np.pi * element.limit_hz)):
+        stiffness = omega**2
+        beside = spec.add_tendon(
+            name=f"{name}-{r + 1}",
+            stiffness=[element.spring_share * stiffness, 0.0, 0.0],
+            damping=[element.dashpot_share * stiffness / omega, 0.0, 0.0],
+        )
+        _wrap(beside, weights)
+        for b, (share, corner) in enumerate(element.branches):
+            rate = omega * corner if element.relative else 2 * np.pi * corner
+            node = f"{name}-{r + 1}-{b + 1}"
+            _add_node(spec, node, share * stiffness / rate)
+            spring = spec.add_tendon(name=node, stiffness=[share * stiffness, 0.0, 0.0])
+            _wrap(spring, [*weights, (node, -1.0)])
+
+
+def add_warm_up(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: WarmUp) -> None:
+    """Give every spring of a beam an actuator that takes its torque away in proportion to the angle.
+
+    Its activation is the warmth: a first-order lag of a command that is held at 1, from 0 at the
+    start of the record. (A command's limits hold it: MuJoCo clamps whatever it is sent.)
+    """
+    for chain in parts.chains.values():
+        for link in chain.links:
+            for hinge in link.hinges:
+                joint = spec.joint(f"{link.name}/{hinge.kind}")
+                warmth = spec.add_actuator(
+                    name=f"{name}-{joint.name}", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name
+                )
+                warmth.dyntype = mujoco.mjtDyn.mjDYN_FILTER
+                warmth.dynprm[0] = element.time_constant_s
+                warmth.gaintype = mujoco.mjtGain.mjGAIN_AFFINE
+                warmth.gainprm[:3] = [0.0, element.softening * joint.stiffness[0], 0.0]
+                warmth.ctrllimited = True
+                warmth.ctrlrange = [1.0, 1.0 + 1e-9]
+
+
+def _elastic_modes(spec: mujoco.MjSpec, limit_rad_per_s: float) -> Iterator[tuple[float, list[tuple[str, np.float64]]]]:
+    """Angular frequency and modal coordinate, as joints with their weights, of the elastic modes of the airframe."""
+    model = spec.compile()
+    bare = linearise(model, np.zeros(model.nq))
+    eigenvalues, shapes = scipy.linalg.eigh(bare.stiffness, bare.mass)
+    joints = sorted((int(model.joint(j).dofadr[0]), model.joint(j).name) for j in range(model.njnt))
+    for square, shape in list(zip(eigenvalues, shapes.T, strict=True))[RIGID_MODES:]:
+        if not 0 < square <= limit_rad_per_s**2:
+            continue
+        momentum: NDArray[np.float64] = bare.mass @ shape
+        least = _NOTHING * np.abs(momentum).max()
+        yield float(np.sqrt(square)), [(j, momentum[a]) for a, j in joints if abs(momentum[a]) > least]
+
+
+def _wrap(tendon: mujoco.MjsTendon, weights: Iterable[tuple[str, float]]) -> None:
+    for joint, weight in weights:
+        tendon.wrap_joint(joint, float(weight))
+
+
+def _add_node(spec: mujoco.MjSpec, name: str, damper_n_s_per_m: float) -> None:
+    """A node of a branch, with its dashpot to the ground: a coordinate, not a place."""
+    body = spec.worldbody.add_body(name=name)
+    body.add_joint(
+        name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=(1.0, 0.0, 0.0), damping=[damper_n_s_per_m, 0.0, 0.0]
+    )
+    body.explicitinertial = True
+    body.ipos = np.zeros(3)
+    body.mass = damper_n_s_per_m / NODE_RATE_RAD_PER_S
+    body.inertia = np.full(3, 1e-3 * body.mass)
