@@ -32,7 +32,8 @@ def test_the_page_is_up_to_date(maker: ModuleType) -> None:
 
 def test_the_page_has_every_key_of_every_table(maker: ModuleType) -> None:
     found: dict[type[Table], list[str]] = maker.tables()
-    assert [h for hs in found.values() for h in hs if "noise" in h] == ["[transducer.noise]", "[accelerometers.noise]"]
+    noisy = [h for hs in found.values() for h in hs if "noise" in h]
+    assert sorted(noisy) == ["[accelerometers.noise]", "[hammer.noise]", "[transducer.noise]"]
     sections = maker.keys_page().split("\n## ")[1:]
     assert len(sections) == len(found) >= 18
     for (table, headings), section in zip(found.items(), sections, strict=True):

@@ -2,9 +2,10 @@
 
 from vgvt.scenario.airframe import Airframe, Beam, Body, Damping, Item, Stations
 from vgvt.scenario.axis import Axis, beam_axis
+from vgvt.scenario.hammer import Hammer
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Grid, NoiseSpectrum, Transducer
 from vgvt.scenario.json_schema import scenario_json_schema
-from vgvt.scenario.library import bundled_path, bundled_scenarios
+from vgvt.scenario.library import bundled_path, bundled_scenarios, spoiled_scenarios
 from vgvt.scenario.load import load_scenario, scenario_path
 from vgvt.scenario.mass import beam_properties, rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
@@ -25,6 +26,7 @@ __all__ = [
     "Damping",
     "Excitation",
     "Grid",
+    "Hammer",
     "Item",
     "NoiseSpectrum",
     "Scenario",
@@ -51,6 +53,7 @@ __all__ = [
     "scenario_json_schema",
     "scenario_path",
     "sensor_points",
+    "spoiled_scenarios",
     "surface_height_m",
     "to_toml",
 ]

@@ -24,6 +24,8 @@ class Body(Table):
     """Ixx, Iyy, Izz about its own centre of gravity."""
     outline_m: tuple[tuple[Finite, Finite], ...] = ()
     """Planform corners (x, y) of the centre body, for drawings and for 'is this point on the aircraft'."""
+    carry_through_stiffness_n_m_per_rad: Positive | None = None
+    """Torsion spring in the plane of symmetry that joins a right and a left half of the body; left out, it is rigid."""
 
 
 class Stations(Table):

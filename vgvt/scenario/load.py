@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -39,9 +40,17 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     except ValidationError as error:
         raise _refusal(source, _with_placement(problems_of(error), source.tables)) from None
     problems = placement_problems(scenario.airframe, scenario.accelerometers.grid, scenario.shaker, scenario.suspension)
+    for i, further in enumerate(scenario.further_shaker):
+        found = placement_problems(scenario.airframe, None, further, None)
+        problems += tuple(replace(p, key=("further_shaker", i, *p.key[1:])) for p in found)
     if problems:
         raise _refusal(source, problems)
     return scenario
+
+
+def _first(table: Any) -> Any:
+    """The first of several tables of a name, or the only one."""
+    return table[0] if isinstance(table, list) and table else table
 
 
 def _with_placement(problems: Sequence[Problem], tables: Mapping[str, Any]) -> tuple[Problem, ...]:
@@ -53,7 +62,7 @@ def _with_placement(problems: Sequence[Problem], tables: Mapping[str, Any]) -> t
     placed = placement_problems(
         airframe,
         _valid(Grid, accelerometers.get("grid") if isinstance(accelerometers, dict) else None),
-        _valid(Shaker, tables.get("shaker")),
+        _valid(Shaker, _first(tables.get("shaker"))),
         _valid(Suspension, tables.get("suspension")),
     )
     known = {problem.key for problem in problems}

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import MisfitError, Positive, Table, Whole
 from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.exciters import check_hammer, check_shakers
+from vgvt.scenario.hammer import Hammer
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension
+from vgvt.scenario.tolerances import Tolerances
 
 
 class Simulation(Table):
@@ -40,7 +43,11 @@ class Scenario(Table):
     suspension: Suspension
     """What the aircraft hangs on."""
     shaker: Shaker
-    """What shakes it, and where."""
+    """What shakes it, and where. Several [[shaker]] tables: the first, the others go to further_shaker."""
+    further_shaker: tuple[Shaker, ...] = ()
+    """More shakers at once, each at a point of its own with a stinger and a transducer like the first's."""
+    hammer: Hammer | None = None
+    """What strikes it instead, where excitation.kind is 'impact'."""
     stinger: Stinger
     """The rod between shaker and force transducer."""
     transducer: Transducer
@@ -55,6 +62,21 @@ class Scenario(Table):
     """Departures from the ideal test, applied in this order."""
     simulation: Simulation = Simulation()
     """How the test is computed."""
+    tolerances: Tolerances = Tolerances()
+    """How well the numbers above are known; a simulation does not use them, reconcile does."""
+
+    @property
+    def shakers(self) -> tuple[Shaker, ...]:
+        """All shakers, the first one first."""
+        return (self.shaker, *self.further_shaker)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _several_shakers(cls, tables: Any) -> Any:
+        if not isinstance(tables, dict) or not isinstance(tables.get("shaker"), list) or not tables["shaker"]:
+            return tables
+        first, *others = tables["shaker"]
+        return tables | {"shaker": first, "further_shaker": [*others, *tables.get("further_shaker", ())]}
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
@@ -76,6 +98,8 @@ class Scenario(Table):
                 f"is {self.shaker.node}, which is also an accelerometer's",
                 "Give the drive point a number of its own.",
             )
+        check_shakers(self.airframe, self.shakers, self.excitation, self.acquisition, nodes)
+        check_hammer(self.hammer, self.excitation, self.acquisition, nodes)
         top_hz, rate_hz = self.excitation.band_hz[1], self.acquisition.sample_rate_hz
         if top_hz >= rate_hz / 2:
             raise MisfitError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,12 @@ def part_at(airframe: Airframe, position_m: Sequence[float]) -> str:
     ``position_m`` is (x, y, z), or (x, y) for a point on the surface itself.
     Parts without an outline take the points that no outline holds.
     """
+    return _part_at(airframe, tuple(float(c) for c in position_m))
+
+
+# Effects ask again and again where the same few points are.
+@lru_cache(maxsize=512)
+def _part_at(airframe: Airframe, position_m: tuple[float, ...]) -> str:
     beams = expanded_beams(airframe)
     distance = {name: distance_off_m(airframe, name, position_m) for name in ("body", *(b.name for b in beams))}
     outlined = {name: off for name, off in distance.items() if off is not None}

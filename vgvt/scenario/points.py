@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from vgvt.data import Direction, Dof
+from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import Point
+from vgvt.scenario.instruments import Grid
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import part_at, surface_height_m
 
@@ -21,7 +24,11 @@ class SensorPoint:
 
 def sensor_points(scenario: Scenario) -> tuple[SensorPoint, ...]:
     """The points of the grid in its order; what the scenario leaves out is taken from the planform."""
-    airframe, grid = scenario.airframe, scenario.accelerometers.grid
+    return _points(scenario.airframe, scenario.accelerometers.grid)
+
+
+@lru_cache(maxsize=64)
+def _points(airframe: Airframe, grid: Grid) -> tuple[SensorPoint, ...]:
     points = []
     for k, node in enumerate(grid.node):
         x, y = grid.x_m[k], grid.y_m[k]

@@ -90,8 +90,11 @@ KIND_KEYS: dict[str, dict[str, bool]] = {
     "random": {},
     "burst-random": {"blocks": True, "burst_fraction": True},
     "multisine": {"blocks": True, "lines": True, "crest_iterations": False},
+    "impact": {"blocks": True},
 }
 """The keys that a kind of excitation has of its own, and whether it needs them."""
+RANDOM_KINDS = ("random", "burst-random", "multisine")
+"""Kinds that are another signal for every shaker and run."""
 
 
 class Excitation(Table):
@@ -101,10 +104,11 @@ class Excitation(Table):
     keys belong to some kinds, as their texts say, and are refused with the rest.
     """
 
-    kind: Literal["linear-chirp", "logarithmic-chirp", "stepped-sine", "random", "burst-random", "multisine"] = (
-        "linear-chirp"
-    )
-    """Shape of the command; a linear chirp passes every frequency at the same rate, a logarithmic one every octave."""
+    kind: Literal[
+        "linear-chirp", "logarithmic-chirp", "stepped-sine", "random", "burst-random", "multisine", "impact"
+    ] = "linear-chirp"
+    """Shape of the command; a linear chirp passes every frequency at the same rate, a logarithmic one every octave.
+    impact: no command, the hammer of [hammer] strikes; start_hz and stop_hz then only name the band of interest."""
     start_hz: NonNegative
     """First frequency of a sweep, lower edge of a random band."""
     stop_hz: Positive
@@ -124,13 +128,17 @@ class Excitation(Table):
     settle_s: NonNegative | None = None
     """stepped-sine: part of a dwell that waits for the response to settle; the rest is integrated over."""
     blocks: Whole | None = Field(default=None, ge=1)
-    """burst-random: how many bursts, each with its silence. multisine: how many periods. They share duration_s."""
+    """burst-random: how many bursts, each with its silence. multisine: how many periods. impact: how many hits.
+    They share duration_s."""
     burst_fraction: Positive | None = Field(default=None, lt=1)
     """burst-random: part of a block that is noise; in the rest the response dies out."""
     lines: Literal["full", "odd"] | None = None
     """multisine: excite all lines 1 / period apart, or the odd ones, which leaves the even to show nonlinearity."""
     crest_iterations: Whole | None = Field(default=None, ge=0, le=10000)
     """multisine: steps of phase optimisation towards a lower peak; left out, the phases stay random."""
+    shakers: Literal["uncorrelated", "orthogonal", "sequential"] | None = None
+    """Several shakers: signals of their own (random kinds only; what is taken when left out), one signal whose sign
+    changes from repeat to repeat as in a Hadamard matrix, or one shaker at a time, the others still attached."""
 
     @model_validator(mode="after")
     def _keys_belong_to_the_kind(self) -> Self:
@@ -172,13 +180,18 @@ class Excitation(Table):
                     "Leave one cycle at least: settle less, make duration_s longer, or take fewer points.",
                 )
         period = self.duration_s / (self.blocks or 1)
-        if self.kind in ("random", "burst-random", "multisine") and (high - low) * period < 4:
+        if self.kind in RANDOM_KINDS and (high - low) * period < 4:
             raise MisfitError(
                 ("blocks",) if self.blocks else ("duration_s",),
                 f"leaves {period:.3g} s, too short to tell frequencies apart from {low:g} to {high:g} Hz",
                 f"Give it {4 / (high - low):.3g} s at least, or widen the band.",
             )
         return self
+
+    @property
+    def shaker_signals(self) -> Literal["uncorrelated", "orthogonal", "sequential"]:
+        """How the commands of several shakers differ."""
+        return self.shakers or "uncorrelated"
 
     @property
     def record_s(self) -> float:

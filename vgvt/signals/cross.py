@@ -14,11 +14,12 @@ class CrossSpectra:
 
     ``reference`` (R, R, L) is sum F_i F_j*, ``cross`` (R, L) is sum X F_j*,
     ``response`` (L,) is sum |X|^2. ``averages`` counts what independent averages
-    they are worth. ``noise`` (L,), for one reference, is the sum of |F|^2 times the noise power of X.
+    they are worth, all lines alike or each for itself (L,).
+    ``noise`` (L,), for one reference, is the sum of |F|^2 times the noise power of X.
     """
 
     first_run: int
-    averages: float
+    averages: float | NDArray[np.float64]
     reference: NDArray[np.complex128]
     cross: NDArray[np.complex128]
     response: NDArray[np.float64]
@@ -71,8 +72,9 @@ class CrossSpectra:
         |G|^2 (1 - coherence) / (coherence (n - R)); Bendat and Piersol, Random
         Data, 4th ed., chapter 9, with the degrees of freedom that the fit uses taken off.
         """
-        first, freedom = self.h1(), self.averages - self.reference.shape[0]
-        unexplained = self.response * (1 - self.coherence()) / freedom
+        first, freedom = self.h1(), np.asarray(self.averages - self.reference.shape[0], dtype=float)
+        # A line without an average to spare does not know its scatter.
+        unexplained = self.response * (1 - self.coherence()) / np.where(freedom > 0, freedom, np.nan)
         if self.reference.shape[0] == 1:
             spread = unexplained / self.reference[0, 0].real
             enlarged = np.divide(np.abs(values), np.abs(first), out=np.ones(first.shape), where=np.abs(first) > 0)

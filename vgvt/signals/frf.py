@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from vgvt.data import Campaign, FrequencyResponseSet, InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.signals.assemble import Key, ResponseEstimate, assemble
 from vgvt.signals.cross import CrossSpectra
+from vgvt.signals.dwells import DwellFit, DwellSchedule, dwell_schedule, with_known_variance
+from vgvt.signals.impact import ImpactWindows, impact_windows
 from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
 from vgvt.signals.plan import Plan, make_plan
 from vgvt.signals.usable import UsableRun, usable_runs
@@ -21,6 +24,9 @@ ESTIMATORS = {
     "h1": "averaged, noise on the response; for random excitation or repeated runs",
     "h2": "averaged, noise on the force; one reference",
     "hv": "averaged, noise on both; one reference",
+    "stepped_sine": "sines fitted to whole cycles of every dwell, after its time to settle",
+    "impact": "averaged over a hammer's hits, noise on the response, force and exponential windows",
+    "auto": "stepped_sine or impact where the campaign's notes tell of dwells or hits, else ratio",
 }
 
 
@@ -35,6 +41,8 @@ def estimate_frf(
     local_variance: bool = False,
     polynomial_order: int = 2,
     half_width: int = 8,
+    dwells: DwellSchedule | None = None,
+    impacts: ImpactWindows | None = None,
 ) -> FrequencyResponseSet:
     """Frequency responses of all runs on one frequency axis: values (responses, references, lines), SI.
 
@@ -47,6 +55,9 @@ def estimate_frf(
     ``polynomial_order`` over 2 ``half_width`` + 1 lines (Schoukens et al. 2009);
     ``local_variance`` gives ``ratio`` a variance by the same fit. The line at 0 Hz
     is left out, means are removed; ``band_hz`` keeps only some lines.
+    ``stepped_sine`` has a line a dwell of ``dwells`` and takes its variance from the blocks of a
+    dwell; ``impact`` is H1 over the hits, cut by ``impacts``: its remarks say what damping the
+    exponential window adds (`without_window_damping`). Left out, both are read from the notes.
 
     ``12-Z`` in one run and ``12+Z`` in another are one response, labelled as first
     seen. Channels that cannot be used are left out and named in ``remarks``.
@@ -56,10 +67,11 @@ def estimate_frf(
     """
     if estimator not in ESTIMATORS:
         raise InputError("estimator", f"unknown: {estimator!r}", choose_one_of(estimator, ESTIMATORS))
-    if estimator in ("ratio", "local_polynomial") and segment_s is not None:
+    if estimator not in ("h1", "h2", "hv") and segment_s is not None:
         raise InputError("segment_s", f"the {estimator} estimator takes whole records", "leave it out, or use 'h1'")
+    estimator, special = _special(campaign, estimator, dwells, impacts)
     runs, remarks = usable_runs(campaign)
-    plan, more = make_plan(campaign.name, runs, segment_s, window, overlap, band_hz)
+    plan, more = make_plan(campaign.name, runs, segment_s, window, overlap, band_hz, special)
     local = (polynomial_order, half_width)
     if estimator == "local_polynomial":
         estimates = _local_estimates(runs, plan, local)
@@ -70,7 +82,41 @@ def estimate_frf(
             _check_averages(f"{campaign.name}, response {key[0]}", total, estimator)
             _check_independent_forces(campaign, key, total, plan)
         estimates = {key: _resolve(total, estimator) for key, total in sums.items()}
+        if estimator == "stepped_sine":
+            estimates = {key: _with_filled_variance(e, sums[key], plan) for key, e in estimates.items()}
     return assemble(campaign.name, estimates, plan, (*remarks, *more))
+
+
+def _special(
+    campaign: Campaign, estimator: str, dwells: DwellSchedule | None, impacts: ImpactWindows | None
+) -> tuple[str, DwellSchedule | ImpactWindows | None]:
+    """The estimator that is meant, and the dwells or hits that it cuts the records at."""
+    if estimator in ("auto", "stepped_sine"):
+        dwells = dwells or dwell_schedule(campaign)
+    if estimator in ("auto", "impact"):
+        impacts = impacts or impact_windows(campaign)
+    if estimator == "auto":
+        estimator = "stepped_sine" if dwells else "impact" if impacts else "ratio"
+    special = {"stepped_sine": dwells, "impact": impacts}
+    if estimator in special and special[estimator] is None:
+        key, noun = {"stepped_sine": ("dwells", "DwellSchedule"), "impact": ("impacts", "ImpactWindows")}[estimator]
+        raise InputError(
+            f"{campaign.name}, estimator {estimator!r}",
+            f"the campaign's notes have no {key!r}",
+            f"pass {key}={noun}(…), or choose another estimator",
+        )
+    return estimator, special.get(estimator)
+
+
+def _with_filled_variance(estimate: ResponseEstimate, total: CrossSpectra, plan: Plan) -> ResponseEstimate:
+    """The variance of dwells with one block from their neighbours; no coherence, which one block cannot tell."""
+    if estimate.variance is None:
+        return replace(estimate, coherence=None)
+    cut = plan.cuts[total.first_run]
+    assert isinstance(cut, DwellFit), "stepped_sine cuts at dwells"
+    power = np.einsum("iil->l", total.reference).real
+    variance = with_known_variance(estimate.variance, power, cut.block_s[plan.lines])
+    return replace(estimate, variance=variance, coherence=None)
 
 
 def _summed(runs: tuple[UsableRun, ...], plan: Plan, noise_fit: tuple[int, int] | None) -> dict[Key, CrossSpectra]:
@@ -88,6 +134,7 @@ def _cross_spectra(run: UsableRun, plan: Plan, noise_fit: tuple[int, int] | None
     force = full[:, :, plan.lines]
     auto = np.einsum("isl,jsl->ijl", force, force.conj())
     averages = plan.cuts[run.run].effective_averages()
+    averages = averages if np.ndim(averages) == 0 else np.asarray(averages)[plan.lines]
     for channel, samples in zip(run.responses, run.response_samples, strict=True):
         spectrum = plan.spectrum(run.run, channel, samples)
         noise = None
@@ -100,9 +147,9 @@ def _cross_spectra(run: UsableRun, plan: Plan, noise_fit: tuple[int, int] | None
 
 
 def _resolve(total: CrossSpectra, estimator: str) -> ResponseEstimate:
-    values = {"ratio": total.h1, "h1": total.h1, "h2": total.h2, "hv": total.hv}[estimator]()
+    values = {"h2": total.h2, "hv": total.hv}.get(estimator, total.h1)()
     # With less than half an average to spare the scatter says nothing.
-    spare = total.averages - total.reference.shape[0] >= 0.5
+    spare = np.max(total.averages) - total.reference.shape[0] >= 0.5
     variance = total.variance(values) if spare else None
     if total.noise is not None:
         power = total.reference[0, 0].real
@@ -136,12 +183,13 @@ def _check_averages(where: str, total: CrossSpectra, estimator: str) -> None:
     inputs = total.reference.shape[0]
     if estimator in ("h2", "hv") and inputs > 1:
         raise InputError(where, f"{estimator} is defined for one reference, there are {inputs}", "use 'h1'")
-    least = inputs if estimator == "ratio" else inputs + 0.5
-    if total.averages < least:
+    least = inputs if estimator in ("ratio", "stepped_sine", "impact") else inputs + 0.5
+    averages = float(np.min(total.averages))
+    if averages < least:
         raise InputError(
             where,
             f"{estimator} with {inputs} reference{'s' * (inputs > 1)} needs more averages than the "
-            f"{total.averages:.3g} there are",
+            f"{averages:.3g} there are",
             "give segment_s (a fraction of the record), repeat the runs, or use 'ratio' for a single sweep",
         )
 

@@ -9,8 +9,10 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Channel, Dof, InputError, Quantity
-from vgvt.signals.spectra import Segmentation, segment_spectra, welch_segments, whole_record
+from vgvt.data import Channel, ChannelRole, Dof, InputError, Quantity
+from vgvt.signals.dwells import DwellSchedule, fit_dwells
+from vgvt.signals.impact import ImpactWindows, cut_at_hits
+from vgvt.signals.spectra import Cut, welch_segments, whole_record
 from vgvt.signals.usable import UsableRun
 
 _TIME_DERIVATIVES = {Quantity.DISPLACEMENT: 0, Quantity.VELOCITY: 1, Quantity.ACCELERATION: 2}
@@ -24,7 +26,7 @@ class Plan:
     asked for. ``labels`` gives the first-seen label of each unsigned DOF.
     """
 
-    cuts: dict[int, Segmentation]
+    cuts: dict[int, Cut]
     frequency_hz: NDArray[np.float64]
     lines: NDArray[np.intp]
     quantity: Quantity
@@ -32,7 +34,7 @@ class Plan:
 
     def spectrum(self, run: int, channel: Channel, samples: NDArray[np.floating]) -> NDArray[np.complex128]:
         """Spectra (segments, all lines) of a channel along its labelled direction, responses in ``quantity``."""
-        spectrum = segment_spectra(samples, self.cuts[run])
+        spectrum = self.cuts[run].spectra(samples, force=channel.role is ChannelRole.REFERENCE)
         if dof_of(channel).direction.sign != self.label(channel).direction.sign:
             spectrum *= -1
         if channel.quantity in _TIME_DERIVATIVES and channel.quantity is not self.quantity:
@@ -58,9 +60,19 @@ def make_plan(
     window: str,
     overlap: float,
     band_hz: tuple[float, float] | None,
+    special: DwellSchedule | ImpactWindows | None = None,
 ) -> tuple[Plan, tuple[str, ...]]:
-    """The plan and remarks on it; InputError when the runs cannot be brought together."""
-    cuts = _cuts(where, runs, segment_s, window, overlap)
+    """The plan and remarks on it; InputError when the runs cannot be brought together.
+
+    ``special`` cuts the records at the dwells of a stepped sine or the hits of a hammer.
+    """
+    special_remarks: tuple[str, ...] = ()
+    if isinstance(special, DwellSchedule):
+        cuts = _cuts_at_dwells(where, runs, special)
+    elif isinstance(special, ImpactWindows):
+        cuts, special_remarks = _cuts_at_hits(where, runs, special)
+    else:
+        cuts = _cuts(where, runs, segment_s, window, overlap)
     frequency = cuts[runs[0].run].frequency_hz(runs[0].sample_rate_hz)
     low, high = band_hz or (0.0, np.inf)
     lines = np.flatnonzero((frequency >= low) & (frequency <= high) & (frequency > 0))
@@ -70,7 +82,7 @@ def make_plan(
     labels: dict[Dof, Dof] = {}
     for channel in (c for run in runs for c in (*run.references, *run.responses)):
         labels.setdefault(dof_of(channel).unsigned, dof_of(channel))
-    return Plan(cuts, frequency, lines, quantity, labels), remarks
+    return Plan(cuts, frequency, lines, quantity, labels), (*special_remarks, *remarks)
 
 
 def dof_of(channel: Channel) -> Dof:
@@ -95,7 +107,7 @@ def _common_quantity(where: str, runs: tuple[UsableRun, ...]) -> tuple[Quantity,
 
 def _cuts(
     where: str, runs: tuple[UsableRun, ...], segment_s: float | None, window: str, overlap: float
-) -> dict[int, Segmentation]:
+) -> dict[int, Cut]:
     """How each run is cut; InputError unless all end up on the same frequency axis."""
     _check_common(where, "sample rate", "Hz", {r.run: r.sample_rate_hz for r in runs}, "resample them to one rate")
     if segment_s is None:
@@ -111,6 +123,33 @@ def _cuts(
             f"write at most {shortest.samples / shortest.sample_rate_hz:.4g} s",
         )
     return {r.run: welch_segments(r.samples, segment, window, overlap) for r in runs}
+
+
+def _cuts_at_dwells(where: str, runs: tuple[UsableRun, ...], schedule: DwellSchedule) -> dict[int, Cut]:
+    shapes = {(run.samples, run.sample_rate_hz) for run in runs}
+    fits = {shape: fit_dwells(where, schedule, *shape) for shape in shapes}
+    return {run.run: fits[run.samples, run.sample_rate_hz] for run in runs}
+
+
+def _cuts_at_hits(
+    where: str, runs: tuple[UsableRun, ...], windows: ImpactWindows
+) -> tuple[dict[int, Cut], tuple[str, ...]]:
+    _check_common(where, "sample rate", "Hz", {r.run: r.sample_rate_hz for r in runs}, "resample them to one rate")
+    several = [run.run for run in runs if len(run.references) != 1]
+    if several:
+        raise InputError(where, f"{several[0]} does not have one force", "a hammer hits one point at a time")
+    cuts: dict[int, Cut] = {}
+    remarks = []
+    for run in runs:
+        cut = cut_at_hits(f"{where}, run {run.run}", run.reference_samples[0], run.sample_rate_hz, windows)
+        cuts[run.run] = cut
+        if cut.doubles:
+            remarks.append(f"run {run.run}: {cut.doubles} of {cut.begin.size + cut.doubles} hits left out, hit twice")
+    if windows.added_decay_rad_per_s > 0:
+        remarks.append(
+            f"the exponential window adds {windows.added_decay_rad_per_s:.4g} rad/s to the decay rate of every mode"
+        )
+    return cuts, tuple(remarks)
 
 
 def _check_common(where: str, what: str, unit: str, of_run: Mapping[int, float], advice: str) -> None:

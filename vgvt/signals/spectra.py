@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+class Cut(Protocol):
+    """How a record is cut into averages, and what each is worth."""
+
+    def frequency_hz(self, sample_rate_hz: float) -> NDArray[np.float64]:
+        """Frequency of every line, rising, (lines,)."""
+
+    def effective_averages(self) -> float | NDArray[np.float64]:
+        """Independent averages that the segments are worth, of all lines or of each, (lines,)."""
+
+    def spectra(self, samples: NDArray[np.floating], *, force: bool = False) -> NDArray[np.complex128]:
+        """Spectra (segments, lines) of one channel (N,), a force or a response."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +38,10 @@ class Segmentation:
     def frequency_hz(self, sample_rate_hz: float) -> NDArray[np.float64]:
         """Frequency of every line, 0 to Nyquist."""
         return np.asarray(np.arange(self.length // 2 + 1) * (sample_rate_hz / self.length), dtype=np.float64)
+
+    def spectra(self, samples: NDArray[np.floating], *, force: bool = False) -> NDArray[np.complex128]:
+        """Spectra (segments, lines) of one channel (N,); force and response have the same window."""
+        return segment_spectra(samples, self)
 
     def effective_averages(self) -> float:
         """Independent averages that the overlapping segments are worth.

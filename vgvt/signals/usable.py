@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Channel, ChannelRole, InputError, Record
+from vgvt.signals.clipping import clipped_share
+
+MOST_CLIPPED = 0.005
+"""Share of clipped samples above which a channel is not used: a resonance fills no more of a sweep."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +49,7 @@ def usable_runs(campaign: Campaign) -> tuple[tuple[UsableRun, ...], tuple[str, .
 
 
 def fault_of(samples: NDArray[np.floating], sample_rate_hz: float) -> str | None:
-    """Why one channel (N,) cannot be used, or None: samples that are not finite, or all the same."""
+    """Why one channel (N,) cannot be used, or None: samples not finite, all the same, or clipped in large part."""
     # One pass over the samples without a mask as long as the record: NaN and inf survive min and max.
     low, high = float(samples.min()), float(samples.max())
     if not (np.isfinite(low) and np.isfinite(high)):
@@ -53,7 +57,16 @@ def fault_of(samples: NDArray[np.floating], sample_rate_hz: float) -> str | None
         return f"{bad.size} of {samples.size} samples are not finite (first at {bad[0] / sample_rate_hz:.4g} s)"
     if low == high:
         return f"dead: every sample is {low:g}"
+    share = clipped_share(samples)
+    if share > MOST_CLIPPED:
+        return f"saturated: {100 * share:.2g} % of its samples lie on a flat top or bottom"
     return None
+
+
+def doubt_of(samples: NDArray[np.floating]) -> str | None:
+    """What to know of one channel (N,) that is used all the same, or None: a little clipping."""
+    share = clipped_share(samples)
+    return f"{100 * share:.2g} % of its samples are clipped; it is used as it is" if share > 0 else None
 
 
 def _usable_run(campaign: str, record: Record, remarks: list[str]) -> UsableRun:
@@ -78,6 +91,9 @@ def _usable_run(campaign: str, record: Record, remarks: list[str]) -> UsableRun:
         fault = fault_of(samples, record.sample_rate_hz)
         if fault is None:
             sound.append((channel, samples))
+            doubt = doubt_of(samples)
+            if doubt is not None and channel.name not in record.overloaded:
+                remarks.append(f"run {record.run}: {channel.name} ({channel.dof}): {doubt}")
         else:
             remarks.append(f"run {record.run}: {channel.name} ({channel.dof}) left out, {fault}")
     remarks += [f"run {record.run}: {name} clipped; it is used as it is" for name in record.overloaded]

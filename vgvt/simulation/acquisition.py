@@ -31,15 +31,17 @@ class _Chain:
 def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDArray[np.float64]) -> Record:
     """The record of a run (counted from 0) as the converter delivers it, in SI units.
 
-    ``command_v`` (samples,); ``readings`` (points + 1, samples) hold the run's
-    accelerations, m/s^2, and the force, N. Each channel is AC coupled, gets its
+    ``command_v`` (shakers, samples), none for a hammer; ``readings`` (points + forces, samples) hold
+    the run's accelerations, m/s^2, and the forces, N. Each channel is AC coupled, gets its
     sensor's and the converter's noise from a random stream of its own, is clipped
     and rounded to the converter's steps.
     """
     scenario = layout.scenario
     points = layout.run_points(run)
-    chains = [_drive(scenario), _force(layout), *(_acceleration(scenario, p) for p in points)]
-    signals = np.vstack([command_v, readings[-1], readings[:-1]])
+    drives = [_drive(layout, k) for k in range(len(command_v))]
+    forces = [_force(layout, k) for k in range(len(layout.forces))]
+    chains = [*drives, *forces, *(_acceleration(scenario, p) for p in points)]
+    signals = np.vstack([command_v, readings[len(points) :], readings[: len(points)]])
     overloaded = []
     for chain, row in zip(chains, signals, strict=True):
         if _through(layout, chain, run, row):
@@ -48,22 +50,32 @@ def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDA
     return Record(run + 1, scenario.acquisition.sample_rate_hz, channels, signals, tuple(overloaded))
 
 
-def _drive(scenario: Scenario) -> _Chain:
-    channel = Channel("drive", Quantity.GENERAL, ChannelRole.DRIVE, range_v=scenario.acquisition.range_v)
+def _name(layout: Plan, quantity: str, exciter: int) -> str:
+    """The name of an exciter's channel: plain for the first, with its node for the others."""
+    return quantity if exciter == 0 else f"{quantity} {layout.forces[exciter].dof.node}"
+
+
+def _drive(layout: Plan, exciter: int) -> _Chain:
+    range_v = layout.scenario.acquisition.range_v
+    channel = Channel(_name(layout, "drive", exciter), Quantity.GENERAL, ChannelRole.DRIVE, range_v=range_v)
     return _Chain(channel, None, 1.0, 0.0)
 
 
-def _force(layout: Plan) -> _Chain:
-    transducer = layout.scenario.transducer
+def _force(layout: Plan, exciter: int) -> _Chain:
+    scenario, transducer = layout.scenario, layout.scenario.transducer
+    volts_per_n = transducer.sensitivity_v_per_n * transducer.conditioner_gain
+    noise, high_pass_hz = transducer.noise, transducer.high_pass_hz
+    if layout.strike is not None and scenario.hammer is not None:
+        volts_per_n, noise, high_pass_hz = scenario.hammer.sensitivity_v_per_n, scenario.hammer.noise, 0.0
     channel = Channel(
-        "force",
+        _name(layout, "force", exciter),
         Quantity.EXCITATION_FORCE,
         ChannelRole.REFERENCE,
-        layout.drive.dof,
-        sensitivity_v_per_unit=transducer.sensitivity_v_per_n * transducer.conditioner_gain,
-        range_v=layout.scenario.acquisition.range_v,
+        layout.forces[exciter].dof,
+        sensitivity_v_per_unit=volts_per_n,
+        range_v=scenario.acquisition.range_v,
     )
-    return _Chain(channel, transducer.noise, 1.0, transducer.high_pass_hz)
+    return _Chain(channel, noise, 1.0, high_pass_hz)
 
 
 def _acceleration(scenario: Scenario, point: MeasurementPoint) -> _Chain:

@@ -5,6 +5,10 @@ joint: the same six freedoms without quaternions, so that the suspension's small
 yaw stiffness has a joint to act on and mass and stiffness matrices refer to
 plain coordinates. (The pitch axis would lock at 90 degrees; a hung aircraft
 stays within a few.)
+
+A centre body with a carry-through spring is two halves that pitch against each
+other about the line through the roots of its beams; the right one has the six
+joints, and each has half of the mass and inertia at the common centre of gravity.
 """
 
 from __future__ import annotations
@@ -21,7 +25,10 @@ from vgvt.simulation.chain import Chain, Link, cut
 from vgvt.simulation.inertia import MassMoments, lump
 
 ROOT = "body"
+LEFT_HALF = "body-left"
+CARRY_THROUGH = "carry-through"
 ROOT_JOINTS = ("slide-x", "slide-y", "slide-z", "yaw", "pitch", "roll")
+_IN_THE_PLANE_M = 1e-6
 _ROOT_AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0))
 
 
@@ -36,31 +43,45 @@ class AirframeParts:
     chains: dict[str, Chain]
     origin_m: dict[str, NDArray[np.float64]]
 
+    @property
+    def halved(self) -> bool:
+        """Whether the centre body is two halves on a carry-through spring."""
+        return self.airframe.body.carry_through_stiffness_n_m_per_rad is not None
+
     def carrier(self, part: str, position_m: NDArray[np.float64]) -> str:
         """Name of the rigid body that carries a point (3,) of a part ('body' or a beam)."""
         part = part_name(self.airframe, part, float(position_m[1]))
         if part == ROOT:
-            return ROOT
+            return LEFT_HALF if self.halved and position_m[1] < 0 else ROOT
         chain = self.chains[part]
         return self._body(chain, chain.link_at(chain.table.nearest_arc_m(position_m)))
 
     def shares(self, part: str, position_m: NDArray[np.float64]) -> tuple[tuple[str, float], ...]:
         """The rigid bodies that share a lump at a point (3,) of a part, and their fractions."""
         part = part_name(self.airframe, part, float(position_m[1]))
+        if part == ROOT and self.halved and abs(position_m[1]) < _IN_THE_PLANE_M:
+            return ((ROOT, 0.5), (LEFT_HALF, 0.5))
         if part == ROOT:
-            return ((ROOT, 1.0),)
+            return ((self.carrier(ROOT, position_m), 1.0),)
         chain = self.chains[part]
         arc = chain.table.nearest_arc_m(position_m)
         return tuple((self._body(chain, link), share) for link, share in chain.shares(arc))
 
+    def holder(self, chain: Chain) -> str:
+        """Name of the rigid body that holds the root of a chain: of two halves, the one on the side of its tip."""
+        root, tip = (chain.table.point_m(arc) for arc in (0.0, chain.table.length_m))
+        return self.carrier(chain.parent, tip if chain.parent == ROOT else root)
+
     def _body(self, chain: Chain, link: Link | None) -> str:
-        return link.name if link is not None else self.carrier(chain.parent, chain.table.point_m(0.0))
+        return link.name if link is not None else self.holder(chain)
 
 
 def cut_airframe(airframe: Airframe) -> AirframeParts:
     """Cut all beams into chains and lay down the body frames."""
     chains = {beam.name: cut(beam) for beam in expanded_beams(airframe)}
     origin = {ROOT: np.array(airframe.body.centre_of_gravity_m)}
+    roots = [chain.table.point_m(0.0) for chain in chains.values() if chain.parent == ROOT] or [origin[ROOT]]
+    origin[LEFT_HALF] = np.mean(roots, axis=0) * np.array([1.0, 0.0, 1.0])
     for chain in chains.values():
         origin |= {link.name: link.position_m for link in chain.links}
     return AirframeParts(airframe, chains, origin)
@@ -82,8 +103,10 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
         kind = mujoco.mjtJoint.mjJNT_SLIDE if name.startswith("slide") else mujoco.mjtJoint.mjJNT_HINGE
         root.add_joint(name=name, type=kind, axis=axis)
     _set_inertial(root, moments[ROOT], parts.origin_m[ROOT])
+    if parts.halved:
+        _add_left_half(root, parts, moments[LEFT_HALF])
     for chain in _parents_first(parts):
-        parent = parts.carrier(chain.parent, chain.table.point_m(0.0))
+        parent = parts.holder(chain)
         for link in chain.links:
             body = spec.body(parent).add_body(name=link.name, pos=link.position_m - parts.origin_m[parent])
             _add_hinges(body, link)
@@ -92,14 +115,27 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
     return spec
 
 
+def _add_left_half(root: mujoco.MjsBody, parts: AirframeParts, moments: MassMoments) -> None:
+    origin = parts.origin_m[LEFT_HALF]
+    half = root.add_body(name=LEFT_HALF, pos=origin - parts.origin_m[ROOT])
+    half.add_joint(
+        name=CARRY_THROUGH,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=(0.0, 1.0, 0.0),
+        stiffness=[parts.airframe.body.carry_through_stiffness_n_m_per_rad, 0.0, 0.0],
+    )
+    _set_inertial(half, moments, origin)
+
+
 def _moments(parts: AirframeParts) -> dict[str, MassMoments]:
     body = parts.airframe.body
     cg = np.array(body.centre_of_gravity_m)
-    moments = {ROOT: lump(body.mass_kg, cg, np.diag(body.inertia_kg_m2))}
+    whole_body = lump(body.mass_kg, cg, np.diag(body.inertia_kg_m2))
+    moments = dict.fromkeys((ROOT, LEFT_HALF), whole_body.scaled(0.5)) if parts.halved else {ROOT: whole_body}
     for chain in parts.chains.values():
         moments |= {link.name: link.moments for link in chain.links}
     for chain in parts.chains.values():
-        moments[parts.carrier(chain.parent, chain.table.point_m(0.0))] += chain.stub
+        moments[parts.holder(chain)] += chain.stub
     for item in expanded_items(parts.airframe):
         position = np.array(item.position_m)
         whole = lump(item.mass_kg, position, np.diag(item.inertia_kg_m2))

@@ -11,23 +11,26 @@ from numpy.typing import NDArray
 
 from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
 from vgvt.effects.action import Action
-from vgvt.effects.elements import Element, GroundSpring, RotationSpring
+from vgvt.effects.elements import Element, GroundSpring, MountCompliance, PointPair, RotationSpring
 from vgvt.effects.registry import effects_of
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
-from vgvt.simulation.airframe import ROOT, AirframeParts, airframe_spec, cut_airframe
-from vgvt.simulation.damping import add_structural_damping
+from vgvt.simulation.airframe import ROOT, AirframeParts
 from vgvt.simulation.elements import add_element, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
+from vgvt.simulation.once import cut_once, damped_airframe
 from vgvt.simulation.rig import (
     DRIVE_SITE,
     STINGER,
+    STRIKE_SITE,
     TRANSDUCER,
+    add_hammer,
     add_point_mass,
     add_shaker,
     hang,
     hung_mass_kg,
+    numbered,
 )
 
 
@@ -51,8 +54,9 @@ class Plan:
     """A scenario with its airframe cut and every point placed.
 
     ``grid`` are the accelerometer points in the order of the scenario, ``drive``
-    the shaker's. ``actions`` are what the scenario's effects do to the run that the plan is
-    for; their changes of the scenario are in ``scenario`` already.
+    the shaker's, ``further_drives`` those of more shakers; ``strike`` is where a hammer hits in
+    their place, its axis the direction of the hit. ``actions`` are what the scenario's effects do
+    to the run that the plan is for; their changes of the scenario are in ``scenario`` already.
     """
 
     scenario: Scenario
@@ -60,6 +64,8 @@ class Plan:
     grid: tuple[MeasurementPoint, ...]
     drive: MeasurementPoint
     actions: tuple[Action, ...] = ()
+    further_drives: tuple[MeasurementPoint, ...] = ()
+    strike: MeasurementPoint | None = None
 
     @property
     def elements(self) -> tuple[tuple[str, Element], ...]:
@@ -78,8 +84,18 @@ class Plan:
 
     @property
     def points(self) -> tuple[MeasurementPoint, ...]:
-        """Grid points, then the drive point."""
-        return (*self.grid, self.drive)
+        """Grid points, then the drive points."""
+        return (*self.grid, *self.drives)
+
+    @property
+    def drives(self) -> tuple[MeasurementPoint, ...]:
+        """The drive points of all shakers, the first one first."""
+        return (self.drive, *self.further_drives)
+
+    @property
+    def forces(self) -> tuple[MeasurementPoint, ...]:
+        """Where a force is measured: under every shaker, or under the hammer."""
+        return self.drives if self.strike is None else (self.strike,)
 
     def run_points(self, run: int) -> tuple[MeasurementPoint, ...]:
         """The accelerometers of a run (counted from 0) in the order of the channels, where they really sit."""
@@ -117,7 +133,8 @@ def plans(scenario: Scenario) -> list[Plan]:
     effects = effects_of(scenario)
     count = len(scenario.acquisition.run_nodes)
     if not effects:
-        return [plan(scenario)] * count
+        ideal = plan(scenario)
+        return [_struck(ideal, run) for run in range(count)]
     layouts = []
     for run in range(count):
         changed, actions = scenario, []
@@ -125,8 +142,21 @@ def plans(scenario: Scenario) -> list[Plan]:
             action = effect.act(changed, run)
             changed = action.scenario if action.scenario is not None else changed
             actions.append(action)
-        layouts.append(_with_actions(plan(changed), tuple(actions)))
+        layouts.append(_struck(_with_actions(plan(changed), tuple(actions)), run))
     return layouts
+
+
+def _struck(layout: Plan, run: int) -> Plan:
+    """The plan of a run (counted from 0) with the point that the hammer hits; as it is without a hammer."""
+    scenario = layout.scenario
+    if scenario.excitation.kind != "impact" or scenario.hammer is None:
+        return layout
+    point = layout.drive
+    if scenario.hammer.nodes:
+        node = scenario.hammer.nodes[run // scenario.acquisition.repeats]
+        point = next(p for p in layout.grid if p.dof.node == node)
+    against = Dof(point.dof.node, Direction(-point.dof.direction))
+    return replace(layout, strike=replace(point, dof=against, site=STRIKE_SITE, axis=-point.axis))
 
 
 def _with_actions(ideal: Plan, actions: tuple[Action, ...]) -> Plan:
@@ -138,35 +168,43 @@ def _with_actions(ideal: Plan, actions: tuple[Action, ...]) -> Plan:
 
 def plan(scenario: Scenario) -> Plan:
     """Cut the airframe and place every point of the scenario on it, effects left out."""
-    parts, shaker = cut_airframe(scenario.airframe), scenario.shaker
+    parts = cut_once(scenario.airframe)
 
     def point(dof: Dof, site: str, part: str, position_m: Sequence[float]) -> MeasurementPoint:
         place = np.array(position_m)
         return MeasurementPoint(dof, site, part, place, parts.carrier(part, place), dof.direction.unit_vector)
 
     grid = tuple(point(p.dof, f"node-{p.dof.node}", p.part, p.position_m) for p in sensor_points(scenario))
-    drive = point(Dof(shaker.node, Direction.PLUS_Z), DRIVE_SITE, shaker.attached_to, shaker.position_m)
-    return Plan(scenario, parts, grid, drive)
+    drives = [
+        point(Dof(s.node, Direction.PLUS_Z), numbered(DRIVE_SITE, k), s.attached_to, s.position_m)
+        for k, s in enumerate(scenario.shakers)
+    ]
+    return Plan(scenario, parts, grid, drives[0], further_drives=tuple(drives[1:]))
 
 
 def bare_rig(layout: Plan) -> Rig:
     """The airframe alone, free-free, unloaded, with sites at every point."""
     spec = _airframe_with_points(layout)
-    drive = layout.drive
-    spec.body(drive.carrier).add_site(name=drive.site, pos=drive.position_m - layout.parts.origin_m[drive.carrier])
+    for drive in layout.drives:
+        _add_site(spec, layout, drive)
     model = spec.compile()
     return Rig(model, np.zeros(model.nq))
 
 
-def hung_rig(layout: Plan, run: int) -> Rig:
+def hung_rig(layout: Plan, run: int, at_rest: NDArray[np.float64] | None = None) -> Rig:
     """Hung and instrumented, without the shaker: the structure as seen from the sensing element.
 
     Only the part of the transducer between sensing element and structure
-    counts here, at the equilibrium of the whole.
+    counts here, at the equilibrium of the whole: that of the driven rig of the same run,
+    ``at_rest`` (nq,), where it is known already.
     """
-    whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
-    qpos = _settle(layout, whole.compile(), springs)
-    structure_side, _ = _hung_spec(layout, run, layout.scenario.transducer.end_mass_kg)
+    if at_rest is None:
+        whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
+        at_rest = _settle(layout, whole.compile(), springs)
+    end_mass = 0.0 if layout.strike is not None else layout.scenario.transducer.end_mass_kg
+    structure_side, springs = _hung_spec(layout, run, end_mass)
+    # Armature and coil come after the coordinates of the hung aircraft.
+    qpos = at_rest[: structure_side.compile().nq]
     _trim(structure_side, springs, qpos)
     return Rig(structure_side.compile(), qpos)
 
@@ -183,16 +221,20 @@ def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float
 
     The coordinates of armature and coil come after those and are zero there.
     """
-    spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout.scenario))
+    spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
     hung = spec.compile()
     qpos = _settle(layout, hung, springs)
     _trim(spec, springs, qpos)
     data = mujoco.MjData(hung)
     data.qpos[:] = qpos
     mujoco.mj_forward(hung, data)
-    drive = data.site(DRIVE_SITE)
-    push = drive.xmat.reshape(3, 3) @ layout.drive.axis
-    add_shaker(spec, layout.scenario.shaker, layout.scenario.stinger, drive.xpos.copy(), push)
+    if layout.strike is not None:
+        add_hammer(spec, layout.strike.site, layout.strike.axis)
+    else:
+        for k, (shaker, point) in enumerate(zip(layout.scenario.shakers, layout.drives, strict=True)):
+            drive = data.site(point.site)
+            push = drive.xmat.reshape(3, 3) @ point.axis
+            add_shaker(spec, shaker, layout.scenario.stinger, drive.xpos.copy(), push, k)
     _add_sensors(spec, layout, run)
     return spec, qpos
 
@@ -213,8 +255,10 @@ def rigid_body(rig: Rig) -> RigidBodyProperties:
     return total.rigid_body()
 
 
-def _transducer_side_mass(scenario: Scenario) -> float:
-    return scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
+def _transducer_side_mass(layout: Plan) -> float:
+    """What rides on the aircraft at each drive point of a shaker: nothing under a hammer."""
+    scenario = layout.scenario
+    return 0.0 if layout.strike is not None else scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
 
 
 def _settle(layout: Plan, model: mujoco.MjModel, springs: list[str]) -> NDArray[np.float64]:
@@ -234,8 +278,7 @@ def _settle(layout: Plan, model: mujoco.MjModel, springs: list[str]) -> NDArray[
 
 def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
     """Airframe with its damping, the elements that effects add to it, and a site at every grid point."""
-    spec = airframe_spec(layout.parts)
-    add_structural_damping(spec, layout.scenario.airframe.damping)
+    spec = damped_airframe(layout.scenario.airframe).copy()
     for name, element in layout.elements:
         if element.owner == "airframe":
             add_element(spec, layout.parts, name, element)
@@ -257,17 +300,32 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
         if point not in layout.grid:
             origin = layout.parts.origin_m[point.carrier]
             spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - origin)
-    drive = layout.drive
-    add_point_mass(spec, layout.parts, TRANSDUCER, drive.carrier, drive.position_m, transducer_mass_kg)
-    # On the transducer, which a compliant mount lets move on its own.
-    spec.body(TRANSDUCER).add_site(name=drive.site)
+    for k, drive in enumerate(layout.drives if layout.strike is None else ()):
+        transducer = numbered(TRANSDUCER, k)
+        add_point_mass(spec, layout.parts, transducer, drive.carrier, drive.position_m, transducer_mass_kg)
+        # On the transducer, which a compliant mount lets move on its own.
+        spec.body(transducer).add_site(name=drive.site)
+    if layout.strike is not None:
+        for point in (*layout.drives, layout.strike):
+            _add_site(spec, layout, point)
     springs: list[str] = []
     for name, element in layout.elements:
+        if layout.strike is not None and isinstance(element, MountCompliance):
+            raise InputError(
+                f"scenario {scenario.name}: effect",
+                "a compliant mount under the force transducer, and a hammer that has neither",
+                "leave the effect out, or drive the test with a shaker",
+            )
         if element.owner == "rig":
             add_element(spec, layout.parts, name, element)
-        if isinstance(element, GroundSpring | RotationSpring):
+        if isinstance(element, GroundSpring | RotationSpring | PointPair):
             springs.append(name)
     return spec, springs
+
+
+def _add_site(spec: mujoco.MjSpec, layout: Plan, point: MeasurementPoint) -> None:
+    """A site on the rigid body that carries a point."""
+    spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - layout.parts.origin_m[point.carrier])
 
 
 def _trim(spec: mujoco.MjSpec, springs: list[str], qpos: NDArray[np.float64]) -> None:
@@ -278,8 +336,9 @@ def _trim(spec: mujoco.MjSpec, springs: list[str], qpos: NDArray[np.float64]) ->
 def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
     site, tendon = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TENDON
     kind = mujoco.mjtSensor
-    for point in (*layout.run_points(run), layout.drive):
+    for point in (*layout.run_points(run), *layout.drives):
         spec.add_sensor(name=point.site, type=kind.mjSENS_ACCELEROMETER, objtype=site, objname=point.site)
-    for rod in (STINGER, *(name for name, _ in layout.gauged_springs)):
+    rods = [numbered(STINGER, k) for k in range(len(layout.drives))] if layout.strike is None else []
+    for rod in (*rods, *(name for name, _ in layout.gauged_springs)):
         spec.add_sensor(name=f"{rod}-length", type=kind.mjSENS_TENDONPOS, objtype=tendon, objname=rod)
         spec.add_sensor(name=f"{rod}-rate", type=kind.mjSENS_TENDONVEL, objtype=tendon, objname=rod)

@@ -14,8 +14,8 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import outlines_m
 from vgvt.simulation.acquisition import record
 from vgvt.simulation.assembly import Plan, Rig, driven_rig, plan, plans
-from vgvt.simulation.command import drive_command, excitation_in_words, sample_times_s, sent_command
-from vgvt.simulation.linear_engine import respond
+from vgvt.simulation.command import drive_commands, excitation_in_words, excitation_notes, sample_times_s, sent_commands
+from vgvt.simulation.linear_engine import prepared, respond
 from vgvt.simulation.mujoco_engine import Progress, step_runs
 from vgvt.simulation.state_space import StateSpace, state_space
 from vgvt.simulation.stepping import substeps
@@ -58,7 +58,7 @@ def simulate(
     clock.lap("simulate")
     times = sample_times_s(scenario)
     records = tuple(
-        record(layout, run, drive_command(scenario, run, times), readings[run]) for run, layout in enumerate(layouts)
+        record(layout, run, drive_commands(scenario, run, times), readings[run]) for run, layout in enumerate(layouts)
     )
     clock.lap("acquire")
     notes = {
@@ -66,7 +66,7 @@ def simulate(
         "excitation": excitation_in_words(scenario.excitation),
         "engine": engine,
         "seed": str(scenario.seed),
-    }
+    } | excitation_notes(scenario)
     return SimulationResult(
         Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.band_hz, notes),
         truth,
@@ -86,11 +86,14 @@ def _linear_readings(
     layouts: list[Plan], models: list[StateSpace], progress: Progress | None
 ) -> list[NDArray[np.float64]]:
     readings = []
+    sent = prepared(np.zeros(4))
     for run, (layout, model) in enumerate(zip(layouts, models, strict=True)):
-        # After the truth's points the model's outputs are the sensors of the run, then the force.
+        # After the truth's points the model's outputs are the sensors of the run, then the forces.
         index = list(range(len(layout.points), model.output_matrix.shape[0]))
-        command = sent_command(layout, run, sample_times_s(layout.scenario))
-        readings.append(respond(model.outputs(index), command, layout.scenario.acquisition.sample_rate_hz))
+        command = sent_commands(layout, run, sample_times_s(layout.scenario))
+        # A sweep is the same in every run: its spline and spectrum are, too.
+        sent = sent if np.array_equal(command, sent.samples_v) else prepared(command)
+        readings.append(respond(model.outputs(index), sent, layout.scenario.acquisition.sample_rate_hz))
         if progress is not None:
             progress((run + 1) / len(models), f"run {run + 1} of {len(models)} solved")
     return readings
@@ -105,7 +108,7 @@ def _mujoco_readings(
     count = substeps(poles, rate, scenario.simulation.step_s)
     for rig in rigs:
         rig.model.opt.timestep = 1.0 / (rate * count)
-    commands = [sent_command(layout, run, sample_times_s(scenario, count)) for run, layout in enumerate(layouts)]
+    commands = [sent_commands(layout, run, sample_times_s(scenario, count)) for run, layout in enumerate(layouts)]
     return step_runs(layouts, rigs, commands, count, rate, progress)
 
 

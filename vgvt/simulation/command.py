@@ -11,8 +11,11 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import Excitation
 from vgvt.scenario.streams import named_stream
 from vgvt.signals import (
+    DwellSchedule,
+    ImpactWindows,
     burst_random,
     continuous_random,
+    impact_train,
     linear_chirp,
     logarithmic_chirp,
     multisine,
@@ -30,32 +33,85 @@ def sample_times_s(scenario: Scenario, steps_per_sample: int = 1) -> NDArray[np.
     return np.arange((samples - 1) * steps_per_sample + 1) / (rate * steps_per_sample)
 
 
-def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The command of a run (counted from 0) in volts, shape of ``time_s``.
+def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64], shaker: int = 0) -> NDArray[np.float64]:
+    """The command to a shaker (counted from 0) in a run (from 0) in volts, shape of ``time_s``.
 
-    One function of time whatever the instants: random kinds draw from the run's own named stream.
+    One function of time whatever the instants: random kinds draw from named streams of their own.
+    Several shakers get signals that can be told apart, as ``excitation.shakers`` says: independent
+    ones, or one with the signs of a Hadamard matrix from repeat to repeat (Dobrowiecki, Schoukens
+    and Guillaume, IEEE Trans. Instrum. Meas. 55(5), 2006), or one shaker at a time.
     """
-    e = scenario.excitation
-    return e.amplitude_v * _unit_command(e, time_s - e.lead_in_s, named_stream(scenario.seed, "excitation", run))
+    e, count = scenario.excitation, len(scenario.shakers)
+    name: tuple[str | int, ...] = ("excitation", run) if shaker == 0 else ("excitation", run, "shaker", shaker)
+    sign = 1.0
+    if count > 1 and e.shaker_signals == "sequential":
+        sign = float(run % count == shaker)
+    elif count > 1 and e.shaker_signals == "orthogonal":
+        # One signal for a round of repeats; entry (row, column) of the matrix is the parity of their common bits.
+        name = ("excitation", run - run % count)
+        sign = -1.0 if (run % count & shaker).bit_count() % 2 else 1.0
+    return sign * e.amplitude_v * _unit_command(e, time_s - e.lead_in_s, named_stream(scenario.seed, *name))
 
 
-def sent_command(layout: Plan, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The command as it reaches the amplifier in a run, effects included, shape of ``time_s``."""
-    command = drive_command(layout.scenario, run, time_s)
-    for action in layout.actions:
-        command = command if action.command is None else action.command(command, time_s)
-    return command
+def hammer_force(scenario: Scenario, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The force of the hammer on the aircraft in a run (counted from 0), N, shape of ``time_s``."""
+    e, hammer = scenario.excitation, _known(scenario.hammer)
+    blocks = _known(e.blocks)
+    return hammer.peak_force_n * impact_train(
+        time_s - e.lead_in_s,
+        named_stream(scenario.seed, "hammer", run),
+        blocks,
+        e.duration_s / blocks,
+        hammer.first_hit_s,
+        hammer.contact_s,
+        hammer.strength_scatter,
+        hammer.timing_scatter_s,
+        hammer.double_hit_probability,
+        hammer.double_hit_interval_s,
+    )
+
+
+def drive_commands(scenario: Scenario, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The commands to all shakers, volts, (shakers, times); none with a hammer."""
+    if scenario.excitation.kind == "impact":
+        return np.empty((0, time_s.size))
+    return np.array([drive_command(scenario, run, time_s, k) for k in range(len(scenario.shakers))])
+
+
+def sent_commands(layout: Plan, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What drives the rig in a run, (inputs, times): volts at the amplifiers, effects included, or a hammer's force."""
+    if layout.strike is not None:
+        return hammer_force(layout.scenario, run, time_s)[None]
+    commands = drive_commands(layout.scenario, run, time_s)
+    for change in (action.command for action in layout.actions if action.command is not None):
+        commands = np.array([change(command, time_s) for command in commands])
+    return commands
 
 
 def excitation_in_words(e: Excitation) -> str:
     """What a campaign's notes say of its excitation."""
     details = {
         "points": f"{e.points} points",
-        "blocks": f"{e.blocks} blocks",
+        "blocks": f"{e.blocks} {'hits' if e.kind == 'impact' else 'blocks'}",
         "lines": f"{e.lines} lines",
     }
     extra = "".join(f", {text}" for key, text in details.items() if getattr(e, key) is not None)
     return f"{e.kind} {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s{extra}"
+
+
+def excitation_notes(scenario: Scenario) -> dict[str, str]:
+    """What an estimator needs to know of the excitation: when it dwelt where, or how to cut it at its hits."""
+    e, hammer = scenario.excitation, scenario.hammer
+    if e.kind == "impact" and hammer is not None:
+        free_s = e.duration_s / _known(e.blocks) - 2 * hammer.timing_scatter_s - hammer.first_hit_s
+        before_s = 0.5 * hammer.first_hit_s - 0.5 * hammer.timing_scatter_s
+        gate_s = before_s + 3 * hammer.contact_s
+        return {"impacts": ImpactWindows(round(free_s, 6), round(before_s, 6), round(gate_s, 6)).note()}
+    if e.kind != "stepped-sine":
+        return {}
+    points = _known(e.points)
+    dwells = DwellSchedule(e.start_hz, e.stop_hz, points, e.duration_s / points, _known(e.settle_s), e.lead_in_s)
+    return {"dwells": dwells.note()}
 
 
 def _unit_command(e: Excitation, time_s: NDArray[np.float64], stream: np.random.Generator) -> NDArray[np.float64]:
@@ -76,6 +132,8 @@ def _unit_command(e: Excitation, time_s: NDArray[np.float64], stream: np.random.
         case "multisine":
             optimised = e.crest_iterations or 0
             return multisine(time_s, stream, *band, _known(e.blocks), _known(e.lines), optimised, e.taper_s)
+        case "impact":
+            raise ValueError("a hammer takes no command")
 
 
 def _known(value: _T | None) -> _T:

@@ -14,7 +14,7 @@ from vgvt.scenario.planform import edge_lines_m
 from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import Plan
 from vgvt.simulation.chain import Chain
-from vgvt.simulation.rig import ARMATURE, FRAME_SITE, STINGER, SUSPENSION, TRANSDUCER
+from vgvt.simulation.rig import ARMATURE, FRAME_SITE, STINGER, SUSPENSION, TRANSDUCER, numbered
 
 Vector = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
@@ -49,12 +49,15 @@ def draw_rig(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
     _draw_items(spec, layout)
     _draw_points(spec, layout, run, span / 110)
     _draw_fittings(spec, layout, span / 160)
-    floor = _draw_shaker(spec, span)
+    size = _shaker_size_m(layout, span)
+    floors = [_draw_shaker(spec, size, k) for k in range(len(layout.drives) if layout.strike is None else 0)]
+    floor = min(floors, default=float(layout.drive.position_m[2]) - 0.3 * span)
     _draw_frame(spec, span)
     _draw_room(spec, floor)
+    stingers = {numbered(STINGER, k): ROD for k in range(len(layout.drives))}
     for tendon in spec.tendons:
-        tendon.rgba = _SEEN_TENDONS.get(tendon.name, (0.0, 0.0, 0.0, 0.0))
-        tendon.width = span / (450 if tendon.name == STINGER else 900)
+        tendon.rgba = (_SEEN_TENDONS | stingers).get(tendon.name, (0.0, 0.0, 0.0, 0.0))
+        tendon.width = span / (450 if tendon.name in stingers else 900)
 
 
 def span_m(layout: Plan) -> float:
@@ -193,14 +196,29 @@ def _draw_points(spec: mujoco.MjSpec, layout: Plan, run: int, size_m: float) -> 
         body = spec.body(f"accelerometer-{point.dof.node}")
         _geom(body, cube, SENSOR, pos=size_m * np.sign(point.axis) * np.array([0, 0, 0.9]), size=[0.8 * size_m] * 3)
     gauge = mujoco.mjtGeom.mjGEOM_CYLINDER
-    _geom(spec.body(TRANSDUCER), gauge, GAUGE, pos=[0, 0, -0.8 * size_m], size=[0.7 * size_m, 0.8 * size_m, 0])
+    for k in range(len(layout.drives) if layout.strike is None else 0):
+        shape = {"pos": [0, 0, -0.8 * size_m], "size": [0.7 * size_m, 0.8 * size_m, 0]}
+        _geom(spec.body(numbered(TRANSDUCER, k)), gauge, GAUGE, **shape)
+    if layout.strike is not None:
+        # Where the hammer hits: its tip, on the side that it comes from.
+        place = layout.strike.position_m - layout.parts.origin_m[layout.strike.carrier] - size_m * layout.strike.axis
+        ball = mujoco.mjtGeom.mjGEOM_SPHERE
+        _geom(spec.body(layout.strike.carrier), ball, GAUGE, pos=place, size=[0.9 * size_m, 0, 0])
 
 
-def _draw_shaker(spec: mujoco.MjSpec, span: float) -> float:
+def _shaker_size_m(layout: Plan, span: float) -> float:
+    """Radius of a shaker's body: one that suits the aircraft and leaves its neighbours room."""
+    feet = [p.position_m for p in layout.drives]
+    apart = [float(np.linalg.norm(a - b)) for i, a in enumerate(feet) for b in feet[:i]]
+    return min([span / 24, *(0.35 * distance for distance in apart)])
+
+
+def _draw_shaker(spec: mujoco.MjSpec, size: float, exciter: int) -> float:
     """Armature, shaker and its stand; returns the height of the floor, m."""
-    armature, push = spec.body(ARMATURE), np.array(spec.joint(ARMATURE).axis)
+    name = numbered(ARMATURE, exciter)
+    armature, push = spec.body(name), np.array(spec.joint(name).axis)
     foot = np.array(armature.pos)
-    cylinder, size = mujoco.mjtGeom.mjGEOM_CYLINDER, span / 24
+    cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
     neck, depth = 0.45 * size, 2.0 * size
 
     def rod(body: mujoco.MjsBody, start: Vector, stop: Vector, radius: float, colour: Colour) -> None:

@@ -7,6 +7,7 @@ from collections import Counter
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from vgvt.simulation.airframe import ROOT_JOINTS, AirframeParts
 from vgvt.simulation.chain import Chain
@@ -26,9 +27,12 @@ _ORDINALS = {1: "1st", 2: "2nd", 3: "3rd"}
 def mode_labels(parts: AirframeParts, model: mujoco.MjModel, vectors: NDArray[np.complex128]) -> tuple[str, ...]:
     """Labels like '1st symmetric bending' or 'heave' for modes ``vectors`` (nv, R), in their order.
 
-    Elastic or rigid by where the strain energy is not: a mode whose springs hold
-    less than the suspension's share keeps the name of its largest rigid motion. Where the
-    joint of an effect, NAME/kind, has most of the kinetic energy, the mode is that: '1st absorber'.
+    A mode is rigid where more than half of its kinetic energy is that of a motion without deformation,
+    the M-orthogonal projection on the six coordinates of the centre body; free of the ground that share is 0 for
+    every elastic mode, and a soft suspension leaves it near 1 for the others. Rigid names are given one to one
+    so that the energy they account for is largest: of two pendulum modes that both swing and pitch,
+    each gets one of the words. Where the joint of an effect, NAME/kind, has most of the
+    kinetic energy, the mode is that: '1st absorber'.
     """
     names = [model.joint(j).name for j in range(model.njnt)]
     links = {link.name for chain in parts.chains.values() for link in chain.links}
@@ -36,14 +40,18 @@ def mode_labels(parts: AirframeParts, model: mujoco.MjModel, vectors: NDArray[np
     added = [j for j, name in enumerate(names) if "/" in name and j not in elastic]
     stiffness = np.array([float(model.joint(j).stiffness[0]) for j in range(model.njnt)])
     mass = mass_matrix(model, mujoco.MjData(model))
+    shapes = [_in_phase(vector) for vector in vectors.T]
+    own = [_label_of_added(names, added, mass, real) for real in shapes]
+    shares = np.array([_rigid_shares(model, mass, real) for real in shapes]).reshape(-1, len(ROOT_JOINTS))
+    rigid = [k for k, label in enumerate(own) if label is None and (not elastic or shares[k].sum() > 0.5)]
+    named = dict(zip(rigid, _rigid_names(shares[rigid]), strict=True))
     counted: Counter[str] = Counter()
     labels = []
-    for vector in vectors.T:
-        real = _in_phase(vector)
-        label = _label_of_added(names, added, mass, real) or _label(parts, model, elastic, real, stiffness * real**2)
+    for k, real in enumerate(shapes):
+        label = own[k] or named.get(k) or _elastic_label(parts, model, elastic, real, stiffness * real**2)
         counted[label] += 1
-        numbered = label not in _RIGID_NAMES.values() and label != "shaker"
         count = counted[label]
+        numbered = label not in (*_RIGID_NAMES.values(), "shaker") or count > 1
         labels.append(f"{_ORDINALS.get(count, f'{count}th')} {label}" if numbered else label)
     return tuple(labels)
 
@@ -65,17 +73,35 @@ def _label_of_added(
     return next((kind for kind, own in energy.items() if own > 0.5 * total), None)
 
 
-def _label(
+def _rigid_shares(model: mujoco.MjModel, mass: NDArray[np.float64], real: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share (6,) of a mode's kinetic energy in each rigid motion: along the axes with, and turning about, the CG."""
+    root = [int(model.joint(name).dofadr[0]) for name in ROOT_JOINTS]
+    momentum = mass[root] @ real
+    body = mass[np.ix_(root, root)]
+    motion = np.linalg.solve(body, momentum)
+    translation, turning = motion[:3] + np.linalg.solve(body[:3, :3], body[:3, 3:] @ motion[3:]), motion[3:]
+    # The Schur complement is the inertia about the centre of gravity.
+    inertia = body[3:, 3:] - body[3:, :3] @ np.linalg.solve(body[:3, :3], body[:3, 3:])
+    energy = np.concatenate([translation * momentum[:3], turning * (inertia @ turning)])
+    return np.asarray(energy / (real @ mass @ real))
+
+
+def _rigid_names(shares: NDArray[np.float64]) -> list[str]:
+    """A name for each rigid mode from its shares (R, 6), none twice among the best six."""
+    names = [_RIGID_NAMES[ROOT_JOINTS[k]] for k in shares.argmax(axis=1)]
+    for row, column in zip(*linear_sum_assignment(-shares), strict=True):
+        names[row] = _RIGID_NAMES[ROOT_JOINTS[column]]
+    return names
+
+
+def _elastic_label(
     parts: AirframeParts,
     model: mujoco.MjModel,
     elastic: list[int],
     real: NDArray[np.float64],
     energy: NDArray[np.float64],
 ) -> str:
-    rigid = np.array([abs(real[model.joint(name).dofadr[0]]) for name in ROOT_JOINTS])
-    # Rotations in rad count with one metre of arm, so that a degree of pitch is no small thing beside a slide.
-    if not elastic or np.abs(real[elastic]).sum() < 0.1 * rigid.max():
-        return _RIGID_NAMES[ROOT_JOINTS[int(np.argmax(rigid))]]
+    """The kind of hinge that holds most of the strain energy, and the symmetry of the angles."""
     share: Counter[str] = Counter()
     for j in elastic:
         share[model.joint(j).name.split("/")[1]] += energy[j]

@@ -63,12 +63,7 @@ def linearise(
     mass = mass_matrix(model, data)
     rows = np.array([site_row(model, data, site, direction) for site, direction in points]).reshape(-1, model.nv)
 
-    def force_at_position(change: NDArray[np.float64]) -> NDArray[np.float64]:
-        data.qpos[:] = qpos + change
-        return joint_force(model, data)
-
-    stiffness = -_central_differences(force_at_position, model.nv)
-    data.qpos[:] = qpos
+    stiffness = stiffness_matrix(model, data, qpos)
 
     def force_at_velocity(change: NDArray[np.float64]) -> NDArray[np.float64]:
         data.qvel[:] = change
@@ -76,6 +71,18 @@ def linearise(
 
     damping = -_central_differences(force_at_velocity, model.nv)
     return LinearModel(mass, damping, stiffness, rows, qpos.copy())
+
+
+def stiffness_matrix(model: mujoco.MjModel, data: mujoco.MjData, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Change of the joint forces with position, sign turned, (nv, nv), at ``qpos`` (nq,), where it leaves ``data``."""
+
+    def force_at(change: NDArray[np.float64]) -> NDArray[np.float64]:
+        data.qpos[:] = qpos + change
+        return joint_force(model, data)
+
+    stiffness = -_central_differences(force_at, model.nv)
+    data.qpos[:] = qpos
+    return stiffness
 
 
 def site_row(
@@ -100,7 +107,7 @@ def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 5
     for _ in range(iterations):
         data.qpos[:], data.qvel[:] = qpos, 0.0
         force = joint_force(model, data)
-        stiffness = linearise(model, qpos).stiffness
+        stiffness = stiffness_matrix(model, data, qpos)
         if np.abs(force).max() < tolerance_n:
             if np.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0] <= 0:
                 raise RuntimeError("the hung aircraft would turn over")

@@ -38,14 +38,14 @@ def eigenpairs(model: LinearModel) -> tuple[NDArray[np.complex128], NDArray[np.c
 def modal_model(
     model: LinearModel,
     dofs: tuple[Dof, ...],
-    reference: int,
+    reference: int | tuple[int, ...],
     limit_hz: float,
     labels: tuple[str, ...] = (),
     tilt: NDArray[np.float64] | None = None,
 ) -> ModalModel:
     """The modes up to ``limit_hz`` seen at ``dofs``, the rows of the model's displacement map.
 
-    ``reference`` is the index of the drive point among them. Shapes are real-normalised:
+    ``reference`` is the index of the drive point among them, or those of several. Shapes are real-normalised:
     the largest entry is +1, and ``modal_mass_kg`` belongs to that scale. With ``tilt`` (D, nv),
     what a unit of each coordinate lets the sensors feel of gravity, m/s², shapes are
     those that accelerometers feel, displacement + tilt/λ²; residues stay those of the displacement.
@@ -55,7 +55,8 @@ def modal_model(
     poles, vectors = poles[below], vectors[:, below]
     moved = (model.displacement @ vectors).T
     seen = moved if tilt is None else moved + (tilt @ vectors).T / poles[:, None] ** 2
-    residues = moved[:, :, None] * moved[:, None, [reference]]
+    reference = (reference,) if isinstance(reference, int) else reference
+    residues = moved[:, :, None] * moved[:, None, list(reference)]
     largest = seen[np.arange(poles.size), np.argmax(np.abs(seen), axis=1)]
     # A motion that no DOF can see keeps the scale of its own coordinates.
     largest = np.where(np.abs(largest) > 0, largest, 1.0)
@@ -65,7 +66,7 @@ def modal_model(
         shapes=seen / largest[:, None],
         dofs=dofs,
         modal_mass_kg=np.real(1 / (largest**2 * 2j * poles.imag)),
-        references=(dofs[reference],),
+        references=tuple(dofs[i] for i in reference),
         residues=residues,
         labels=labels[: poles.size],
         method="truth",

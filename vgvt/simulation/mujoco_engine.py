@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.simulation.assembly import Plan, Rig
-from vgvt.simulation.state_space import mass_above_element_kg
+from vgvt.simulation.rig import HAMMER, STINGER, numbered
+from vgvt.simulation.state_space import exciter_names, mass_above_element_kg
 
 Progress = Callable[[float, str], None]
 # Long enough that the loop over chunks costs nothing, short enough for progress and Ctrl-C.
@@ -31,11 +32,12 @@ def step_runs(
     progress: Progress | None = None,
     threads: int | None = None,
 ) -> list[NDArray[np.float64]]:
-    """Accelerations and force, (points + 1, samples) a rig, at the sampling instants.
+    """Accelerations and forces, (points + forces, samples) a rig, at the sampling instants.
 
-    ``commands_v`` holds each run's command at every time step, ((samples - 1) * steps_per_sample + 1,).
+    ``commands_v`` holds each run's inputs at every time step, (inputs, (samples - 1) * steps_per_sample + 1): the
+    commands of the shakers, V, or the force of the hammer, N.
     Accelerations are those of the run's points less their value at rest, in
-    m/s^2; the last row is the force at the transducer's sensing element, N.
+    m/s^2; the last rows are the forces at the transducers' sensing elements, N.
     Raises FloatingPointError where a run diverges.
     """
     # One batch shares the layout of its arrays: runs with as many accelerometers, bodies and springs go together.
@@ -48,6 +50,7 @@ def step_runs(
             kept = _step_together(
                 [rigs[run] for run in runs],
                 np.array([commands_v[run] for run in runs]),
+                exciter_names(layouts[runs[0]]),
                 steps_per_sample,
                 sample_rate_hz,
                 _share(progress, k, len(groups)),
@@ -60,6 +63,7 @@ def step_runs(
 def _step_together(
     rigs: list[Rig],
     command_v: NDArray[np.float64],
+    exciters: tuple[str, ...],
     steps_per_sample: int,
     sample_rate_hz: float,
     progress: Progress | None,
@@ -71,15 +75,21 @@ def _step_together(
     batch.set_models([rig.model for rig in rigs])
     batch.bind("qpos")[:] = np.array([rig.qpos for rig in rigs])
     # The actuator integrates: its control is the command's rate of change, its activation the command itself.
-    rate = np.diff(command_v, append=command_v[:, -1:]) * (steps_per_sample * sample_rate_hz)
-    batch.bind("act")[:] = command_v[:, :1]
-    samples = (command_v.shape[1] - 1) // steps_per_sample + 1
+    rate = np.diff(command_v, append=command_v[..., -1:]) * (steps_per_sample * sample_rate_hz)
+    # Effects may have actuators of their own, which hold their command and start from rest.
+    driving = [rigs[0].model.actuator(name) for name in exciters]
+    activation = np.zeros((len(rigs), rigs[0].model.na))
+    activation[:, [actuator.actadr[0] for actuator in driving]] = command_v[..., 0]
+    batch.bind("act")[:] = activation
+    samples = (command_v.shape[2] - 1) // steps_per_sample + 1
     kept = np.empty((len(rigs), samples, rigs[0].model.nsensordata))
     done = 0
     while done < samples:
         count = min(_CHUNK_SAMPLES, samples - done)
         start = done * steps_per_sample
-        chunk = rate[:, start : start + count * steps_per_sample, None]
+        driven = rate[..., start : start + count * steps_per_sample].transpose(0, 2, 1)
+        chunk = np.zeros((*driven.shape[:2], rigs[0].model.nu))
+        chunk[..., [actuator.id for actuator in driving]] = driven
         record = batch.rollout(chunk.shape[1], control=chunk, record=("sensordata",))["sensordata"]
         kept[:, done : done + count] = record[:, ::steps_per_sample]
         done += count
@@ -114,7 +124,7 @@ def _share(progress: Progress | None, part: int, parts: int) -> Progress | None:
 
 def _readings(layout: Plan, rig: Rig, run: int, sensors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Turn MuJoCo's sensors (samples, nsensordata) into accelerations along the DOFs and the measured force."""
-    model, stinger = rig.model, layout.scenario.stinger
+    model = rig.model
 
     def acceleration(site: str, direction: NDArray[np.float64]) -> NDArray[np.float64]:
         address = model.sensor(site).adr[0]
@@ -122,14 +132,29 @@ def _readings(layout: Plan, rig: Rig, run: int, sensors: NDArray[np.float64]) ->
 
     points = layout.run_points(run)
     rows = [acceleration(p.site, p.axis) for p in points]
-    stretch = sensors[:, model.sensor("stinger-length").adr[0]] - stinger.length_m
-    rate = sensors[:, model.sensor("stinger-rate").adr[0]]
-    push = -stinger.axial_stiffness_n_per_m * stretch - stinger.axial_damping_n_s_per_m * rate
-    drive = layout.drive
-    for name, spring in layout.gauged_springs:
-        turn, rate = (sensors[:, model.sensor(f"{name}-{what}").adr[0]] for what in ("length", "rate"))
-        moment = -spring.stiffness_n_m_per_rad * turn - spring.damping_n_m_s_per_rad * rate
-        push = push + spring.gauge_per_m * moment
-    rows.append(push - mass_above_element_kg(layout) * acceleration(drive.site, drive.axis))
+    if layout.strike is not None:
+        hammer = layout.scenario.hammer
+        assert hammer is not None, "only a hammer strikes"
+        rows.append(hammer.reading * sensors[:, model.sensor(HAMMER).adr[0]])
+    for k, drive in enumerate(layout.drives if layout.strike is None else ()):
+        push = _stinger_push(layout, rig, sensors, k)
+        rows.append(push - mass_above_element_kg(layout) * acceleration(drive.site, drive.axis))
     readings = np.array(rows)
     return np.asarray(readings - readings[:, :1])
+
+
+def _stinger_push(layout: Plan, rig: Rig, sensors: NDArray[np.float64], exciter: int) -> NDArray[np.float64]:
+    """What a stinger pushes with, N, (samples,), and what its gauge feels of moments."""
+    stinger, rod = layout.scenario.stinger, numbered(STINGER, exciter)
+
+    def of(name: str) -> NDArray[np.float64]:
+        return np.asarray(sensors[:, rig.model.sensor(name).adr[0]])
+
+    push = -stinger.axial_stiffness_n_per_m * (of(f"{rod}-length") - stinger.length_m)
+    push -= stinger.axial_damping_n_s_per_m * of(f"{rod}-rate")
+    for name, spring in layout.gauged_springs if exciter == 0 else ():
+        moment = -spring.stiffness_n_m_per_rad * of(f"{name}-length") - spring.damping_n_m_s_per_rad * of(
+            f"{name}-rate"
+        )
+        push += spring.gauge_per_m * moment
+    return push

@@ -20,7 +20,7 @@ from vgvt.simulation.assembly import Plan, Rig, driven_spec, hung_rig, plans
 from vgvt.simulation.drawing import METAL, draw_rig, span_m
 from vgvt.simulation.linear import linearise, site_row
 from vgvt.simulation.modes import eigenpairs
-from vgvt.simulation.rig import ARMATURE, DRIVE_SITE, FRAME_SITE
+from vgvt.simulation.rig import ARMATURE, FRAME_SITE, numbered
 
 # The camera stands ahead of the aircraft and above, on the shaker's side.
 _AZIMUTH_DEG, _ELEVATION_DEG = 30.0, -19.0
@@ -82,7 +82,7 @@ def write_animation(drawing: Drawing, mode: int, path: Path) -> None:
 def mode_swing(drawing: Drawing, mode: int) -> NDArray[np.float64]:
     """Coordinates (nq,) of the driven rig at the far point of a mode's swing, from rest.
 
-    The armature goes with the drive point, as the stinger makes it.
+    An armature goes with its drive point, as the stinger makes it.
     """
     layout, model = drawing.layout, drawing.rig.model
     hung = hung_rig(layout, drawing.run)
@@ -93,8 +93,9 @@ def mode_swing(drawing: Drawing, mode: int) -> NDArray[np.float64]:
     swing = np.zeros(model.nq)
     swing[: shape.size] = np.real(shape * np.exp(-1j * np.angle(shape[np.argmax(np.abs(shape))])))
     data = _posed(model, drawing.rig.qpos)
-    armature = model.joint(ARMATURE).qposadr[0]
-    swing[armature] = site_row(model, data, DRIVE_SITE, layout.drive.axis) @ swing
+    for k, drive in enumerate(layout.drives if layout.strike is None else ()):
+        armature = model.joint(numbered(ARMATURE, k)).qposadr[0]
+        swing[armature] = site_row(model, data, drive.site, drive.axis) @ swing
     travel = max(
         float(np.linalg.norm([site_row(model, data, p.site, axis) @ swing for axis in np.eye(3)]))
         for p in layout.points

@@ -18,8 +18,15 @@ SUSPENSION = "suspension"
 FRAME_SITE = "frame"
 ARMATURE = "armature"
 COIL = "coil"
+HAMMER = "hammer"
+STRIKE_SITE = "strike-point"
 # A lag L/R below this turns the force by less than 0.15 degrees at 40 Hz, and would cost short time steps.
 NEGLIGIBLE_LAG_S = 1e-5
+
+
+def numbered(name: str, exciter: int) -> str:
+    """The name of a part of an exciter, counted from 0; the first one's parts have plain names."""
+    return name if exciter == 0 else f"{name}-{exciter + 1}"
 
 
 def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung_mass_kg: float) -> None:
@@ -67,8 +74,9 @@ def add_shaker(
     stinger: Stinger,
     drive_point_m: NDArray[np.float64],
     push: NDArray[np.float64],
+    exciter: int = 0,
 ) -> None:
-    """The shaker below the hung aircraft's drive point (3,), with a stinger that just fits.
+    """The shaker below the hung aircraft's drive point (3,), with a stinger that just fits; one of several by number.
 
     It is set up as a technician would: the stinger at right angles to the
     surface as it hangs, along the unit vector ``push`` (3,).
@@ -78,9 +86,10 @@ def add_shaker(
     equilibrium, so that attaching it moves nothing.
     """
     foot = drive_point_m - stinger.length_m * push
-    armature = spec.worldbody.add_body(name=ARMATURE, pos=foot, gravcomp=1.0)
+    name = numbered(ARMATURE, exciter)
+    armature = spec.worldbody.add_body(name=name, pos=foot, gravcomp=1.0)
     armature.add_joint(
-        name=ARMATURE,
+        name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE,
         axis=push,
         stiffness=[shaker.flexure_stiffness_n_per_m, 0.0, 0.0],
@@ -90,19 +99,36 @@ def add_shaker(
     armature.ipos = np.zeros(3)
     armature.mass = shaker.armature_mass_kg + 0.5 * stinger.mass_kg - _coil_node_mass_kg(shaker)
     armature.inertia = np.full(3, 1e-3 * shaker.armature_mass_kg)
-    armature.add_site(name="stinger-foot")
+    armature.add_site(name=numbered("stinger-foot", exciter))
     rod = spec.add_tendon(
-        name=STINGER,
+        name=numbered(STINGER, exciter),
         stiffness=[stinger.axial_stiffness_n_per_m, 0.0, 0.0],
         damping=[stinger.axial_damping_n_s_per_m, 0.0, 0.0],
         springlength=[stinger.length_m, stinger.length_m],
     )
-    rod.wrap_site("stinger-foot")
-    rod.wrap_site(DRIVE_SITE)
-    _add_coil(spec, shaker, push)
+    rod.wrap_site(numbered("stinger-foot", exciter))
+    rod.wrap_site(numbered(DRIVE_SITE, exciter))
+    _add_coil(spec, shaker, push, exciter)
 
 
-def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64]) -> None:
+def add_hammer(spec: mujoco.MjSpec, site: str, axis: NDArray[np.float64]) -> None:
+    """A force on the site along ``axis`` (3,), fixed to it: what the hammer does while it touches, and nothing else.
+
+    The hammer is not a body here: its force is given, not found from its fall, so that what the
+    aircraft does during the few milliseconds of contact does not act back on it.
+    """
+    hammer = spec.add_actuator(name=HAMMER, trntype=mujoco.mjtTrn.mjTRN_SITE, target=site)
+    hammer.gear = [*axis, 0.0, 0.0, 0.0]
+    # Integrated like a shaker's command: straight between time steps.
+    hammer.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
+    hammer.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+    hammer.gainprm[0] = 1.0
+    spec.add_sensor(
+        name=HAMMER, type=mujoco.mjtSensor.mjSENS_ACTUATORFRC, objtype=mujoco.mjtObj.mjOBJ_ACTUATOR, objname=HAMMER
+    )
+
+
+def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64], exciter: int) -> None:
     """The coil as seen from the armature, driven by the command's rate of change.
 
     With voltage drive, V = R i + L di/dt + Bl x' is a force Bl V/R on a damper
@@ -116,19 +142,19 @@ def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64]) ->
     time steps: held in steps it would alias onto the accelerometers.
     """
     per_volt = shaker.amplifier_gain * shaker.force_factor_n_per_a
-    target = ARMATURE
+    target = numbered(ARMATURE, exciter)
     if shaker.drive == "voltage":
         per_volt /= shaker.coil_resistance_ohm
         damper = shaker.force_factor_n_per_a**2 / shaker.coil_resistance_ohm
         lag_s = shaker.coil_inductance_h / shaker.coil_resistance_ohm
         node_mass = _coil_node_mass_kg(shaker)
         if node_mass > 0:
-            target = COIL
-            _add_coil_node(spec, push, damper, damper / lag_s, node_mass)
+            target = numbered(COIL, exciter)
+            _add_coil_node(spec, push, damper, damper / lag_s, node_mass, exciter)
         else:
-            joint = spec.joint(ARMATURE)
+            joint = spec.joint(target)
             joint.damping = [joint.damping[0] + damper, 0.0, 0.0]
-    coil = spec.add_actuator(name=COIL, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=target)
+    coil = spec.add_actuator(name=numbered(COIL, exciter), trntype=mujoco.mjtTrn.mjTRN_JOINT, target=target)
     coil.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
     coil.gaintype = mujoco.mjtGain.mjGAIN_FIXED
     coil.gainprm[0] = per_volt
@@ -148,19 +174,22 @@ def _add_coil_node(
     damper_n_s_per_m: float,
     spring_n_per_m: float,
     mass_kg: float,
+    exciter: int,
 ) -> None:
-    node = spec.worldbody.add_body(name=COIL, gravcomp=1.0)
-    node.add_joint(name=COIL, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=push, damping=[damper_n_s_per_m, 0.0, 0.0])
+    name = numbered(COIL, exciter)
+    node = spec.worldbody.add_body(name=name, gravcomp=1.0)
+    node.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=push, damping=[damper_n_s_per_m, 0.0, 0.0])
     node.explicitinertial = True
     node.ipos = np.zeros(3)
     node.mass = mass_kg
     node.inertia = np.full(3, 1e-3 * mass_kg)
-    spring = spec.add_tendon(name=COIL, stiffness=[spring_n_per_m, 0.0, 0.0])
-    spring.wrap_joint(COIL, 1.0)
-    spring.wrap_joint(ARMATURE, -1.0)
+    spring = spec.add_tendon(name=name, stiffness=[spring_n_per_m, 0.0, 0.0])
+    spring.wrap_joint(name, 1.0)
+    spring.wrap_joint(numbered(ARMATURE, exciter), -1.0)
 
 
 def hung_mass_kg(scenario: Scenario, airframe_mass_kg: float, run: int) -> float:
-    """What the spring carries in a run: airframe, transducer, half the stinger and the run's accelerometers."""
+    """What the spring carries in a run: airframe, accelerometers, and a transducer and half a stinger a shaker."""
     sensors = len(scenario.acquisition.run_nodes[run]) * scenario.accelerometers.mass_kg
-    return airframe_mass_kg + sensors + scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
+    shakers = 0 if scenario.excitation.kind == "impact" else len(scenario.shakers)
+    return airframe_mass_kg + sensors + shakers * (scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg)

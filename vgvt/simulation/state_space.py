@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig
 from vgvt.simulation.linear import LinearModel, linearise, site_row
-from vgvt.simulation.rig import COIL, DRIVE_SITE, GRAVITY_M_PER_S2, STINGER
+from vgvt.simulation.rig import COIL, GRAVITY_M_PER_S2, HAMMER, STINGER, numbered
 
 _UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateSpace:
-    """x' = A x + B u, y = C x + D u with u in volts of command.
+    """x' = A x + B u, y = C x + D u with u in volts of command, or newtons of a hammer.
 
     ``state_matrix`` (n, n), ``input_matrix`` (n,), ``output_matrix`` (outputs, n),
-    ``feedthrough`` (outputs,). Outputs: accelerations of the points asked for,
-    m/s^2 as an accelerometer feels them (with its tilt in gravity), then the
-    force at the transducer's sensing element, N. ``linear`` are the matrices behind it.
+    ``feedthrough`` (outputs,); with several shakers (n, inputs) and (outputs, inputs). Outputs:
+    accelerations of the points asked for, m/s^2 as an accelerometer feels them (with its tilt in
+    gravity), then the force at every transducer's sensing element, N. ``linear`` are the matrices behind it.
     """
 
     linear: LinearModel
@@ -34,6 +34,16 @@ class StateSpace:
     input_matrix: NDArray[np.float64]
     output_matrix: NDArray[np.float64]
     feedthrough: NDArray[np.float64]
+
+    @property
+    def inputs(self) -> NDArray[np.float64]:
+        """The input matrix as columns (n, inputs)."""
+        return self.input_matrix.reshape(self.state_matrix.shape[0], -1)
+
+    @property
+    def feedthrough_rows(self) -> NDArray[np.float64]:
+        """The feedthrough as rows (outputs, inputs)."""
+        return self.feedthrough.reshape(self.output_matrix.shape[0], -1)
 
     def outputs(self, index: list[int]) -> StateSpace:
         """The same model with some of its outputs, in that order."""
@@ -52,23 +62,42 @@ def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) ->
     linear = linearise(model, rig.qpos, tuple((p.site, p.axis) for p in points))
     n = linear.freedoms
     inverse_mass = np.linalg.inv(linear.mass)
-    a, b = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
+    a, b = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, len(layout.forces)))
     a[:n, n:] = np.eye(n)
     a[n:, :n] = -inverse_mass @ linear.stiffness
     a[n:, n:] = -inverse_mass @ linear.damping
-    pushed = model.actuator_trnid[model.actuator(COIL).id, 0]
-    b[n:] = inverse_mass[:, model.jnt_dofadr[pushed]] * model.actuator_gainprm[model.actuator(COIL).id, 0]
+    for k, name in enumerate(exciter_names(layout)):
+        b[n:, k] = inverse_mass @ _pushed_by(rig, layout, name)
     tilt = tilt_rows(rig, points)
     acceleration = linear.displacement @ a[n:]
     acceleration[:, :n] += tilt
-    force, force_feedthrough = _force_row(layout, rig, a[n:], b[n:])
+    force, force_feedthrough = _force_rows(layout, rig, a[n:], b[n:])
+    feedthrough = np.vstack([linear.displacement @ b[n:], force_feedthrough])
+    one = len(layout.forces) == 1
     return StateSpace(
         linear,
         a,
-        b,
+        b[:, 0] if one else b,
         np.vstack([acceleration, force]),
-        np.append(linear.displacement @ b[n:], force_feedthrough),
+        feedthrough[:, 0] if one else feedthrough,
     )
+
+
+def exciter_names(layout: Plan) -> tuple[str, ...]:
+    """The names of the actuators that drive a rig: the hammer, or the coil of every shaker."""
+    if layout.strike is not None:
+        return (HAMMER,)
+    return tuple(numbered(COIL, k) for k in range(len(layout.drives)))
+
+
+def _pushed_by(rig: Rig, layout: Plan, name: str) -> NDArray[np.float64]:
+    """Generalised force (nv,) of an exciter for a unit of its input."""
+    model = rig.model
+    if layout.strike is not None:
+        return site_row(model, _at_rest(rig), layout.strike.site, layout.strike.axis)
+    actuator, force = model.actuator(name).id, np.zeros(model.nv)
+    force[model.jnt_dofadr[model.actuator_trnid[actuator, 0]]] = model.actuator_gainprm[actuator, 0]
+    return force
 
 
 def tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.float64]:
@@ -84,30 +113,44 @@ def tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.floa
     return rows
 
 
-def _force_row(
+def _force_rows(
     layout: Plan, rig: Rig, rate_rows: NDArray[np.float64], rate_input: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rows (forces, 2 nv) of the measured forces and what of each input they feel at once, (forces, inputs)."""
+    if layout.strike is not None:
+        hammer = layout.scenario.hammer
+        assert hammer is not None, "only a hammer strikes"
+        return np.zeros((1, 2 * rig.model.nv)), np.array([[hammer.reading]])
+    rows, feedthrough = zip(
+        *(_force_row(layout, rig, rate_rows, rate_input, k) for k in range(len(layout.drives))), strict=True
+    )
+    return np.array(rows), np.array(feedthrough)
+
+
+def _force_row(
+    layout: Plan, rig: Rig, rate_rows: NDArray[np.float64], rate_input: NDArray[np.float64], exciter: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Row of the force at the sensing element: the stinger's push less the inertia of what lies between."""
-    model, stinger = rig.model, layout.scenario.stinger
+    model, stinger, drive = rig.model, layout.scenario.stinger, layout.drives[exciter]
     n = model.nv
     data = _at_rest(rig)
-    rod = model.tendon(STINGER).id
+    rod = model.tendon(numbered(STINGER, exciter)).id
     length_row = np.zeros(n)
     for j in range(n):
         data.qvel[:] = 0.0
         data.qvel[j] = 1.0
         mujoco.mj_fwdVelocity(model, data)
         length_row[j] = data.ten_velocity[rod]
-    drive_row = site_row(model, _at_rest(rig), DRIVE_SITE, layout.drive.axis)
+    drive_row = site_row(model, _at_rest(rig), drive.site, drive.axis)
     inertia = mass_above_element_kg(layout)
     row = -inertia * (drive_row @ rate_rows)
-    row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * tilt_rows(rig, (layout.drive,))[0]
+    row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * tilt_rows(rig, (drive,))[0]
     row[n:] -= stinger.axial_damping_n_s_per_m * length_row
-    for _, spring in layout.gauged_springs:
+    for _, spring in layout.gauged_springs if exciter == 0 else ():
         joint = model.joint(spring.axis).dofadr[0]
         row[joint] -= spring.gauge_per_m * spring.stiffness_n_m_per_rad
         row[n + joint] -= spring.gauge_per_m * spring.damping_n_m_s_per_rad
-    return row, float(-inertia * drive_row @ rate_input)
+    return row, -inertia * drive_row @ rate_input
 
 
 def _at_rest(rig: Rig) -> mujoco.MjData:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from vgvt.data import ModalModel, Truth
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.assembly import Plan, Rig, bare_rig, driven_rig, hung_rig, plans, rigid_body
+from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig, bare_rig, driven_rig, hung_rig, plans, rigid_body
 from vgvt.simulation.information import frequency_limit_hz
 from vgvt.simulation.labels import mode_labels
 from vgvt.simulation.linear import linearise
@@ -52,18 +53,33 @@ def driven_state_space(layout: Plan, run: int) -> tuple[Rig, StateSpace]:
 
 
 def _modes(layout: Plan, rig: Rig) -> ModalModel:
-    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.axis) for p in layout.points))
-    labels = mode_labels(layout.parts, rig.model, eigenpairs(linear)[1])
-    dofs = tuple(p.dof for p in layout.points)
+    """The modes of a rig at all points, with the drive points of the shakers as references."""
+    return _modes_seen(layout, rig, layout.points, range(len(layout.grid), len(layout.points)))
+
+
+def _modes_seen(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...], references: Sequence[int]) -> ModalModel:
+    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.axis) for p in points))
+    poles, vectors = eigenpairs(linear)
+    labels = mode_labels(layout.parts, rig.model, vectors[:, np.abs(poles) <= 2 * np.pi * limit_hz(layout.scenario)])
     # Without gravity, as for the bare airframe, there is nothing to feel of it.
-    tilt = tilt_rows(rig, layout.points) if rig.model.opt.gravity.any() else None
-    return modal_model(linear, dofs, len(dofs) - 1, limit_hz(layout.scenario), labels, tilt)
+    tilt = tilt_rows(rig, points) if rig.model.opt.gravity.any() else None
+    dofs = tuple(p.dof for p in points)
+    return modal_model(linear, dofs, tuple(references), limit_hz(layout.scenario), labels, tilt)
 
 
 def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
-    """The modes as a run's sensors feel them, with the smallest standard deviations that the run allows."""
-    modes = _modes(layout, hung_rig(layout, run))
-    limit = frequency_limit_hz(layout, run, driven, modes)
+    """The modes as a run's sensors feel them, with the smallest standard deviations that the run allows.
+
+    Outside the swept band there is none to state, NaN: what force leaks there is the window's, not the test's.
+    """
+    rig = hung_rig(layout, run, driven.linear.equilibrium)
+    modes = forced = _modes(layout, rig)
+    if layout.strike is not None:
+        # The truth keeps one reference for all runs, wherever the hammer roves; what it allows to know does not.
+        forced = _modes_seen(layout, rig, (*layout.points, layout.strike), [len(layout.points)])
+    low, high = layout.scenario.excitation.band_hz
+    swept = (modes.natural_frequency_hz >= low) & (modes.natural_frequency_hz <= high)
+    limit = np.where(swept, frequency_limit_hz(layout, run, driven, forced), np.nan)
     return replace(
         modes,
         natural_frequency_std_hz=limit,

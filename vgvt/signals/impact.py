@@ -1,0 +1,142 @@
+"""Hammer records: segments that start at the hits, a force window, an exponential window and its damping.
+
+Force and responses of a segment are multiplied by the same exp(-t/τ), the force after its own
+window has silenced everything but the hit. For a structure at rest before the hit this changes
+every pole λ to λ - 1/τ and nothing else, exactly: `without_window_damping` takes it back.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, InputError, ModalModel
+
+NOTE = "impacts"
+# A hit stands out of the record by this much, and a second one of a double hit out of the first.
+_TRIGGER_LEVEL = 0.2
+_DOUBLE_LEVEL = 0.1
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class ImpactWindows:
+    """How hammer records are cut: a segment begins ``pre_trigger_s`` before its hit.
+
+    The force window lets ``force_s`` from there through, with a cosine fall; ``decay_s`` is τ of the
+    exponential window, infinite for none. With ``reject_double_hits`` a segment that was hit twice
+    is left out as long as one good one remains in the run.
+    """
+
+    segment_s: float
+    pre_trigger_s: float = 0.02
+    force_s: float = 0.1
+    decay_s: float = np.inf
+    reject_double_hits: bool = True
+
+    @property
+    def added_decay_rad_per_s(self) -> float:
+        """What the exponential window adds to the decay rate ζω of every mode."""
+        return 1.0 / self.decay_s
+
+    def note(self) -> str:
+        """The windows as a campaign's notes carry them, under the key 'impacts'."""
+        return json.dumps({k: v for k, v in asdict(self).items() if v != np.inf})
+
+
+def impact_windows(campaign: Campaign) -> ImpactWindows | None:
+    """The windows that a campaign's notes propose, None without any; InputError for a note that cannot be read."""
+    if NOTE not in campaign.notes:
+        return None
+    try:
+        return ImpactWindows(**json.loads(campaign.notes[NOTE]))
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{campaign.name}, note {NOTE!r}", str(error), f"write it like {ImpactWindows(4.0).note()}"
+        ) from error
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImpactSegments:
+    """A run cut at its hits: ``begin`` (segments,) first samples, windows (length,) of force and response.
+
+    ``quiet`` samples at the start hold nothing yet; ``doubles`` counts the segments that were left out because
+    the hammer bounced.
+    """
+
+    begin: NDArray[np.intp]
+    force_window: Array
+    response_window: Array
+    quiet: int
+    doubles: int
+
+    def frequency_hz(self, sample_rate_hz: float) -> Array:
+        """Frequency of every line, 0 to Nyquist."""
+        length = self.force_window.size
+        return np.asarray(np.arange(length // 2 + 1) * (sample_rate_hz / length), dtype=np.float64)
+
+    def effective_averages(self) -> float:
+        """Every hit is an average of its own."""
+        return float(self.begin.size)
+
+    def spectra(self, samples: NDArray[np.floating], *, force: bool = False) -> NDArray[np.complex128]:
+        """Spectra (segments, lines) of one channel (N,), less its mean before each hit."""
+        window = self.force_window if force else self.response_window
+        pieces = np.asarray(samples, dtype=np.float64)[self.begin[:, None] + np.arange(window.size)]
+        if self.quiet:
+            # The offset of a force gauge, let through by the force window, would be a second, long hit. It is read
+            # well before the trigger, which the hit's own rise precedes.
+            pieces = pieces - pieces[:, : self.quiet].mean(axis=1, keepdims=True) * force
+        return np.asarray(np.fft.rfft(pieces * window, axis=1))
+
+
+def cut_at_hits(where: str, force: NDArray[np.floating], rate_hz: float, windows: ImpactWindows) -> ImpactSegments:
+    """The segments of a run from its force (N,).
+
+    A hit is where the force's size passes a fifth of the record's largest; the next may come a segment
+    later. InputError where no whole segment is left.
+    """
+    length, before = round(windows.segment_s * rate_hz), round(windows.pre_trigger_s * rate_hz)
+    strength = np.abs(np.asarray(force, dtype=float) - np.median(force))
+    begin: list[int] = []
+    for hit in np.flatnonzero(strength > _TRIGGER_LEVEL * strength.max()):
+        first = int(hit) - before
+        if first >= 0 and first + length <= strength.size and (not begin or first >= begin[-1] + length):
+            begin.append(first)
+    if not begin:
+        raise InputError(
+            where,
+            f"no hit with {windows.pre_trigger_s:g} s before it and {windows.segment_s:g} s in all",
+            "shorten the segment or the time before the trigger",
+        )
+    double = [_hit_twice(strength[first : first + length]) for first in begin]
+    good = [first for first, twice in zip(begin, double, strict=True) if not twice]
+    kept = good if windows.reject_double_hits and good else begin
+    time = (np.arange(length) - before) / rate_hz
+    decay = np.exp(-np.maximum(time, 0.0) / windows.decay_s) if np.isfinite(windows.decay_s) else np.ones(length)
+    passed = time + before / rate_hz - windows.force_s
+    fall = max(0.25 * windows.force_s, 1.0 / rate_hz)
+    gate = np.where(passed <= 0, 1.0, np.where(passed < fall, 0.5 + 0.5 * np.cos(np.pi * passed / fall), 0.0))
+    return ImpactSegments(np.array(kept), gate * decay, decay, before // 2, len(begin) - len(kept))
+
+
+def without_window_damping(modes: ModalModel, added_decay_rad_per_s: float) -> ModalModel:
+    """The modes as they are without the exponential window that they were found through: poles λ + 1/τ.
+
+    A mode that the window damped less than that, which noise can make, keeps a damping ratio of zero.
+    """
+    poles = modes.poles
+    true = np.minimum(poles.real + added_decay_rad_per_s, 0.0) + 1j * poles.imag
+    return replace(
+        modes, natural_frequency_hz=np.abs(true) / (2 * np.pi), damping_ratio=-true.real / np.abs(true)
+    )  # fmt: skip
+
+
+def _hit_twice(strength: Array) -> bool:
+    """Whether the force (length,) of a segment rises again after it has fallen from its first hit."""
+    high = strength > _DOUBLE_LEVEL * strength.max()
+    return int(np.count_nonzero(np.diff(high.astype(int)) == 1)) + int(high[0]) > 1

@@ -1,0 +1,279 @@
+"""Matrices without a time engine: the structure as the force gauge sees it, assembled fast for thousands of variants.
+
+Z(ω) q = d F, with F the *measured* force and Z = K + iωC - ω²M. What lies between the sensing element and
+the stinger, and what the gauge feels besides, is moved to the left: with F_stinger = F + m (a + tilt) + gauge,
+M loses m d dᵀ, and so on. A/F then equals that of the driven rig exactly, shaker left out. The roving
+accelerometers are left out too: they are a rank-one change per sensor and run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.action import Action
+from vgvt.effects.elements import GroundSpring, RotationSpring
+from vgvt.scenario.mass import rigid_body_properties
+from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.model import Scenario
+from vgvt.simulation.airframe import ROOT, airframe_spec, cut_airframe
+from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
+from vgvt.simulation.damping import add_structural_damping
+from vgvt.simulation.elements import add_element
+from vgvt.simulation.linear import joint_force, linearise, settle
+from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
+
+Array = NDArray[np.float64]
+_UP = np.array([0.0, 0.0, 1.0])
+_AT_REST_N = 1e-8
+_ROWS = ("drive", "jacobian", "axis", "tilt", "equilibrium", "bodies")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Structure:
+    """Z q = d F at the equilibrium, without the roving accelerometers; arrays over coordinates named ``joints``.
+
+    ``mass``, ``damping``, ``stiffness`` (n, n) in SI; ``drive`` (n,) is the row of the drive point along the push.
+    ``places`` name the points; ``jacobian`` (places, 3, n) are their displacements in world axes, ``axis`` (places, n)
+    along what is sensed there and ``tilt`` (places, n) what a sensor there feels of gravity, m/s² a unit. ``bodies``
+    (B, 6, n) are displacement and rotation of each body's origin, named ``body_names``, turned by ``attitude``
+    (B, 3, 3) from the unloaded shape.
+
+    The first six coordinates are translation and rotation of the centre body along its own axes, so that the
+    attitude in which a rig hangs does not change the matrices of the airframe; ``root`` (6, 6) turns them into
+    those of the six root joints, for which ``equilibrium`` stands.
+    """
+
+    joints: tuple[str, ...]
+    mass: Array
+    damping: Array
+    stiffness: Array
+    drive: Array
+    places: tuple[str, ...]
+    jacobian: Array
+    axis: Array
+    tilt: Array
+    equilibrium: Array
+    body_names: tuple[str, ...]
+    bodies: Array
+    attitude: Array
+    root: Array
+
+    def onto(self, joints: tuple[str, ...]) -> Structure:
+        """The same structure over more coordinates, in that order; the new ones move nothing."""
+        if joints == self.joints:
+            return self
+        index = np.array([joints.index(name) for name in self.joints])
+        square = np.ix_(index, index)
+
+        def wide(rows: Array) -> Array:
+            out = np.zeros((*rows.shape[:-1], len(joints)))
+            out[..., index] = rows
+            return out
+
+        matrices = []
+        for matrix in (self.mass, self.damping, self.stiffness):
+            out = np.zeros((len(joints), len(joints)))
+            out[square] = matrix
+            matrices.append(out)
+        rows = {name: wide(getattr(self, name)) for name in _ROWS}
+        mass, damping, stiffness = matrices
+        return replace(self, joints=joints, mass=mass, damping=damping, stiffness=stiffness, **rows)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layouts:
+    """Plans of edited scenarios, made fast: what the edit cannot have moved is taken from the first."""
+
+    first: Plan
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Layouts:
+        """For edits of a scenario, whose own effects are left to the caller."""
+        return cls(plan(scenario))
+
+    def plan(self, scenario: Scenario, actions: tuple[Action, ...] = ()) -> Plan:
+        """The plan of an edited scenario with actions whose edits are in it already."""
+        first = self.first
+        if not _same_places(first.scenario, scenario):
+            fresh = plan(scenario)
+        else:
+            # Where nothing of the airframe changed, its cut is as good.
+            same = scenario.airframe is first.scenario.airframe
+            parts = first.parts if same else cut_airframe(scenario.airframe)
+            x, y, z = scenario.shaker.position_m
+            place = np.array([x, y, z])
+            drive = replace(
+                first.drive,
+                part=scenario.shaker.attached_to,
+                position_m=place,
+                carrier=parts.carrier(scenario.shaker.attached_to, place),
+            )
+            fresh = Plan(scenario, parts, first.grid, drive)
+        drive = fresh.drive
+        leans = [e.lean for action in actions for e in action.points if e.node == drive.dof.node]
+        axis = drive.axis + np.sum(leans, axis=0) if leans else drive.axis
+        return replace(fresh, actions=actions, drive=replace(drive, axis=axis / np.linalg.norm(axis)))
+
+
+def _same_places(one: Scenario, other: Scenario) -> bool:
+    """Whether grid points are on the same links in both: same grid, same planform, same cells."""
+    if one.accelerometers.grid != other.accelerometers.grid:
+        return False
+    if one.airframe is other.airframe:
+        return True
+    beams = [(b.name, b.cells, b.stations.position_m) for b in expanded_beams(one.airframe)]
+    again = [(b.name, b.cells, b.stations.position_m) for b in expanded_beams(other.airframe)]
+    rigid = [b.root_bending_stiffness_n_m_per_rad is None for b in expanded_beams(one.airframe)]
+    rigid_again = [b.root_bending_stiffness_n_m_per_rad is None for b in expanded_beams(other.airframe)]
+    return beams == again and rigid == rigid_again and one.airframe.body.outline_m == other.airframe.body.outline_m
+
+
+def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure | None = None) -> Structure:
+    """The structure of a plan with rows for ``points``; ``near`` is one whose equilibrium is not far.
+
+    InputError or RuntimeError where the aircraft finds no rest.
+    """
+    spec, springs = _hung(layout, points)
+    model = spec.compile()
+    names = tuple(model.joint(j).name for j in range(model.njnt))
+    qpos = _rest(model, springs, names, near)
+    data = _trimmed(model, springs, qpos)
+    linear = linearise(model, qpos)
+    jacobian, axis, tilt = _rows(model, data, points)
+    _, drive_axis, drive_tilt = _rows(model, data, (layout.drive,))
+    scenario = layout.scenario
+    above = scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
+    drive = drive_axis[0]
+    mass = linear.mass - above * np.outer(drive, drive)
+    stiffness = linear.stiffness - above * np.outer(drive, drive_tilt[0])
+    damping = linear.damping.copy()
+    for _, spring in layout.gauged_springs:
+        joint = names.index(spring.axis)
+        stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
+        damping[:, joint] -= drive * spring.gauge_per_m * spring.damping_n_m_s_per_rad
+    places = tuple(p.site for p in points)
+    built = {model.body(k).name for k in range(model.nbody)}
+    body_names = tuple(name for name in layout.parts.origin_m if name in built)
+    bodies = np.zeros((len(body_names), 6, model.nv))
+    for k, name in enumerate(body_names):
+        mujoco.mj_jacBody(model, data, bodies[k, :3], bodies[k, 3:], model.body(name).id)
+    attitude = np.array([data.body(name).xmat.reshape(3, 3) for name in body_names])
+    joint_structure = Structure(
+        names, mass, damping, stiffness, drive, places, jacobian, axis, tilt, qpos, body_names, bodies, attitude,
+        np.eye(6),
+    )  # fmt: skip
+    return _in_body_axes(joint_structure)
+
+
+def _in_body_axes(s: Structure) -> Structure:
+    """The structure with its first six coordinates, those of the root joints, turned into the centre body's own axes."""
+    k = s.body_names.index(ROOT)
+    back = s.attitude[k].T
+    twist = np.vstack([back @ s.bodies[k, :3, :6], back @ s.bodies[k, 3:, :6]])
+    turn = np.eye(s.drive.size)
+    turn[:6, :6] = np.linalg.inv(twist)
+    return replace(
+        s,
+        mass=turn.T @ s.mass @ turn,
+        damping=turn.T @ s.damping @ turn,
+        stiffness=turn.T @ s.stiffness @ turn,
+        drive=s.drive @ turn,
+        jacobian=s.jacobian @ turn,
+        axis=s.axis @ turn,
+        tilt=s.tilt @ turn,
+        bodies=s.bodies @ turn,
+        root=turn[:6, :6],
+    )
+
+
+def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSpec, list[str]]:
+    """The aircraft on its spring with the whole transducer, and the names of springs to trim at rest."""
+    scenario, parts = layout.scenario, layout.parts
+    spec = airframe_spec(parts)
+    add_structural_damping(spec, scenario.airframe.damping)
+    for name, element in layout.elements:
+        if element.owner == "airframe":
+            add_element(spec, parts, name, element)
+    known = {p.site for p in layout.grid}
+    for point in (*layout.grid, *(p for p in points if p.site not in known)):
+        spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - parts.origin_m[point.carrier])
+    carried = scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
+    lumps = sum(float(getattr(e, "mass_kg", 0.0)) for _, e in layout.elements if e.owner == "airframe")
+    hang(spec, parts, scenario.suspension, rigid_body_properties(scenario.airframe).mass_kg + lumps + carried)
+    drive = layout.drive
+    add_point_mass(spec, parts, TRANSDUCER, drive.carrier, drive.position_m, carried)
+    spec.body(TRANSDUCER).add_site(name=DRIVE_SITE)
+    springs: list[str] = []
+    for name, element in layout.elements:
+        if element.owner == "rig":
+            add_element(spec, parts, name, element)
+        if isinstance(element, GroundSpring | RotationSpring):
+            springs.append(name)
+    return spec, springs
+
+
+def _rest(model: mujoco.MjModel, springs: list[str], names: tuple[str, ...], near: Structure | None) -> Array:
+    """The equilibrium (nq,), ground springs holding nothing; Newton's method with the neighbour's stiffness first."""
+    held = model.tendon_stiffness.copy()
+    for name in springs:
+        model.tendon_stiffness[model.tendon(name).id] = 0.0
+    try:
+        found = None if near is None else _chord(model, names, near)
+        return settle(model) if found is None else found
+    finally:
+        model.tendon_stiffness[:] = held
+
+
+def _chord(model: mujoco.MjModel, names: tuple[str, ...], near: Structure) -> Array | None:
+    """Equilibrium (nq,) by steps of the stiffness at a guess made from a neighbour's; None where it does not arrive."""
+    data = mujoco.MjData(model)
+    qpos = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
+    step, inverse = 1e-5, None
+    for count in range(24):
+        data.qpos[:], data.qvel[:] = qpos, 0.0
+        force = joint_force(model, data)
+        if np.abs(force).max() < _AT_REST_N:
+            return qpos
+        if not np.isfinite(force).all():
+            return None
+        if count % 8 == 0:
+            columns = []
+            for change in np.eye(model.nv) * step:
+                data.qpos[:] = qpos + change
+                columns.append((joint_force(model, data) - force) / step)
+            inverse = np.linalg.inv(-np.array(columns).T)
+        assert inverse is not None
+        move = inverse @ force
+        qpos = qpos + move * min(1.0, 0.2 / max(np.abs(move).max(), 1e-300))
+    return None
+
+
+def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.MjData:
+    """The state at rest, after every ground spring was given its length there."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    for name in springs:
+        rod = model.tendon(name).id
+        model.tendon_lengthspring[rod] = data.ten_length[rod]
+    return data
+
+
+def _rows(
+    model: mujoco.MjModel, data: mujoco.MjData, points: Sequence[MeasurementPoint]
+) -> tuple[Array, Array, Array]:
+    """Displacement in world axes (P, 3, nv), along the sensed axis (P, nv), and the felt gravity (P, nv)."""
+    moved, turned = np.zeros((len(points), 3, model.nv)), np.zeros((3, model.nv))
+    axis, tilt = np.zeros((len(points), model.nv)), np.zeros((len(points), model.nv))
+    for k, point in enumerate(points):
+        site = model.site(DRIVE_SITE if point.site == DRIVE_SITE else point.site).id
+        mujoco.mj_jacSite(model, data, moved[k], turned, site)
+        direction = data.site_xmat[site].reshape(3, 3) @ point.axis
+        axis[k] = direction @ moved[k]
+        tilt[k] = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ turned
+    return moved, axis, tilt
