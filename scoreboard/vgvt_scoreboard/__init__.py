@@ -7,6 +7,7 @@ from vgvt_scoreboard.nu_gap import pointwise_nu_gap
 from vgvt_scoreboard.pairing import Pairing, PairingRule, pair_modes, pole_distance
 from vgvt_scoreboard.reach import reachable, sigma_share
 from vgvt_scoreboard.score import score
+from vgvt_scoreboard.validation import validate
 
 __all__ = [
     "MergedTruth",
@@ -24,4 +25,5 @@ __all__ = [
     "reachable",
     "score",
     "sigma_share",
+    "validate",
 ]

@@ -93,13 +93,10 @@ def _mean_residues(
 
 def _combined_limit(members: list[list[tuple[ModalModel, int]]], order: NDArray[np.intp]) -> NDArray[np.float64] | None:
     """The smallest standard deviation of each frequency that all runs together allow, (M,): information adds up."""
-    if any(m.natural_frequency_std_hz is None for group in members for m, _ in group):
+    limits = [[m.natural_frequency_std_hz[j] for m, j in g if m.natural_frequency_std_hz is not None] for g in members]
+    if any(len(stated) < len(group) for stated, group in zip(limits, members, strict=True)):
         return None
     with np.errstate(divide="ignore"):
-        information = np.array(
-            [
-                sum(1 / m.natural_frequency_std_hz[j] ** 2 for m, j in g if m.natural_frequency_std_hz is not None)
-                for g in members
-            ]
-        )
+        # A run that does not sweep the mode states no limit, NaN, and adds nothing.
+        information = np.array([np.nansum(1 / np.square(stated)) for stated in limits])
         return np.asarray(1 / np.sqrt(information))[order]

@@ -11,6 +11,7 @@ from vgvt.data import Dof, InputError, ModalModel, ModeScore, ModeStatus, Scorec
 from vgvt_scoreboard.merged_truth import MergedTruth, merge_truth
 from vgvt_scoreboard.pairing import Pairing, PairingRule, pair_modes
 from vgvt_scoreboard.reach import reachable
+from vgvt_scoreboard.scaling import scaling_error_percent
 
 
 class _ClaimSide(TypedDict, total=False):
@@ -110,6 +111,8 @@ def _true_row(
         true_hz=float(true_model.natural_frequency_hz[i]),
         true_damping_ratio=float(true_model.damping_ratio[i]),
         true_spread_hz=float(merged.frequency_spread_hz[i]),
+        frequency_bound_hz=_stated(true_model.natural_frequency_std_hz, i),
+        scaling_error_percent=None if j is None else scaling_error_percent(true_model, i, claimed, j),
         mac=None if j is None else float(pairing.mac[i, j]),
         label=true_model.labels[i] if true_model.labels else "",
         reachable=seen,

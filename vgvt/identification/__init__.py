@@ -10,6 +10,7 @@ from vgvt.identification.registry import (
     settings_of,
 )
 from vgvt.identification.run import ContractError, run_identifier, settings_text
+from vgvt.identification.state_space import to_state_space
 
 __all__ = [
     "ContractError",
@@ -24,4 +25,5 @@ __all__ = [
     "run_identifier",
     "settings_of",
     "settings_text",
+    "to_state_space",
 ]

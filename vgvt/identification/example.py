@@ -77,6 +77,23 @@ class Example:
         geometry = Geometry((*self.nodes, DRIVE_NODE), positions)
         return Campaign("example plate", geometry, runs, self.band_hz)
 
+    def ambient_campaign(self, duration_s: float = 160.0) -> Campaign:
+        """An output-only campaign: one run of all sensors at once, under steady white forces that nobody measured.
+
+        Two independent forces act: at the drive node and, half as large, at the first sensor.
+        """
+        samples = round(duration_s * self.sample_rate_hz)
+        generator = np.random.default_rng([self.seed, 1001])
+        response = sum(
+            level * self._accelerations(self.force_n * generator.standard_normal(samples), gains)
+            for level, gains in ((1.0, self._gains()), (0.5, self._gains(0)))
+        )
+        noise = self.noise_m_s2 * generator.standard_normal((len(self.dofs), samples))
+        channels = tuple(Channel(f"a{d.node}", Quantity.ACCELERATION, ChannelRole.RESPONSE, d) for d in self.dofs)
+        geometry = Geometry((*self.nodes, DRIVE_NODE), self.positions_m())
+        record = Record(1, self.sample_rate_hz, channels, np.asarray(response + noise))
+        return Campaign("example plate, ambient", geometry, (record,), self.band_hz)
+
     def accelerance(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Exact accelerance (responses, frequency), (m/s^2)/N."""
         s = 2j * np.pi * frequency_hz
@@ -87,11 +104,11 @@ class Example:
     def _shapes(self) -> NDArray[np.float64]:
         return plate_shapes(self.positions_m(), len(self.frequency_hz))
 
-    def _gains(self) -> NDArray[np.complex128]:
-        """Receptance residues (modes, responses) of real normal modes."""
+    def _gains(self, driven: int = -1) -> NDArray[np.complex128]:
+        """Receptance residues (modes, responses) of real normal modes for a force at point ``driven``, the last one."""
         shapes = self._shapes()
         damped = self.modes().poles.imag
-        return np.asarray(shapes[:, :-1] * shapes[:, -1:] / (2j * damped[:, None] * self.modal_mass_kg))
+        return np.asarray(shapes[:, :-1] * shapes[:, driven, None] / (2j * damped[:, None] * self.modal_mass_kg))
 
     def _force(self) -> NDArray[np.float64]:
         time = np.arange(round(self.duration_s * self.sample_rate_hz)) / self.sample_rate_hz
@@ -101,13 +118,15 @@ class Example:
         phase = 2 * np.pi * (start * time + rate * time**2 / 2)
         return np.asarray(self.force_n * np.sin(phase) * (time <= self.sweep_s))
 
-    def _accelerations(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _accelerations(
+        self, force: NDArray[np.float64], gains: NDArray[np.complex128] | None = None
+    ) -> NDArray[np.float64]:
         """Exact response (responses, samples) to a force that is linear between its samples."""
         from scipy.signal import lfilter
 
         step = 1 / self.sample_rate_hz
         out = np.zeros((len(self.dofs), force.size))
-        for pole, gain in zip(self.modes().poles, self._gains(), strict=True):
+        for pole, gain in zip(self.modes().poles, self._gains() if gains is None else gains, strict=True):
             z = pole * step
             first = np.expm1(z) / z
             second = (np.expm1(z) - z) / z**2

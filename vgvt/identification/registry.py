@@ -57,10 +57,11 @@ def make_identifier(name: str, **settings: Any) -> Identifier:
     the field. Raises InputError for an unknown name, an unknown setting or a
     value that does not fit, with what to write instead.
     """
-    known = available_identifiers()
-    if name not in known:
-        raise InputError(f"identifier {name!r}", "no such identifier", _did_you_mean(name, list(known)))
-    cls = known[name]
+    cls = _named(name)
+    if cls is None:
+        raise InputError(
+            f"identifier {name!r}", "no such identifier", _did_you_mean(name, list(available_identifiers()))
+        )
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
     for key in settings:
         if key not in fields:
@@ -84,6 +85,12 @@ def settings_of(cls: type) -> tuple[Setting, ...]:
         for f in dataclasses.fields(cls)
         if f.init
     )
+
+
+def _named(name: str) -> type | None:
+    """The class registered as ``name``; the other plugins are not even imported."""
+    points = sorted((p for p in entry_points(group=GROUP) if p.name == name), key=lambda p: p.value)
+    return next((loaded for point in points if (loaded := _load(point)) is not None), None)
 
 
 def _load(point: EntryPoint) -> type | None:

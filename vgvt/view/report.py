@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import html
-import json
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from vgvt._version import __version__
-from vgvt.data import Campaign, Dof, FrequencyResponseSet, Geometry, ModalModel, Scorecard, Truth
+from vgvt.data import Campaign, Dof, FrequencyResponseSet, FrfFit, Geometry, ModalModel, Scorecard, Truth
 from vgvt.files.atomically import replacing
 from vgvt.view.figures import common_mac, frf_figure, mac_figure, sigma_figure
+from vgvt.view.fit_section import fit_figure, fit_summary
+from vgvt.view.html_page import escaped, figure_data, figure_element, html_page
 from vgvt.view.sections import facts_section, modes_section, setup_section, shapes_section
 from vgvt.view.shape_drawing import shape_nodes
 from vgvt.view.shape_geometry import displacement, main_axis, mesh_of
+from vgvt.view.stabilisation import stabilisation_figure
+from vgvt.view.theme import style_of
 
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 _FRF_POINT_BUDGET = 60_000
 
 
@@ -36,13 +32,14 @@ def write_report(
     truth: Truth | None = None,
     scorecards: Mapping[str, Scorecard] | None = None,
     facts: Mapping[str, str] | None = None,
+    fits: Mapping[str, FrfFit] | None = None,
 ) -> Path:
     """Write the report of a campaign: modes, sigma plot, shapes, MAC matrices, FRFs and set-up.
 
     ``claims`` and ``scorecards`` are by identifier name; without truth (a measured campaign) the
     report shows claims alone. The file appears whole or not at all. InputError when it cannot be written.
     """
-    page = render_report(title, campaign, frf, claims, truth, scorecards or {}, facts or {})
+    page = render_report(title, campaign, frf, claims, truth, scorecards or {}, facts or {}, fits or {})
     with replacing(path) as place:
         place.write_text(page, encoding="utf-8", newline="\n")
     return Path(path)
@@ -56,6 +53,7 @@ def render_report(
     truth: Truth | None,
     scorecards: Mapping[str, Scorecard],
     facts: Mapping[str, str],
+    fits: Mapping[str, FrfFit] | None = None,
 ) -> str:
     """The same page as a string."""
     figures: dict[str, Any] = {}
@@ -63,19 +61,15 @@ def render_report(
         "summary": ("Summary", facts_section(campaign, facts)),
         "modes": ("Modes", modes_section(claims, scorecards)),
         "sigma": ("Sigma plot", _sigma_section(campaign, frf, claims, truth, scorecards, figures)),
+        "stabilisation": ("Stabilisation", _stabilisation_section(campaign, frf, claims, figures)),
         "shapes": ("Mode shapes", shapes_section(campaign, claims, scorecards, truth)),
         "animation": ("Mode shapes in motion", _animation_section(campaign, claims, truth, figures)),
         "mac": ("MAC", _mac_section(campaign, claims, truth, figures)),
+        "fit": ("Fit", _fit_section(fits or {}, figures)),
         "frf": ("Frequency responses", _frf_section(campaign, frf, claims, figures)),
         "setup": ("Test set-up", setup_section(campaign)),
     }
-    shown = {key: value for key, value in sections.items() if value[1]}
-    nav = "".join(f'<a href="#{key}">{name}</a>' for key, (name, _) in shown.items())
-    main = "".join(
-        f'<section id="{key}" aria-labelledby="{key}-title"><h2 id="{key}-title">{name}</h2>{body}</section>'
-        for key, (name, body) in shown.items()
-    )
-    return _page(title, nav, main, figures)
+    return html_page(title, sections, figures, ("figures.js", "viewer.js"))
 
 
 def _sigma_section(
@@ -87,11 +81,29 @@ def _sigma_section(
     figures: dict[str, Any],
 ) -> str:
     true_hz = _true_frequencies(campaign, truth, scorecards)
-    figures["sigma-data"] = _as_json(sigma_figure(frf, claims, true_hz, campaign.band_hz, scorecards))
+    figures["sigma-data"] = figure_data(sigma_figure(frf, claims, true_hz, campaign.band_hz, scorecards))
     text = "The largest singular value of all frequency responses: every mode that the test can see makes a peak."
     if true_hz:
         text += " Dashed vertical lines are the true modes; a cross is a claim that belongs to none."
-    return f'<p class="note">{text}</p>{_figure("sigma-data", "Sigma plot")}'
+    return f'<p class="note">{text}</p>{figure_element("sigma-data", "Sigma plot")}'
+
+
+def _stabilisation_section(
+    campaign: Campaign, frf: FrequencyResponseSet | None, claims: Mapping[str, ModalModel], figures: dict[str, Any]
+) -> str:
+    parts = []
+    for k, (name, claim) in enumerate(claims.items()):
+        if claim.candidates:
+            figures[f"stabilisation-data-{k}"] = figure_data(
+                stabilisation_figure(claim, frf, campaign.band_hz, style_of(k))
+            )
+            drawing = figure_element(f"stabilisation-data-{k}", f"Stabilisation diagram of {name}")
+            parts.append(f"<h3>{escaped(name)}</h3>{drawing}")
+    note = (
+        "The poles of models of growing order, the sigma plot behind. Poles of the structure come back at every order, "
+        "those that a model spends on noise wander; hover to read why a pole was kept or dropped."
+    )
+    return f'<p class="note">{note}</p>{"".join(parts)}' if parts else ""
 
 
 def _animation_section(
@@ -106,7 +118,7 @@ def _animation_section(
         return ""
     outline = [np.round(np.asarray(ring).reshape(-1, 3), 4).tolist() for ring in campaign.geometry.outline_m]
     figures["shape-data"] = {"outline": outline, "models": scenes}
-    options = "".join(f'<option value="{k}">{_e(scene["name"])}</option>' for k, scene in enumerate(scenes))
+    options = "".join(f'<option value="{k}">{escaped(scene["name"])}</option>' for k, scene in enumerate(scenes))
     return (
         '<div class="controls"><button id="viewer-play" type="button" aria-pressed="true">❚❚ Pause</button>'
         f'<label>model <select id="viewer-model">{options}</select></label>'
@@ -150,13 +162,20 @@ def _mac_section(
         if not len(claim):
             continue
         against = true_model if true_model is not None and len(true_model) and _share_dofs(claim, true_model) else None
-        figures[f"mac-data-{k}"] = _as_json(mac_figure(claim, against, claim_name=name))
+        figures[f"mac-data-{k}"] = figure_data(mac_figure(claim, against, claim_name=name))
         what = "against the truth" if against is not None else "with itself"
         width = max(46 * len(against if against is not None else claim) + 150, 300)
-        drawing = _figure(f"mac-data-{k}", f"MAC of {name} {what}", f' style="width:{width}px"')
-        parts.append(f"<div><h3>{_e(name)} {what}</h3>{drawing}</div>")
+        drawing = figure_element(f"mac-data-{k}", f"MAC of {name} {what}", f' style="width:{width}px"')
+        parts.append(f"<div><h3>{escaped(name)} {what}</h3>{drawing}</div>")
     note = "1 for shapes that are the same up to scale, 0 for orthogonal ones."
     return f'<p class="note">{note}</p><div class="matrices">{"".join(parts)}</div>' if parts else ""
+
+
+def _fit_section(fits: Mapping[str, FrfFit], figures: dict[str, Any]) -> str:
+    if not fits:
+        return ""
+    figures["fit-data"] = figure_data(fit_figure(fits))
+    return fit_summary(fits) + figure_element("fit-data", "NRMSE fit and ν-gap")
 
 
 def _frf_section(
@@ -167,10 +186,10 @@ def _frf_section(
     pairs = [(response, reference) for reference in frf.references for response in frf.responses]
     curves = len(pairs) * 2 * (1 + sum(claim.residues is not None for claim in claims.values()))
     points = int(np.clip(_FRF_POINT_BUDGET / curves, 200, 900))
-    figures["frf-data"] = [_as_json(frf_figure(frf, claims, *pair, campaign.band_hz, points)) for pair in pairs]
+    figures["frf-data"] = [figure_data(frf_figure(frf, claims, *pair, campaign.band_hz, points)) for pair in pairs]
     first = _first_shown(frf.band(*campaign.band_hz), pairs)
     options = "".join(
-        f'<option value="{k}"{" selected" if k == first else ""}>{_e(response)} / {_e(reference)}</option>'
+        f'<option value="{k}"{" selected" if k == first else ""}>{escaped(response)} / {escaped(reference)}</option>'
         for k, (response, reference) in enumerate(pairs)
     )
     return (
@@ -204,44 +223,3 @@ def _share_dofs(first: ModalModel, second: ModalModel) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _figure(data: str, label: str, attributes: str = "") -> str:
-    return f'<div class="figure" data-figure="{data}" role="figure" aria-label="{_e(label)}"{attributes}></div>'
-
-
-def _as_json(figure: Figure) -> Any:
-    return json.loads(figure.to_json())
-
-
-def _page(title: str, nav: str, main: str, figures: Mapping[str, Any]) -> str:
-    page = files("vgvt.view") / "page"
-    style, viewer, drawing = ((page / n).read_text(encoding="utf-8") for n in ("style.css", "viewer.js", "figures.js"))
-    data = "".join(
-        f'<script type="application/json" id="{key}">{_inline_json(value)}</script>' for key, value in figures.items()
-    )
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<link rel="icon" href="data:,"><title>{_e(title)}</title><style>{style}</style></head>\n<body>'
-        f'<header><h1>{_e(title)}</h1><nav aria-label="Sections">{nav}</nav></header>\n<main>{main}</main>\n'
-        f"<footer>vgvt {_e(__version__)}. This page holds all its data and asks nothing of the network.</footer>\n"
-        f"{data}\n<script>{_plotly_js()}</script>\n<script>{drawing}</script>\n<script>{viewer}</script></body></html>\n"
-    )
-
-
-def _plotly_js() -> str:
-    from plotly.offline import get_plotlyjs
-
-    return str(get_plotlyjs()).replace("</script", "<\\/script")
-
-
-def _inline_json(value: object) -> str:
-    """JSON that cannot end the script element it stands in."""
-    text = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def _e(text: object) -> str:
-    return html.escape(str(text), quote=True)

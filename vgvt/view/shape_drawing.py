@@ -16,7 +16,7 @@ _WIDTH = 340.0
 _AZIMUTH_RAD, _ELEVATION_RAD = np.radians(15.0), np.radians(26.0)
 _DEFLECTION_SHARE = 0.13
 
-_TOP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+TOP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Plan view: right is right, the nose is up (screen y grows downwards, as in SVG)."""
 _OBLIQUE = np.array(
     [
@@ -51,7 +51,7 @@ def shape_drawing(
     oblique, oblique_height = _oblique_view(geometry, mesh, vectors, other, span)
     height = plan_height + oblique_height + 10
     body = f'{plan}<g transform="translate(0 {plan_height + 10:.0f})">{oblique}</g>'
-    return _svg(body, height, title)
+    return svg_element(body, height, title)
 
 
 def setup_drawing(campaign: Campaign) -> str:
@@ -62,8 +62,8 @@ def setup_drawing(campaign: Campaign) -> str:
     nodes = responses + tuple(n for n in drives if n not in responses)
     mesh = mesh_of(geometry, nodes)
     everything = _extent(geometry, mesh)
-    frame = _Frame(_TOP, everything, margin=26.0, width=2 * _WIDTH)
-    parts = [_outline(geometry, frame), _edges(mesh, frame(mesh.positions_m), "grid")]
+    frame = Frame(TOP, everything, margin=26.0, width=2 * _WIDTH)
+    parts = [outline_rings(geometry, frame), _edges(mesh, frame(mesh.positions_m), "grid")]
     points = dict(zip(nodes, frame(mesh.positions_m), strict=True))
     for node in responses:
         x, y = points[node]
@@ -73,7 +73,7 @@ def setup_drawing(campaign: Campaign) -> str:
         x, y = points[node]
         parts.append(f'<path class="drive" d="M{x:.1f} {y - 8:.1f}l7 13h-14z"/>')
         parts.append(f'<text class="drive-label" x="{x + 11:.1f}" y="{y + 5:.1f}">{node}</text>')
-    return _svg("".join(parts), frame.height, "Plan view of the response points and drive points", width=2 * _WIDTH)
+    return svg_element("".join(parts), frame.height, "Plan view of the response points and drive points", width=2 * _WIDTH)
 
 
 def shape_nodes(geometry: Geometry, model: ModalModel) -> tuple[int, ...]:
@@ -82,7 +82,7 @@ def shape_nodes(geometry: Geometry, model: ModalModel) -> tuple[int, ...]:
     return tuple(dict.fromkeys(d.node for d in model.dofs if d.node in known and not d.direction.is_rotation))
 
 
-class _Frame:
+class Frame:
     """An orthographic projection that fits some points (N, 3) into a drawing's width."""
 
     def __init__(
@@ -106,10 +106,10 @@ def _extent(geometry: Geometry, mesh: Mesh) -> NDArray[np.float64]:
 
 
 def _plan_view(geometry: Geometry, mesh: Mesh, vectors: NDArray[np.complex128], span: float) -> tuple[str, float]:
-    frame = _Frame(_TOP, _extent(geometry, mesh), margin=12.0)
+    frame = Frame(TOP, _extent(geometry, mesh), margin=12.0)
     points = frame(mesh.positions_m)
     level = vectors[:, main_axis(vectors)].real
-    parts = [_outline(geometry, frame), _edges(mesh, points, "grid")]
+    parts = [outline_rings(geometry, frame), _edges(mesh, points, "grid")]
     for (x, y), value in zip(points, level, strict=True):
         sign = "positive" if value >= 0 else "negative"
         radius = 1.2 + 7.5 * np.sqrt(abs(value))
@@ -130,10 +130,10 @@ def _oblique_view(
     scale = _DEFLECTION_SHARE * span
     moved = mesh.positions_m + scale * vectors.real
     everything = np.vstack([_extent(geometry, mesh), moved])
-    frame = _Frame(_OBLIQUE, everything, margin=12.0)
+    frame = Frame(_OBLIQUE, everything, margin=12.0)
     rest, points = frame(mesh.positions_m), frame(moved)
     level = vectors[:, main_axis(vectors)].real
-    parts = [_outline(geometry, frame)]
+    parts = [outline_rings(geometry, frame)]
     parts += [_line(a, b, "stem") for a, b in zip(rest, points, strict=True)]
     parts += [_face(points[list(face)], float(level[list(face)].mean())) for face in mesh.faces]
     if other is not None:
@@ -143,7 +143,8 @@ def _oblique_view(
     return "".join(parts), frame.height
 
 
-def _outline(geometry: Geometry, frame: _Frame) -> str:
+def outline_rings(geometry: Geometry, frame: Frame) -> str:
+    """The aircraft's outline as polygons of class ``outline``."""
     rings = (frame(np.asarray(line).reshape(-1, 3)) for line in geometry.outline_m)
     return "".join(f'<polygon class="outline" points="{_points(ring)}"/>' for ring in rings)
 
@@ -168,7 +169,8 @@ def _points(points: Iterable[NDArray[np.float64]]) -> str:
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
-def _svg(body: str, height: float, title: str, width: float = _WIDTH) -> str:
+def svg_element(body: str, height: float, title: str, width: float = _WIDTH) -> str:
+    """A drawing of class ``drawing`` with its title for those who cannot see it."""
     label = html.escape(title, quote=True)
     return (
         f'<svg class="drawing" viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label="{label}">'

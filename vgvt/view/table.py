@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vgvt.data import ModalModel, ModeScore, ModeStatus, Scorecard
+from vgvt.data import CandidateGroup, ModalModel, ModeScore, ModeStatus, Scorecard, grouped_candidates
 from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ _STYLES = {
     ModeStatus.UNREACHED: "dim",
 }
 _SCORE_NUMBERS = ("true Hz", "claimed Hz", "±", "Δf %", "true ζ %", "claimed ζ %", "Δζ %", "MAC")
+_CANDIDATE_NUMBERS = ("poles", "frequency Hz", "damping %", "orders")
 _CLAIM_NUMBERS = ("mode", "frequency Hz", "± Hz", "damping %", "± %")
 
 
@@ -57,6 +58,42 @@ def modal_table(model: ModalModel, title: str = "") -> FittedTable:
         title=title or model.method,
         caption="" if len(model) else f"no modes: {model.outcome.value.replace('_', ' ')}",
     )
+
+
+def candidates_table(model: ModalModel, title: str = "") -> FittedTable:
+    """A rich renderable of the poles that a method considered, one row for those that share their fate and reason."""
+    from vgvt.view.fitted_table import FittedTable
+
+    kept = sum(c.kept for c in model.candidates)
+    return FittedTable(
+        columns=(*_CANDIDATE_NUMBERS, "fate", "why"),
+        rows=tuple(_candidate_row(group) for group in grouped_candidates(model.candidates)),
+        whole=frozenset((*_CANDIDATE_NUMBERS, "fate")),
+        expendable=("damping %", "orders"),
+        right=frozenset(_CANDIDATE_NUMBERS),
+        title=title or model.method,
+        caption=f"{kept} of {len(model.candidates)} poles stand behind the modes",
+    )
+
+
+def _candidate_row(group: CandidateGroup) -> tuple[str | Text, ...]:
+    from rich.text import Text
+
+    fate = Text("kept", style="green") if group.kept else Text("dropped", style="dim")
+    low, high = group.damping_ratio
+    numbers = (
+        str(group.poles),
+        _range(*group.frequency_hz, ".2f"),
+        _range(100 * low, 100 * high, ".2f"),
+        _range(*group.order, "d"),
+    )
+    return (*numbers, fate, group.reason)
+
+
+def _range(low: float, high: float, form: str) -> str:
+    """One number, or two with "to" between them where they differ in print."""
+    first, last = f"{low:{form}}", f"{high:{form}}"
+    return first if first == last else f"{first} to {last}"
 
 
 def _score_row(row: ModeScore) -> tuple[str | Text, ...]:

@@ -1,0 +1,60 @@
+"""Validation of a claim against the records themselves, as Moreno et al. (American Control Conference, 2014) did it.
+
+NRMSE of every frequency response and ν-gap of all of them: both ask whether the
+model says what was measured, not whether it is true, so they need no truth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import FrequencyResponseSet, FrfFit, InputError, ModalModel, Quantity, synthesise
+from vgvt_scoreboard.nrmse import fit_percent
+from vgvt_scoreboard.nu_gap import pointwise_nu_gap
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+_TERMS = (0, 2)  # powers of s in an accelerance: heavy and stiff modes outside the band
+
+
+def validate(
+    measured: FrequencyResponseSet, claim: ModalModel, band_hz: tuple[float, float], residual_terms: bool = True
+) -> FrfFit:
+    """NRMSE (responses, references) and ν-gap over the lines of ``band_hz`` of a claim against measured accelerances.
+
+    A claim holds the modes inside its band only. With ``residual_terms`` each
+    response gets two real terms more, fitted to the measured one: a mass line for the modes below
+    and one that grows with s² for those above (Ewins, Modal Testing, 2nd ed., 2000,
+    section 4.4). For the ν-gap accelerances are in g/N, as in the paper. InputError when the
+    claim has no residues, or shares no response or reference with what was measured.
+    """
+    if claim.residues is None or not len(claim):
+        raise InputError("validation", "the claim states no modes with residues", "identify by a method that does")
+    if measured.quantity is not Quantity.ACCELERATION:
+        raise InputError("validation", f"FRFs of {measured.quantity.name.lower()}", "give accelerances")
+    known, driven = {d.unsigned for d in claim.dofs}, list(claim.references)
+    rows = [i for i, d in enumerate(measured.responses) if d.unsigned in known]
+    columns = [j for j, d in enumerate(measured.references) if d in driven]
+    if not rows or not columns:
+        raise InputError("validation", "claim and FRFs share no response or no reference", "compare one campaign's")
+    frf = measured.band(*band_hz)
+    responses = tuple(frf.responses[i] for i in rows)
+    references = tuple(frf.references[j] for j in columns)
+    y = frf.values[np.ix_(rows, columns)]
+    alive = np.isfinite(y).all(axis=(0, 1))
+    if int(alive.sum()) < 2:
+        raise InputError("validation", "fewer than two finite lines in the band", "widen the band")
+    y, frequency = y[:, :, alive], frf.frequency_hz[alive]
+    model = synthesise(claim.at(responses), frequency).values[:, [driven.index(r) for r in references]]
+    if residual_terms:
+        model = model + _residual_terms(y - model, frequency)
+    gap = pointwise_nu_gap(y / STANDARD_GRAVITY_M_S2, model / STANDARD_GRAVITY_M_S2)
+    return FrfFit(responses, references, fit_percent(y, model), frequency, gap)
+
+
+def _residual_terms(rest: NDArray[np.complex128], frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Real constant and real s² in what a model leaves over (R, I, F), by least squares."""
+    scaled = frequency_hz / frequency_hz[-1]
+    design = np.stack([scaled**power for power in _TERMS], axis=1)
+    coefficients = np.linalg.lstsq(design, rest.real.reshape(-1, scaled.size).T, rcond=None)[0]
+    return np.asarray((design @ coefficients).T.reshape(rest.shape), dtype=complex)

@@ -1,0 +1,117 @@
+"""Where cells are worked off: in this process, in a pool of processes, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from multiprocessing import get_context
+from typing import Any
+
+from vgvt.bench.cell import Cell, Row, run_cell
+from vgvt.data import InputError
+
+MakeExecutor = Callable[[], AbstractContextManager[Executor]]
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_ATTEMPTS = 3  # of a cell whose worker died under it
+
+
+def process_pool(workers: int) -> MakeExecutor:
+    """A pool of fresh processes with one BLAS thread each."""
+
+    @contextmanager
+    def make() -> Iterator[Executor]:
+        # Spawned, and the variables set before: BLAS reads them once, when numpy is loaded.
+        before = {name: os.environ.get(name) for name in _THREADS}
+        os.environ.update(dict.fromkeys(_THREADS, "1"))
+        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+        try:
+            yield pool
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for name, value in before.items():
+                if value is None:
+                    os.environ.pop(name, None)
+                else:
+                    os.environ[name] = value
+
+    return make
+
+
+def dask_cluster(address: str, workers: int) -> MakeExecutor:
+    """A Dask cluster: ``tcp://host:port`` of a running scheduler, or ``local`` to start one with ``workers`` processes.
+
+    InputError when dask.distributed is not installed or nobody answers at the address.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise InputError(
+            "--cluster", "dask.distributed is not installed", "install it: pip install 'vgvt[cluster]'"
+        ) from None
+    if address != "local" and "://" not in address:
+        raise InputError("--cluster", f"{address!r} is no address", "write local, or tcp://HOST:PORT of a scheduler")
+
+    @contextmanager
+    def make() -> Iterator[Executor]:
+        with ExitStack() as stack:
+            if address == "local":
+                cluster = distributed.LocalCluster(  # type: ignore[no-untyped-call]
+                    n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+                )
+                place: Any = stack.enter_context(cluster)
+            else:
+                place = address
+            try:
+                client = stack.enter_context(
+                    distributed.Client(place, timeout="10s")  # type: ignore[no-untyped-call]
+                )
+            except OSError as error:
+                raise InputError("--cluster", f"no scheduler answers at {address}", "start it first") from error
+            # Dask itself runs a task again elsewhere when its worker dies.
+            yield client.get_executor(pure=False, retries=_ATTEMPTS - 1)
+
+    return make
+
+
+def in_order_of_completion(
+    cells: Sequence[Cell], make: MakeExecutor | None, work: Callable[[Cell], list[Row]] = run_cell
+) -> Iterator[tuple[Cell, list[Row]]]:
+    """Every cell with its rows as soon as they are there; serially without an executor.
+
+    A pool that loses a worker is made anew and what was under way is done again, up to three times a
+    cell; a cell that kills its worker every time raises RuntimeError with its title.
+    """
+    if make is None:
+        for cell in cells:
+            yield cell, work(cell)
+        return
+    left = dict.fromkeys(range(len(cells)), 0)
+    while left:
+        with make() as executor:
+            futures: dict[Future[list[Row]], int] = {executor.submit(work, cells[k]): k for k in left}
+            for k, rows in _until_broken(futures, left):
+                yield cells[k], rows
+        worst = max(left, key=lambda k: left[k], default=None)
+        if worst is not None and left[worst] >= _ATTEMPTS:
+            raise RuntimeError(f"{cells[worst].title}: its worker died {_ATTEMPTS} times")
+
+
+def _until_broken(futures: dict[Future[list[Row]], int], left: dict[int, int]) -> Iterator[tuple[int, list[Row]]]:
+    """Results as they come, struck off ``left``; ends early, counting an attempt of the rest, when the pool breaks."""
+    waiting = set(futures)
+    while waiting:
+        done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+        for future in done:
+            try:
+                rows = future.result()
+            except BrokenProcessPool:
+                # Nobody knows which cell did it: all that had no result yet have one attempt less.
+                for k in left:
+                    left[k] += 1
+                return
+            del left[futures[future]]
+            yield futures[future], rows

@@ -1,0 +1,179 @@
+"""What a reconciliation found, as arrays and labels that a page or a terminal shows: no model, no scenario."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Geometry
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+Held = Literal["", "channel", "run"]
+Standing = Literal["named", "equivalent", "beaten", "refused by held-out data", "too little evidence"]
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelRow:
+    """One response of one run, and how it was held out of the fits, if it was."""
+
+    label: str
+    held: Held = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelState:
+    """A model against the data: ``predicted`` (C, L) A/F, ``table`` (C, B) χ² per degree of freedom by band.
+
+    ``figures`` are single numbers of the residual by name; ``merits`` {set of data: {figure: value}}.
+    """
+
+    predicted: ComplexArray
+    table: Array
+    figures: dict[str, float | None]
+    merits: dict[str, dict[str, float] | None]
+    adequate: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaceRow:
+    """A place and the share of the residual that a free force there explains; ``stiffness`` (L,) is its z(ω)."""
+
+    label: str
+    kind: str
+    position_m: tuple[float, float, float] | None
+    explained: float
+    type: str
+    size: float
+    unit: str
+    stiffness: ComplexArray | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CandidateRow:
+    """A fitted candidate: evidence, held-out χ² per degree of freedom before and after, and what became of it."""
+
+    round: int
+    label: str
+    gain_nats: float
+    raw_nats: float
+    held_out_before: float | None
+    held_out_after: float | None
+    standing: Standing
+
+
+@dataclass(frozen=True, slots=True)
+class EffectRow:
+    """An effect that was named: parameters {name: (value, standard deviation, unit)}, and what would separate it."""
+
+    name: str
+    summary: str
+    parameters: dict[str, tuple[float, float, str]]
+    settings: dict[str, object]
+    evidence_nats: float
+    equivalent: tuple[str, ...]
+    held_out_before: float | None
+    held_out_after: float | None
+    signature: str
+    separating_test: str
+
+
+@dataclass(frozen=True, slots=True)
+class PosteriorRow:
+    """A calibrated quantity: ``score`` ± ``score_std`` prior standard deviations from what the scenario states."""
+
+    name: str
+    words: str
+    score: float
+    score_std: float
+    change: str
+    stated: str = ""
+    calibrated: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ModeRow:
+    """A mode of both models and the error around it, before and after, on train and held-out channels.
+
+    Errors are medians over channels of |predicted - measured| over |measured|, per cent, in a window around the mode.
+    """
+
+    before_hz: float | None
+    after_hz: float | None
+    before_damping_ratio: float | None
+    after_damping_ratio: float | None
+    mac: float | None
+    train_percent: tuple[float, float]
+    held_out_percent: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class PowerRow:
+    """The smallest size of an effect that could be seen; ``alike`` are effects of nearly the same signature."""
+
+    effect: str
+    variant: str
+    parameter: str
+    unit: str
+    smallest: float
+    low: float
+    high: float
+    alike: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def visible(self) -> bool:
+        """Whether a plausible size could be seen."""
+        return self.smallest <= max(abs(self.low), abs(self.high))
+
+
+@dataclass(frozen=True, slots=True)
+class SuggestionRow:
+    """A change of procedure and the evidence that it is expected to put between two explanations."""
+
+    test: str
+    rivals: tuple[str, str]
+    nats: float
+    minutes: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Account:
+    """Everything that the page of a reconciliation shows, of C channels, L lines and B bands.
+
+    ``measured`` and ``sigma`` (C, L); ``bands_hz`` (B + 1,); ``limits`` are the thresholds by name;
+    ``located`` says at which model the places were found.
+    """
+
+    title: str
+    kind: str
+    reasons: tuple[str, ...]
+    unexplained: tuple[str, ...]
+    facts: dict[str, str]
+    geometry: Geometry
+    channels: tuple[ChannelRow, ...]
+    frequency_hz: Array
+    measured: ComplexArray
+    sigma: Array
+    bands_hz: Array
+    before: ModelState
+    after: ModelState
+    limits: dict[str, float]
+    provenance: str
+    effects: tuple[EffectRow, ...] = ()
+    candidates: tuple[CandidateRow, ...] = ()
+    places: tuple[PlaceRow, ...] = ()
+    located: str = ""
+    posterior: tuple[PosteriorRow, ...] = ()
+    modes: tuple[ModeRow, ...] = ()
+    power: tuple[PowerRow, ...] = ()
+    tests: tuple[SuggestionRow, ...] = ()
+    remarks: tuple[str, ...] = field(default=())
+
+    @property
+    def changed(self) -> bool:
+        """Whether the model after is another one than before."""
+        return bool(self.effects)

@@ -1,0 +1,122 @@
+"""A reconciliation in words, the same in the terminal and on its page: the verdict, what to do, what would refute it."""
+
+from __future__ import annotations
+
+from vgvt.view.reconcile_account import Account, EffectRow
+
+KINDS = {
+    "adequate": "No other effect is needed",
+    "explained": "Explained",
+    "ambiguous": "Explained, but not by one effect alone",
+    "partly_explained": "Partly explained",
+    "unknown": "Not explained by the catalogue",
+}
+_NEXT = {
+    "adequate": (
+        "Use the calibrated scenario. The table of detectability says how large each effect could be without being seen.",
+    ),
+    "explained": (
+        "Check the named effect on the aircraft or the rig; its separating test below is the quickest way.",
+        "Then go on with reconciled.toml, which holds it.",
+    ),
+    "ambiguous": ("Make the first of the suggested tests and reconcile again with its runs added.",),
+    "partly_explained": (
+        "Take the named effect as a lead, not as a finding: what is left may have bent it.",
+        "Look where the residual is left, mend or describe what is there, and reconcile again.",
+    ),
+    "unknown": (
+        "Look at the place and the type of the interface below; on the aircraft that is where to knock and listen.",
+        "An effect of your own, written for it, can be tried with the same command.",
+    ),
+}
+DATA_SETS = {
+    "train": "fitted",
+    "held_out": "held out, all",
+    "held_runs": "held out, whole runs",
+    "held_channels": "held out, single channels",
+}
+
+
+def verdict_sentence(account: Account) -> str:
+    """The verdict as one sentence."""
+    names = " and ".join(_with_rivals(e) for e in account.effects)
+    error = _error_words(account)
+    if account.kind == "adequate":
+        return f"The calibrated scenario explains the campaign as well as its noise allows{error}."
+    if account.kind == "explained":
+        return f"What the scenario lacked is {names}{error}."
+    if account.kind == "ambiguous":
+        return f"The campaign cannot tell what the scenario lacks: it is {names}{error}."
+    if account.kind == "partly_explained":
+        return f"The scenario lacks {names}, and something else that no effect of the catalogue explains{error}."
+    where = f"; the residual points at {account.places[0].label}" if account.places else ""
+    return f"Something is missing that no effect of the catalogue explains{where}{error}."
+
+
+def next_steps(account: Account) -> tuple[str, ...]:
+    """What to do with the verdict."""
+    steps = list(_NEXT[account.kind])
+    if account.tests:
+        best = account.tests[0]
+        words = f"{best.test}: {best.nats:.0f} nats between {best.rivals[0]} and {best.rivals[1]} in {best.minutes:.0f} min"
+        steps.insert(0, f"Next test: {words}.")
+    return tuple(steps)
+
+
+def disproofs(account: Account) -> tuple[str, ...]:
+    """What would show the verdict to be wrong, each with its figure."""
+    found = []
+    limit = account.limits["held_out_chi2_per_dof"]
+    for e in account.effects:
+        if e.separating_test:
+            found.append(f"{e.name}: {_sentence(e.separating_test)}")
+    if account.effects:
+        held = account.after.figures["held_out_chi2_per_dof"]
+        reached = "" if held is None else f" (here {held:.2f})"
+        found.append(
+            f"New runs, predicted by reconciled.toml before they are made, that it misses by more than "
+            f"{limit:.2f} per degree of freedom{reached}."
+        )
+        found.append("A repetition with the effect removed from the rig or the aircraft, in which the residual stays.")
+    elif account.kind == "adequate":
+        found.append(
+            f"A new run that the calibrated scenario misses by more than {limit:.2f} per degree of freedom."
+        )
+        found.append("An effect smaller than what the table of detectability says is not refuted by this verdict.")
+    else:
+        found.append("An effect added to the catalogue that gains enough evidence and lowers the held-out error.")
+        found.append("Noise or a model-form error larger than was assumed: see how sigma is made up below the residual maps.")
+    return tuple(found)
+
+
+def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
+    """Calibrated quantities further than ``sd`` standard deviations from what the scenario states."""
+    return tuple(
+        f"{r.words} needs {r.score:+.1f} stated standard deviations ({r.change})"
+        for r in account.posterior
+        if abs(r.score) > sd
+    )
+
+
+def parameter_text(effect: EffectRow) -> str:
+    """``mass_kg = 0.08 ± 0.002 kg, …``, settings last."""
+    numbers = [f"{k} = {v:.4g} ± {sd:.2g} {unit}".rstrip() for k, (v, sd, unit) in effect.parameters.items()]
+    settings = [f"{k} = {v}" for k, v in effect.settings.items()]
+    return ", ".join(numbers + settings)
+
+
+def _with_rivals(effect: EffectRow) -> str:
+    return " or ".join((effect.name, *effect.equivalent))
+
+
+def _error_words(account: Account) -> str:
+    before, after = account.before.merits.get("held_out"), account.after.merits.get("held_out")
+    if before is None or after is None:
+        return "; nothing could be held out"
+    if not account.changed:
+        return f"; on held-out data it fits to {before['nrmse_percent']:.1f} %"
+    return f"; the fit of held-out data goes from {before['nrmse_percent']:.1f} to {after['nrmse_percent']:.1f} %"
+
+
+def _sentence(text: str) -> str:
+    return text if text.endswith(".") else f"{text}."

@@ -1,0 +1,137 @@
+"""The figures of the scoreboard page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.view.theme import style_of, template
+
+if TYPE_CHECKING:
+    import pandas
+    from plotly.graph_objects import Figure
+
+_LEVELS = np.array([0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99])
+
+
+def bound_figure(table: pandas.DataFrame) -> Figure | None:
+    """Root-mean-square frequency error of each mode against its Cramér–Rao bound, in Hz; None without any bound."""
+    from plotly import graph_objects as go
+
+    figure = go.Figure()
+    ends: list[float] = []
+    for k, (entry, part) in enumerate(_found(table).groupby("entry", sort=True)):
+        points = []
+        for (scenario, label), rows in part.groupby(["scenario", "label"], dropna=False):
+            bound = _rms(_float(rows["frequency_bound_hz"]))
+            error = _rms(_float(rows["claimed_hz"] - rows["true_hz"]))
+            if bound > 0 and error > 0:
+                points.append((bound, error, f"{scenario}: {label}, {len(rows)} campaigns"))
+        if not points:
+            continue
+        x, y, words = zip(*points, strict=True)
+        ends += [min(x), max(x)]
+        figure.add_scatter(
+            x=x, y=y, text=words, mode="markers", name=str(entry), marker=_marker(k), hovertemplate=_HOVER
+        )
+    if not ends:
+        return None
+    line = [min(ends) / 2, max(ends) * 2]
+    figure.add_scatter(
+        x=line, y=line, mode="lines", name="bound", line={"color": "#82888f", "dash": "dash", "width": 1}
+    )
+    laid_out = _laid_out(figure, "Cramér–Rao bound, Hz", "root-mean-square error, Hz", log=True)
+    # Many decades: powers of ten alone.
+    laid_out.update_xaxes(dtick=1, exponentformat="power")
+    laid_out.update_yaxes(dtick=1, exponentformat="power")
+    return laid_out
+
+
+def calibration_figure(table: pandas.DataFrame) -> Figure | None:
+    """Share of stated intervals that hold the truth against their level; None where no entry states any."""
+    from plotly import graph_objects as go
+    from scipy.stats import norm
+
+    figure = go.Figure()
+    for k, (entry, part) in enumerate(_found(table).groupby("entry", sort=True)):
+        z = np.abs(_float(part["claimed_hz"] - part["true_hz"]) / _float(part["frequency_std_hz"]))
+        z = z[np.isfinite(z)]
+        if z.size < 5:
+            continue
+        share = (z[:, None] <= norm.ppf((1 + _LEVELS) / 2)).mean(axis=0)
+        style = style_of(k)
+        figure.add_scatter(
+            x=_LEVELS,
+            y=share,
+            mode="lines+markers",
+            name=f"{entry} ({z.size})",
+            line={"color": style.colour, "dash": style.dash},
+            marker=_marker(k),
+        )
+    if not figure.data:
+        return None
+    figure.add_scatter(
+        x=[0, 1], y=[0, 1], mode="lines", name="honest", line={"color": "#82888f", "dash": "dash", "width": 1}
+    )
+    return _laid_out(figure, "stated level", "share that holds the truth", log=False)
+
+
+def front_figure(table: pandas.DataFrame) -> Figure | None:
+    """Median seconds an identification against the median error over bound, one point per entry."""
+    from plotly import graph_objects as go
+
+    figure = go.Figure()
+    for k, (entry, part) in enumerate(table.groupby("entry", sort=True)):
+        found = _found(part)
+        ratio = np.abs(_float(found["claimed_hz"] - found["true_hz"]) / _float(found["frequency_bound_hz"]))
+        ratio = ratio[np.isfinite(ratio)]
+        seconds = _float(part.drop_duplicates(["scenario", "seed_number"])["wall_s"])
+        seconds = seconds[np.isfinite(seconds)]
+        if ratio.size and seconds.size:
+            figure.add_scatter(
+                x=[float(np.median(seconds))],
+                y=[float(np.median(ratio))],
+                text=[str(entry)],
+                mode="markers+text",
+                textposition="top center",
+                name=str(entry),
+                marker=_marker(k),
+                showlegend=False,
+                hovertemplate="%{text}: %{x:.2f} s, %{y:.2f} times the bound<extra></extra>",
+            )
+    if not figure.data:
+        return None
+    return _laid_out(figure, "median time, s", "median error over bound", log=True)
+
+
+_HOVER = "%{text}<br>bound %{x:.2e} Hz, error %{y:.2e} Hz<extra></extra>"
+
+
+def _found(table: pandas.DataFrame) -> pandas.DataFrame:
+    return table[table["status"] == "found"]
+
+
+def _float(column: Any) -> NDArray[np.float64]:
+    return np.asarray(column.astype("Float64").to_numpy(dtype=float, na_value=np.nan))
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    values = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
+
+
+def _marker(k: int) -> dict[str, Any]:
+    style = style_of(k)
+    return {"color": style.colour, "symbol": style.symbol, "size": 8, "opacity": 0.8}
+
+
+def _laid_out(figure: Figure, x_title: str, y_title: str, log: bool) -> Figure:
+    kind = "log" if log else "linear"
+    # Digits within a decade too, for axes that span less than one.
+    axis = {"type": kind, "dtick": "D2"} if log else {"type": kind, "range": [0, 1.02]}
+    figure.update_layout(template=template(), height=440)
+    figure.update_xaxes(title_text=x_title, **axis)
+    figure.update_yaxes(title_text=y_title, **axis)
+    return figure
