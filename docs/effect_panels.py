@@ -195,7 +195,7 @@ _KINDS = {
     "sensor-position-error transverse-sensitivity suspension-surge local-absorber bend-twist-coupling",
     PER_COMMAND: "mount-compliance stinger-compliance",
     FORCE_SPECTRUM: "force-distortion",
-    RESPONSE_SPECTRUM: "clipping-range mains-hum quantisation",
+    RESPONSE_SPECTRUM: "clipping-range mains-hum quantisation mount-lift-off rattling-mass cubic-root-stiffness",
     RECORD: "dropped-samples",
     RUNS: "payload-change run-drift temperature-change gain-drift",
 }

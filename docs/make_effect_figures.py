@@ -7,6 +7,7 @@ from the same scenario with its effects taken out.
 
 from __future__ import annotations
 
+import json
 import sys
 import tomllib
 from concurrent.futures import ProcessPoolExecutor
@@ -30,6 +31,7 @@ from vgvt.simulation.campaign import SimulationResult
 DOCS = Path(__file__).parent
 SPOILED_SCENARIOS = DOCS.parent / "scenarios" / "spoiled"
 IMAGES = DOCS / "images" / "effects"
+CHANGES = IMAGES / "changes.json"
 PAGE = DOCS / "reference" / "effect-gallery.md"
 UNSEEN = 0.01
 """Relative change of A/F below which an effect counts as unseen."""
@@ -130,24 +132,26 @@ def _caption(name: str, effect: Any, change: float) -> str:
     share = "nothing" if change < 1e-9 else f"{100 * change:.2g} %"
     signature = f"{effect.signature[0].upper()}{effect.signature[1:]}."
     if change < UNSEEN:
-        where = f"**No trace in A/F** ({share}); it shows in the right panel: {panel_of(name).says}."
+        where = f"**No trace in A/F** ({share}); right: {panel_of(name).says}."
         return f"{signature} {where}"
     return f"{signature} A/F changes by {share}; right: {panel_of(name).says}."
 
 
 def main(chosen: list[str]) -> None:
-    """Draw the chosen effects only, or all of them and the page."""
+    """Draw the chosen effects only, or all of them, and write the page."""
     scenarios = spoiled_scenarios()
     names = chosen or list(scenarios)
     with ProcessPoolExecutor() as pool:
         drawn = pool.map(draw, names, [scenarios[name] for name in names], [IMAGES] * len(names))
         changes = {}
         for name, change in zip(names, drawn, strict=True):
-            changes[name] = change
+            changes[name] = float(f"{change:.3g}")
             sys.stdout.write(f"{name}: A/F changes by {100 * change:.3g} %\n")
             sys.stdout.flush()
-    if not chosen:
-        PAGE.write_text(gallery(changes), encoding="utf-8")
+    kept = json.loads(CHANGES.read_text(encoding="utf-8")) if CHANGES.exists() else {}
+    changes = {name: kept[name] for name in scenarios if name in kept} | changes
+    CHANGES.write_text(json.dumps(changes, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    PAGE.write_text(gallery(changes), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,182 @@
+"""How far reconcile can be trusted: ``python docs/studies/closing_the_loop.py FOLDER`` runs the study or goes on.
+
+Every case is one small file in FOLDER, so that a study can be stopped at any time and continued; ``--report`` only
+reads them and fills docs/studies/closing-the-loop.md, its figure and the baseline of the scoreboard.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from loop_cases import NOISE, SECOND, SIMULATION, SIZES, Case, linear_effects, second_laboratory_effects
+from loop_results import JUDGED, Row, by_key, confusion, headline, picture, write_matrix
+from loop_work import work
+from rich.console import Console
+from virtual_lab import PAGES, write_results
+
+from vgvt.bench.executors import in_order_of_completion, process_pool
+from vgvt.bench.store import Store
+
+PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
+# Every tenth campaign comes from MuJoCo's time domain.
+IN_TIME = 10
+
+
+def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1) -> list[Case]:
+    """All cases, in an order in which a study that is stopped early is still balanced."""
+    names, (twins, never) = linear_effects(), second_laboratory_effects()
+    queues: list[list[Case]] = []
+
+    def source(k: int) -> dict[str, Any]:
+        own = {"source": SECOND} if k % 2 else {"source": SIMULATION}
+        return own | {"engine": "mujoco" if k % IN_TIME == IN_TIME - 2 else "linear", "base": base}
+
+    queues.append([Case("placebo", (), k, 0.0, NOISE[k % 3], **source(k)) for k in range(placebos)])
+    effects = [
+        Case("effect", (name,), k, SIZES[(2 - k) % 3], NOISE[(k // 3 + 1) % 3], base=base,
+             engine="mujoco" if (i + k) % IN_TIME == 9 else "linear")
+        for k in range(draws) for i, name in enumerate(names)
+    ]  # fmt: skip
+    queues.append(effects)
+    queues.append(
+        [Case("effect", (n,), k, 0.0, NOISE[(k + 1) % 3], SECOND, base=base) for k in range(draws // 2) for n in twins]
+    )
+    queues.append(
+        [Case("never", (n,), k, 0.0, NOISE[(k + 1) % 3], SECOND, base=base) for k in range(open_draws) for n in never]
+    )
+    removed = [
+        Case("removed", (n,), k, SIZES[2], NOISE[(k + 1) % 3], base=base)
+        for k in range(max(1, open_draws // 10))
+        for n in names
+    ]
+    queues.append(removed)
+    pair = [(names[i % len(names)], names[(7 * i + 3) % len(names)]) for i in range(pairs)]
+    queues.append(
+        [Case("pair", p, k, SIZES[2], NOISE[(k + 1) % 3], base=base) for k, p in enumerate(pair) if p[0] != p[1]]
+    )
+    return interleaved(queues)
+
+
+def interleaved(queues: Sequence[Sequence[Case]]) -> list[Case]:
+    """Queues merged so that all are equally far at any time."""
+    ranked = [((k + 0.5) / len(q), i, case) for i, q in enumerate(queues) for k, case in enumerate(q)]
+    return [case for _, _, case in sorted(ranked, key=lambda r: r[:2])]
+
+
+def small_plan(base: int = 1) -> list[Case]:
+    """A dozen cases that touch everything: for a machine that has minutes."""
+    quiet = NOISE[1]
+    return [
+        Case("placebo", (), 0, 0.0, quiet, base=base),
+        Case("effect", ("local-absorber",), 0, 10.0, quiet, base=base),
+        Case("never", ("double-absorber",), 0, 0.0, quiet, SECOND, base=base),
+        Case("placebo", (), 1, 0.0, quiet, SECOND, base=base),
+        Case("effect", ("channel-delay",), 0, 10.0, quiet, SECOND, base=base),
+        Case("effect", ("suspension-surge",), 0, 10.0, quiet, base=base),
+        Case("removed", ("local-absorber",), 0, 10.0, quiet, base=base),
+        Case("pair", ("local-absorber", "channel-delay"), 0, 10.0, quiet, base=base),
+    ]
+
+
+def results_of(
+    cases: Sequence[Case], folder: Path, workers: int, minutes: float, do: Callable[[Case], list[Row]] = work
+) -> Iterator[tuple[Case, list[Row], bool]]:
+    """Every case, its rows and whether they were there already; done ones first, none begun after ``minutes``."""
+    store: Any = Store(folder)
+    left = []
+    for case in cases:
+        rows = store.rows(case)
+        if rows is None:
+            left.append(case)
+        else:
+            yield case, rows, True
+    end = time.monotonic() + 60 * minutes
+    batch = max(workers, 1)
+    while left and time.monotonic() < end:
+        now, left = (left, []) if minutes == float("inf") else (left[:batch], left[batch:])
+        pool: Any = in_order_of_completion(now, process_pool(workers) if workers > 1 else None, do)  # type: ignore[arg-type]
+        for case, rows in pool:
+            store.keep(case, rows)
+            yield case, rows, False
+
+
+def run(cases: Sequence[Case], folder: Path, workers: int, minutes: float) -> list[Row]:
+    """Work off the cases with progress and the time left; the rows of all that are done."""
+    console, rows, fresh, start = Console(stderr=True), [], 0, time.monotonic()
+    for done, (case, found, old) in enumerate(results_of(cases, folder, workers, minutes), 1):
+        rows += found
+        if not old:
+            fresh += 1
+            left_min = (time.monotonic() - start) / fresh * (len(cases) - done) / 60
+            said = found[0].get("named") or found[0].get("reason", "")
+            console.print(
+                f"{done}/{len(cases)}, {left_min:.0f} min left: {case.title}: {found[0]['verdict']} {said}",
+                highlight=False,
+            )
+    return rows
+
+
+def write_table(rows: Sequence[Row], file: Path) -> None:
+    """All rows as one long table."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, names)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def results(rows: Sequence[Row]) -> str:
+    """The tables of the page."""
+    judged = sum(r["verdict"] in JUDGED for r in rows)
+    other = Counter(r["verdict"] for r in rows if r["verdict"] not in JUDGED)
+    beside = "; ".join(f"{n} {name}" for name, n in sorted(other.items())) or "none"
+    versions = Counter(r["core"] for r in rows)
+    said = ", ".join(f"{core} ({n})" for core, n in versions.most_common())
+    return (
+        f"{judged} campaigns came to a verdict; without one: {beside}. Source of the analysis (cases): {said}.\n\n"
+        f"{headline(rows)}\n\n### By effect\n\n{by_key(rows, 'truth')}\n\n### By noise\n\n{by_key(rows, 'noise')}\n\n"
+        f"### By size\n\n{by_key(rows, 'size')}"
+    )
+
+
+def report(rows: Sequence[Row], folder: Path) -> None:
+    """Fill the page, draw the confusion matrix, write the baseline."""
+    counts = confusion(rows)
+    write_results(PAGES / "closing-the-loop.md", results(rows))
+    picture(counts)
+    baselines = PAGES.parents[1] / "scoreboard" / "baselines"
+    baselines.mkdir(exist_ok=True)
+    write_matrix(counts, baselines / "closing-the-loop-confusion.csv")
+    write_table(rows, folder / "cases.csv")
+
+
+def arguments() -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="where the cases are kept")
+    parser.add_argument("--small", action="store_true", help="a dozen cases instead of all")
+    parser.add_argument("--draws", type=int, default=DRAWS, help="campaigns an effect")
+    parser.add_argument("--placebos", type=int, default=PLACEBOS)
+    parser.add_argument("--only", default="", help="only this group: placebo, effect, never, removed or pair")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin nothing after that")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--report", action="store_true", help="fill the page from what is done")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    given = arguments()
+    every = small_plan(given.seed) if given.small else plan(given.draws, given.placebos, OPEN_DRAWS, PAIRS, given.seed)
+    every = [c for c in every if given.only in ("", c.group)]
+    given.folder.mkdir(parents=True, exist_ok=True)
+    found = run(every, given.folder, given.workers, 0.0 if given.report else given.minutes)
+    write_table(found, given.folder / "cases.csv")
+    if given.report:
+        report(found, given.folder)

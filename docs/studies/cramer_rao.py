@@ -1,0 +1,175 @@
+"""How close every method comes to the Cramér-Rao bound: ``python docs/studies/cramer_rao.py [SEEDS [METHOD ...]]``.
+
+Fills docs/studies/cramer-rao.md. Every identification is kept in docs/_build/cramer-rao.csv, so that the script goes
+on where it was stopped and a new method costs its own time only.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from virtual_lab import PAGES, table, write_results
+
+from vgvt.data import ModalModel
+from vgvt.identification import Needs, available_identifiers, make_identifier, run_identifier
+from vgvt.identification.bound import cramer_rao_bound
+from vgvt.identification.conformance import without_force
+from vgvt.identification.example import Example
+
+KEPT = PAGES.parent / "_build" / "cramer-rao.csv"
+SEEDS = 120
+PAIR_HZ = (13.7, 13.974)
+EXAMPLE = Example(
+    frequency_hz=(6.3, *PAIR_HZ, 26.9),
+    damping_ratio=(0.012, 0.009, 0.011, 0.007),
+    stations=2,
+    noise_m_s2=0.5,
+)
+WITHIN = 0.01  # of its frequency a claim must lie to be a mode's: half the distance of the pair
+HEAD = ("method", "seed", "mode", "frequency_hz", "damping_ratio", "frequency_std_hz", "damping_ratio_std", "false")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcomes:
+    """One method over (seeds, modes): claims and stated deviations, NaN where missed; false claims a seed (seeds,)."""
+
+    frequency_hz: NDArray[np.float64]
+    damping_ratio: NDArray[np.float64]
+    frequency_std_hz: NDArray[np.float64]
+    damping_ratio_std: NDArray[np.float64]
+    false: NDArray[np.float64]
+
+
+def identified(method: str, seed: int) -> list[tuple[str, ...]]:
+    """One row a mode of what a method says about the campaign of one seed."""
+    identifier = make_identifier(method)
+    campaign = replace(EXAMPLE, seed=seed).campaign()
+    if Needs.OUTPUT_ONLY in identifier.needs:
+        campaign = without_force(campaign)
+    model = run_identifier(identifier, campaign)
+    pairs = claims_of_modes(model)
+    false = len(model) - sum(k is not None for k in pairs)
+    return [(method, str(seed), str(mode), *_values(model, k), str(false)) for mode, k in enumerate(pairs)]
+
+
+def claims_of_modes(model: ModalModel) -> list[int | None]:
+    """The claim nearest to each true mode, None without one near enough; no claim serves two modes."""
+    free = set(range(len(model)))
+    found: list[int | None] = []
+    for hertz in EXAMPLE.frequency_hz:
+        near = [k for k in free if abs(model.natural_frequency_hz[k] / hertz - 1) < WITHIN]
+        best = min(near, key=lambda k: abs(model.natural_frequency_hz[k] - hertz)) if near else None
+        free.discard(-1 if best is None else best)
+        found.append(best)
+    return found
+
+
+def _values(model: ModalModel, k: int | None) -> tuple[str, ...]:
+    nan = np.full(len(model), np.nan)
+    columns = (
+        model.natural_frequency_hz,
+        model.damping_ratio,
+        nan if model.natural_frequency_std_hz is None else model.natural_frequency_std_hz,
+        nan if model.damping_ratio_std is None else model.damping_ratio_std,
+    )
+    return tuple("nan" if k is None else repr(float(column[k])) for column in columns)
+
+
+def collected(methods: list[str], seeds: range, kept: Path = KEPT) -> dict[str, Outcomes]:
+    """The outcomes of methods over seeds: those that are kept, and the others now."""
+    done = {(r["method"], int(r["seed"])) for r in _rows(kept)}
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with kept.open("a", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream)
+        if not done and stream.tell() == 0:
+            writer.writerow(HEAD)
+        for seed in seeds:
+            for method in methods:
+                if (method, seed) not in done:
+                    writer.writerows(identified(method, seed))
+                    stream.flush()
+    rows = list(_rows(kept))
+    return {m: _outcomes([r for r in rows if r["method"] == m and int(r["seed"]) in seeds]) for m in methods}
+
+
+def _rows(kept: Path) -> Iterator[dict[str, str]]:
+    if kept.exists():
+        with kept.open(encoding="utf-8", newline="") as stream:
+            yield from csv.DictReader(stream)
+
+
+def _outcomes(rows: list[dict[str, str]]) -> Outcomes:
+    modes = len(EXAMPLE.frequency_hz)
+    rows = sorted(rows, key=lambda r: (int(r["seed"]), int(r["mode"])))
+    values = np.array([[float(r[name]) for name in HEAD[3:]] for r in rows]).reshape(-1, modes, 5)
+    return Outcomes(*(values[:, :, i] for i in range(4)), values[:, 0, 4])
+
+
+def efficiency_row(method: str, found: Outcomes) -> list[str]:
+    """Name, found, false, rms errors over the bound of lone modes and of the pair, coverage."""
+    bound_hz, bound_ratio = cramer_rao_bound(EXAMPLE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a mode that a method never finds has no mean
+        hertz = (found.frequency_hz - np.array(EXAMPLE.frequency_hz)) / bound_hz
+        ratio = (found.damping_ratio - np.array(EXAMPLE.damping_ratio)) / bound_ratio
+        rms_hz, rms_ratio = (np.sqrt(np.nanmean(e**2, axis=0)) for e in (hertz, ratio))
+    inside = [
+        np.abs(e * b)[np.isfinite(s)] <= 1.96 * s[np.isfinite(s)]
+        for e, b, s in (
+            (hertz, bound_hz, found.frequency_std_hz),
+            (ratio, bound_ratio, found.damping_ratio_std),
+        )
+    ]
+    hits = np.concatenate(inside)
+    alone, pair = [0, 3], [1, 2]
+    return [
+        f"`{method}`",
+        f"{100 * np.isfinite(found.frequency_hz).mean():.0f}",
+        f"{found.false.mean():.2f}",
+        *(" / ".join(f"{rms[i]:.2f}" for i in group) for rms in (rms_hz, rms_ratio) for group in (alone, pair)),
+        f"{100 * hits.mean():.1f}" if hits.size else "none stated",
+    ]
+
+
+def report(outcomes: dict[str, Outcomes], seeds: int) -> str:
+    """The table of the page."""
+    bound_hz, bound_ratio = cramer_rao_bound(EXAMPLE)
+    bounds = table(
+        ["mode, Hz", "bound of std(f), mHz", "bound of std(ζ)/ζ, %"],
+        [
+            [f"{f:g}", f"{1000 * s:.3f}", f"{100 * r / z:.3f}"]
+            for f, s, r, z in zip(EXAMPLE.frequency_hz, bound_hz, bound_ratio, EXAMPLE.damping_ratio, strict=True)
+        ],
+    )
+    head = [
+        "method",
+        "modes found, %",
+        "false a campaign",
+        "f: 6.3 / 26.9 Hz",
+        "f: pair",
+        "ζ: 6.3 / 26.9 Hz",
+        "ζ: pair",
+        "coverage of 95 % intervals, %",
+    ]
+    rows = [efficiency_row(method, found) for method, found in outcomes.items()]
+    return (
+        f"{seeds} seeds. Root-mean-square errors over the bound: 1 is the best that any unbiased method can do.\n\n"
+        + (f"{bounds}\n\n{table(head, rows)}")
+    )
+
+
+def main(seeds: int = SEEDS, methods: list[str] | None = None) -> None:
+    """Identify what is missing and write the table."""
+    outcomes = collected(methods or sorted(available_identifiers()), range(seeds))
+    write_results(PAGES / "cramer-rao.md", report(outcomes, seeds))
+
+
+if __name__ == "__main__":
+    main(*(int(a) for a in sys.argv[1:2]), methods=sys.argv[2:] or None)

@@ -1,0 +1,168 @@
+"""Who finds what in the measured campaign: every registered identifier on the raw records, all runs together and run by run.
+
+One process a method and a set of runs, through the bench's umpire; what is there already is not done again:
+
+    python docs/studies/hati_identified.py [METHOD ...]
+
+Without names all installed identifiers. Results lie under docs/_build/hati-identified and are derived from records
+under the MIT licence (PAAW/mAEWing1). ``--again`` does the named methods anew, ``--page`` only writes page and figure.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from virtual_lab import PAGES
+
+from vgvt.bench.entry import Entry
+from vgvt.bench.umpire import Limits, attempt
+from vgvt.data import Campaign, ModalModel
+from vgvt.files import open_campaign
+from vgvt.identification.registry import available_identifiers
+
+RAW, COPY = "hati-2015-09-24", "hati-2015-09-24-200hz"
+FOLDER = PAGES.parent / "_build" / "hati-identified"
+LIMITS = Limits(time_s=300.0, memory_mib=4096.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What one method found in a set of runs: modes in order of frequency, or the reason why there are none."""
+
+    method: str
+    part: str
+    reason: str
+    outcome: str
+    advice: tuple[str, ...]
+    frequency_hz: tuple[float, ...]
+    frequency_std_hz: tuple[float | None, ...]
+    damping_ratio: tuple[float, ...]
+    damping_ratio_std: tuple[float | None, ...]
+    flags: tuple[tuple[str, ...], ...]
+    wall_s: float | None
+    processor_s: float
+    peak_memory_mib: float | None
+    load: float
+
+
+def file_of(method: str, part: str) -> Path:
+    """Where a finding is kept."""
+    return FOLDER / f"{method}-{part}.json"
+
+
+def stored(method: str, part: str) -> Finding | None:
+    """A finding that is there already."""
+    path = file_of(method, part)
+    if not path.is_file():
+        return None
+    values = json.loads(path.read_text(encoding="utf-8"))
+    for key, value in values.items():
+        if isinstance(value, list):
+            values[key] = tuple(tuple(v) if isinstance(v, list) else v for v in value)
+    return Finding(**values)
+
+
+def parts_of(campaign: Campaign) -> dict[str, Campaign]:
+    """All runs together, and each alone."""
+    alone = {f"run-{r.run}": replace(campaign, runs=(r,)) for r in campaign.runs}
+    return {"all": campaign, **alone}
+
+
+def find(method: str, part: str, campaign: Campaign) -> Finding:
+    """One attempt in a process of its own; whatever goes wrong is a finding too."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    tried = attempt(Entry(method), campaign, campaign.band_hz, LIMITS)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    claim = tried.claim
+    modes = 0 if claim is None else len(claim)
+    found = Finding(
+        method, part, tried.reason,
+        "" if claim is None else claim.outcome.value,
+        () if claim is None else claim.advice,
+        () if claim is None else tuple(map(float, claim.natural_frequency_hz)),
+        _stated(claim, "natural_frequency_std_hz", modes),
+        () if claim is None else tuple(map(float, claim.damping_ratio)),
+        _stated(claim, "damping_ratio_std", modes),
+        () if claim is None else (claim.flags or ((),) * modes),
+        tried.wall_s, used, tried.peak_memory_mib, os.getloadavg()[0],
+    )  # fmt: skip
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    values: dict[str, Any] = {name: getattr(found, name) for name in Finding.__dataclass_fields__}
+    file_of(method, part).write_text(json.dumps(values, indent=1), encoding="utf-8")
+    return found
+
+
+def _stated(claim: ModalModel | None, name: str, modes: int) -> tuple[float | None, ...]:
+    values = None if claim is None else getattr(claim, name)
+    if values is None:
+        return (None,) * modes
+    return tuple(float(v) if v == v else None for v in values)  # noqa: PLR0124  NaN means not stated
+
+
+_TIMED = """
+import os, resource, sys, time
+from vgvt.files import open_campaign
+from vgvt.identification.registry import make_identifier
+from vgvt.identification.run import run_identifier
+campaign, method = open_campaign(sys.argv[1]), make_identifier(sys.argv[2])
+idle = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+wall, own = time.perf_counter(), time.process_time()
+modes = len(run_identifier(method, campaign))
+wall, own = time.perf_counter() - wall, time.process_time() - own
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+print(modes, wall, own, idle, peak, os.getloadavg()[0])
+"""
+
+
+def timed(method: str) -> tuple[float, ...] | None:
+    """Modes, wall and processor seconds, memory before and at most (MiB) and load, on the copy at 200 Hz; kept."""
+    path = FOLDER / f"timed-{method}.json"
+    if path.is_file():
+        return tuple(json.loads(path.read_text(encoding="utf-8")))
+    one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", _TIMED, COPY, method],
+        capture_output=True, text=True, env={**os.environ, **one}, timeout=600, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        return None
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    values = tuple(float(v) for v in done.stdout.split())
+    path.write_text(json.dumps(values), encoding="utf-8")
+    return values
+
+
+def main(arguments: list[str]) -> None:
+    """Attempt what is missing, then write the page's tables and figure."""
+    methods = [a for a in arguments if not a.startswith("--")] or sorted(available_identifiers())
+    if "--again" in arguments:
+        for method in methods:
+            for path in (*FOLDER.glob(f"{method}-all.json"), *FOLDER.glob(f"{method}-run-*.json"), *FOLDER.glob(f"timed-{method}.json")):
+                path.unlink()
+    if "--page" not in arguments:
+        parts = parts_of(open_campaign(RAW))
+        for part, campaign in parts.items():
+            for method in methods:
+                if stored(method, part) is None:
+                    start = time.perf_counter()
+                    found = find(method, part, campaign)
+                    said = found.reason or f"{len(found.frequency_hz)} modes"
+                    print(f"{part} {method}: {said}, {time.perf_counter() - start:.0f} s", flush=True)  # noqa: T201
+        for method in methods:
+            timed(method)
+    import hati_identified_page
+
+    hati_identified_page.write(sorted({p.stem.removesuffix("-all") for p in FOLDER.glob("*-all.json")}))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

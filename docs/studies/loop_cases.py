@@ -1,0 +1,190 @@
+"""The cases of the study: which truth, from which laboratory, how big, how noisy; and the campaign of each."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import sys
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import loop_truth as lab
+import numpy as np
+
+from vgvt.data import Campaign
+from vgvt.effects import available_effects, parameters_of
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.data import measured_frfs
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.power import power
+from vgvt.reconcile.problem import problem_of
+from vgvt.scenario import Scenario
+from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.streams import named_stream
+from vgvt.simulation import simulate
+
+LINES = 250
+SIZES = (1.0, 3.0, 10.0)
+NOISE = (0.003, 0.01, 0.03)
+# What the second laboratory needs lies with the tests that check it.
+TESTS = Path(__file__).parents[2] / "tests"
+SIMULATION, SECOND = "simulation", "second laboratory"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One campaign and one question.
+
+    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry) or 'never' (in it); ``truth`` names the
+    effects that act; ``size`` is a multiple of what is just visible; ``source`` is the laboratory, ``engine`` its
+    solver.
+    """
+
+    group: str
+    truth: tuple[str, ...]
+    draw: int
+    size: float
+    noise: float
+    source: str = SIMULATION
+    engine: str = "linear"
+    base: int = 1
+
+    @property
+    def key(self) -> str:
+        """A hash of all that the result depends on, the code aside."""
+        text = json.dumps([*dataclasses.astuple(self), LINES, lab.RUNS, lab.SWEEP_S, lab.TRUE_CELLS])
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+    @property
+    def title(self) -> str:
+        """The case in words, for progress."""
+        return f"{self.group} {' + '.join(self.truth) or '-'}, draw {self.draw}, {self.size:g}x, noise {self.noise:g}"
+
+    def stream(self, *name: str) -> np.random.Generator:
+        """A random stream of this case's own."""
+        return named_stream(self.base, "closing the loop", self.key, *name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Staged:
+    """A campaign for the analysis, and beside it, for the umpire alone, what is true: settings by effect and sizes.
+
+    ``ratio`` is the smallest size over what is just visible; ``place_m`` where a thing sits that no catalogue knows.
+    """
+
+    campaign: Campaign | None
+    truth: dict[str, dict[str, Any]]
+    ratio: float
+    place_m: tuple[float, float] | None = None
+
+
+def staged(case: Case) -> Staged:
+    """Make the campaign of a case; none where no plausible size is visible."""
+    scenario = lab.nominal()
+    true = lab.drawn(lab.quiet(scenario), case.stream("truth"))
+    true = true.model_copy(update={"seed": int(case.stream("seed").integers(2**31))})
+    if case.source == SECOND:
+        campaign, place = _second(case, true)
+        sizes, ratio = {name: {} for name in case.truth}, float("nan")
+    else:
+        sizes, ratio, place = {}, float("inf"), None
+        for name in case.truth:
+            chosen = _chosen(case, name)
+            if chosen is None:
+                return Staged(None, {}, 0.0)
+            sizes[name], own = chosen
+            ratio = min(ratio, own)
+        tables = tuple(EffectTable(name=name, **values) for name, values in sizes.items())
+        campaign = simulate(true.model_copy(update={"effect": tables}), engine=case.engine).campaign
+    noisy = lab.read_by_instruments(campaign, scenario, case.stream("instruments"), case.noise)
+    # A name or a note could tell: the analysis gets neither.
+    blind = dataclasses.replace(noisy, name="campaign", notes={})
+    return Staged(blind, sizes, ratio if case.truth else 0.0, place)
+
+
+def second_laboratory_effects() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the catalogue's effects that the second laboratory can make, and of those that no catalogue has."""
+    twins, never, _ = _second_laboratory()
+    return tuple(twins), tuple(never)
+
+
+def _second_laboratory() -> tuple[dict[str, Any], dict[str, Any], Any]:
+    for folder in ("physics", "reconcile_oracle"):
+        if str(TESTS / folder) not in sys.path:
+            sys.path.append(str(TESTS / folder))
+    import catalogue_twins
+    import never_catalogued
+    import second_laboratory
+
+    return catalogue_twins.TWINS, never_catalogued.UNCATALOGUED, second_laboratory
+
+
+def _second(case: Case, true: Scenario) -> tuple[Campaign, tuple[float, float] | None]:
+    twins, never, laboratory = _second_laboratory()
+    changes, place = [], None
+    nodes = true.acquisition.runs[1]
+    for name in case.truth:
+        if name in never:
+            change, node = never[name](case.stream("effect"), nodes)
+            place = None if node is None else laboratory.place(true, node)
+        else:
+            change = twins[name](case.stream("effect"), nodes)
+        changes.append(change)
+    campaign: Campaign = laboratory.campaign_of(true, tuple(changes))
+    return campaign, place
+
+
+def _chosen(case: Case, name: str) -> tuple[dict[str, Any], float] | None:
+    """Settings and parameters of an effect at the case's size, and that size over what is just visible."""
+    g = case.stream("effect", name)
+    here = expected(case.noise)
+    variants = candidates(here.problem, {name: available_effects()[name]})
+    hypothesis = variants[int(g.integers(len(variants)))]
+    values = {p.name: _between(g, p.low, p.high, p.scale) for p in hypothesis.parameters if p.neutral is None}
+    settings = {k: _jittered(g, k, v) for k, v in hypothesis.settings.items()}
+    limits = [p for p in power(here, [_fixed(hypothesis, values)]) if np.isfinite(p.smallest)]
+    if not limits:
+        return (settings | values, float("nan")) if not hypothesis.size else None
+    limit = limits[int(g.integers(len(limits)))]
+    highest = max(abs(limit.low), abs(limit.high))
+    size = min(case.size * limit.smallest, highest)
+    if size < 0.3 * case.size * limit.smallest:
+        return None
+    sign = -1.0 if limit.low < 0 and g.random() < 0.5 else 1.0
+    return settings | values | {limit.parameter: sign * size}, size / limit.smallest
+
+
+def _fixed(hypothesis: Hypothesis, values: dict[str, float]) -> Hypothesis:
+    return dataclasses.replace(hypothesis, settings={**hypothesis.settings, **values})
+
+
+def _between(g: np.random.Generator, low: float, high: float, scale: str) -> float:
+    return float(np.exp(g.uniform(np.log(low), np.log(high)))) if scale == "log" else float(g.uniform(low, high))
+
+
+def _jittered(g: np.random.Generator, name: str, value: Any) -> Any:
+    """A place off the grid of the candidates; anything else as it is."""
+    return float(value + 0.04 * g.standard_normal()) if name in ("x_m", "y_m") and value != 0 else value
+
+
+@lru_cache(maxsize=4)
+def expected(noise: float) -> Fit:
+    """The nominal aircraft against its own campaign with some noise, nothing fitted: where visibility is judged."""
+    scenario = lab.nominal()
+    campaign = simulate(lab.quiet(scenario), engine="linear").campaign
+    exact = scenario.tolerances.model_copy(update={"gain": 0.0, "channel_gain": 0.0})
+    instruments = scenario.model_copy(update={"tolerances": exact})
+    noisy = lab.read_by_instruments(campaign, instruments, named_stream(0, "expected"), noise)
+    measured = measured_frfs(noisy, lines=LINES, floor=scenario.tolerances.model_form)
+    problem = problem_of(measured, scenario)
+    return fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
+
+
+def linear_effects() -> tuple[str, ...]:
+    """Effects for which superposition holds and that have a size, in alphabetical order."""
+    found = available_effects()
+    return tuple(n for n, c in found.items() if c.linear and parameters_of(c))  # type: ignore[attr-defined]

@@ -1,0 +1,150 @@
+"""Rows of the study as tables, a confusion matrix and its picture; every rate with its Wilson interval."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from virtual_lab import IMAGES, table
+
+Row = dict[str, Any]
+CONFIDENCE_Z = 1.959963984540054
+"""Normal quantile of a two-sided 95 % interval."""
+JUDGED = ("adequate", "explained", "ambiguous", "partly_explained", "unknown")
+
+
+def wilson(hits: int, trials: int) -> tuple[float, float]:
+    """Wilson's score interval of a rate at 95 % (J. Am. Stat. Assoc. 22, 1927); (0, 1) without a trial."""
+    if trials == 0:
+        return 0.0, 1.0
+    z2 = CONFIDENCE_Z**2
+    middle = (hits + z2 / 2) / (trials + z2)
+    half = CONFIDENCE_Z * np.sqrt(hits * (trials - hits) / trials + z2 / 4) / (trials + z2)
+    return max(float(middle - half), 0.0), min(float(middle + half), 1.0)
+
+
+def rate(rows: Sequence[Row], hit: Callable[[Row], bool]) -> str:
+    """``17 of 20, 85 % (64–95)``."""
+    hits = sum(map(hit, rows))
+    low, high = wilson(hits, len(rows))
+    return f"{hits} of {len(rows)}, {100 * hits / len(rows):.0f} % ({100 * low:.0f}–{100 * high:.0f})" if rows else "–"
+
+
+def judged(rows: Iterable[Row], group: str) -> list[Row]:
+    """Rows of a group that came to a verdict."""
+    return [r for r in rows if r["group"] == group and r["verdict"] in JUDGED]
+
+
+def visible(row: Row) -> bool:
+    """Above the detection limit; the second laboratory's sizes are drawn large and count as such."""
+    return not row["ratio"] < 1.0 or row["source"] != "simulation"
+
+
+def named(row: Row) -> bool:
+    """Whether the verdict names anything."""
+    return bool(row["named"])
+
+
+def open_set_right(row: Row) -> bool:
+    """Unknown, or partly explained with the right place where there is one."""
+    return row["verdict"] == "unknown" or (row["verdict"] == "partly_explained" and bool(row["near"]))
+
+
+def headline(rows: Sequence[Row]) -> str:
+    """The promises, and what was measured."""
+    effect, pair = [r for r in judged(rows, "effect") if visible(r)], judged(rows, "pair")
+    never, removed = judged(rows, "never"), judged(rows, "removed")
+    lines = [
+        ("placebo: an effect named", "≤ 2 %", rate(judged(rows, "placebo"), named)),
+        ("placebo: not called adequate", "", rate(judged(rows, "placebo"), lambda r: r["verdict"] != "adequate")),
+        ("truth in the set (≤ 3 members), above the limit", "≥ 95 %",
+         rate(effect, lambda r: r["answer"] in ("right", "in the set"))),
+        ("wrong single name, above the limit", "≤ 2 %", rate(effect, lambda r: r["answer"] == "wrong")),
+        ("nothing named, above the limit", "", rate(effect, lambda r: not named(r))),
+        ("below the limit: wrong single name", "≤ 2 %",
+         rate([r for r in judged(rows, "effect") if not visible(r)], lambda r: r["answer"] == "wrong")),
+        ("never in a catalogue: unknown, or partly with its place", "≥ 90 %", rate(never, open_set_right)),
+        ("never in a catalogue: a single wrong name", "", rate(never, lambda r: r["answer"] == "wrong")),
+        ("removed from the catalogue: unknown, or partly with its place", "≥ 90 %", rate(removed, open_set_right)),
+        ("two effects: both named", "≥ 75 %", rate(pair, lambda r: r["answer"] in ("right", "in the set"))),
+        ("held-out χ² ≤ 1.15 of a fit that is told", "all", rate(
+            [r for r in effect if r.get("oracle_held_out") and r["answer"] in ("right", "in the set")],
+            lambda r: r["held_after"] <= 1.15 * r["oracle_held_out"])),
+    ]  # fmt: skip
+    return table(("rate", "promise", "measured (95 % Wilson interval)"), lines)
+
+
+def by_key(rows: Sequence[Row], key: str) -> str:
+    """Single effects above the limit by a column: what was named, and what held-out data say."""
+    groups: dict[Any, list[Row]] = defaultdict(list)
+    for row in judged(rows, "effect"):
+        if visible(row):
+            groups[row[key]].append(row)
+    lines = []
+    for value in sorted(groups, key=str):
+        mine = groups[value]
+        before, after = (float(np.median([r[k] for r in mine])) for k in ("held_before", "held_after"))
+        fit_before, fit_after = (float(np.median([r[k] for r in mine])) for k in ("nrmse_before", "nrmse_after"))
+        lines.append(
+            (
+                str(value),
+                rate(mine, lambda r: r["answer"] in ("right", "in the set")),
+                rate(mine, lambda r: r["answer"] == "wrong"),
+                f"{before:.2f} → {after:.2f}",
+                f"{fit_before:.1f} → {fit_after:.1f} %",
+            )
+        )
+    return table((key, "truth in the set", "wrong single name", "median held-out χ²/ν", "median held-out NRMSE"), lines)
+
+
+def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:
+    """How often each truth got each answer: the truth where it is in the set, else the first name, else the verdict."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for row in rows:
+        if row["verdict"] not in JUDGED or row["group"] == "pair":
+            continue
+        truth = row["truth"] or "no effect"
+        label = f"{truth} (removed)" if row["group"] == "removed" else truth
+        if row["answer"] in ("right", "in the set"):
+            said = truth
+        elif row["named"]:
+            said = row["named"].split(" | ")[0].split(" or ")[0]
+        else:
+            said = row["verdict"]
+        counts[label, said] += 1
+    return counts
+
+
+def write_matrix(counts: Counter[tuple[str, str]], file: Path) -> None:
+    """The confusion matrix as a long table."""
+    lines = ["truth,answer,cases", *(f"{t},{a},{n}" for (t, a), n in sorted(counts.items()))]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def picture(counts: Counter[tuple[str, str]], file: Path = IMAGES / "study-closing-the-loop.svg") -> None:
+    """The confusion matrix: truths down, answers across, shares as shades and counts as numbers."""
+    truths = sorted({t for t, _ in counts}, key=lambda t: (t != "no effect", t.endswith("(removed)"), t))
+    verdicts = [v for v in ("adequate", "unknown", "partly_explained", "ambiguous") if any(a == v for _, a in counts)]
+    answers = [*verdicts, *sorted({a for _, a in counts} - set(verdicts))]
+    cells = np.array([[counts[t, a] for a in answers] for t in truths], dtype=float)
+    share = cells / cells.sum(axis=1, keepdims=True)
+    size = (2.8 + 0.27 * len(answers), 2.0 + 0.21 * len(truths))
+    figure, axes = plt.subplots(figsize=size, layout="constrained")
+    axes.imshow(share, cmap="Blues", vmin=0, vmax=1, aspect="auto")
+    for i, j in zip(*np.nonzero(cells), strict=True):
+        axes.text(
+            j, i, f"{cells[i, j]:.0f}", ha="center", va="center", fontsize=7, color="w" if share[i, j] > 0.6 else "k"
+        )
+    axes.set_xticks(range(len(answers)), [a.replace("_", " ") for a in answers], rotation=90, fontsize=7)
+    axes.set_yticks(range(len(truths)), truths, fontsize=7)
+    axes.set_xticks(np.arange(len(answers)) - 0.5, minor=True)
+    axes.set_yticks(np.arange(len(truths)) - 0.5, minor=True)
+    axes.grid(which="minor", color="0.9")
+    axes.tick_params(which="minor", length=0)
+    axes.set(xlabel="answer", ylabel="truth")
+    figure.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
+    plt.close(figure)

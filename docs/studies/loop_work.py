@@ -1,0 +1,125 @@
+"""Work on one case: the analysis gets the campaign and the nominal scenario; the umpire then judges its verdict."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from pathlib import Path
+from typing import Any
+
+import loop_truth as lab
+import numpy as np
+from loop_cases import LINES, Case, Staged, staged
+
+import vgvt.reconcile
+from vgvt.effects import available_effects, parameters_of
+from vgvt.reconcile import Verdict, reconcile
+from vgvt.reconcile.fit import FAR, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+
+Row = dict[str, Any]
+STATION_M = 0.30
+LARGEST_SET = 3
+
+
+def work(case: Case) -> list[Row]:
+    """The row of a case; the reason in it where there is no verdict."""
+    started = time.process_time()
+    row: Row = {
+        "group": case.group, "truth": "+".join(case.truth), "draw": case.draw, "size": case.size, "noise": case.noise,
+        "source": case.source, "engine": case.engine, "core": core(),
+    }  # fmt: skip
+    try:
+        stage = staged(case)
+    except Exception as error:  # noqa: BLE001  one impossible truth must not stop a night's work
+        return [row | {"verdict": "not staged", "reason": f"{type(error).__name__}: {error}"[:200]}]
+    row |= {"ratio": stage.ratio}
+    if stage.campaign is None:
+        return [row | {"verdict": "not visible"}]
+    effects = available_effects()
+    if case.group == "removed":
+        effects = {name: cls for name, cls in effects.items() if name not in case.truth}
+    try:
+        verdict = reconcile(stage.campaign, lab.nominal(), effects=effects, lines=LINES)
+    except Exception as error:  # noqa: BLE001  a crash of the analysis is a result, too
+        return [row | {"verdict": "failed", "reason": f"{type(error).__name__}: {error}"[:200]}]
+    row |= judged(case, stage, verdict) | {"oracle_held_out": oracle(case, stage, verdict)}
+    return [row | {"cpu_s": round(time.process_time() - started, 1), "settings": str(stage.truth)}]
+
+
+def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
+    """A verdict against the truth, in plain values."""
+    sets = [tuple(dict.fromkeys((e.name, *e.equivalent))) for e in verdict.effects]
+    before, after = verdict.before, verdict.after
+    held_before, held_after = before.held_out or before.train, after.held_out or after.train
+    places = verdict.localisation.places if verdict.localisation else ()
+    near = False
+    if places and places[0].position_m is not None and stage.place_m is not None:
+        near = float(np.hypot(*np.subtract(places[0].position_m[:2], stage.place_m))) < STATION_M
+    return {
+        "verdict": verdict.kind.value,
+        "named": " | ".join(" or ".join(s) for s in sets),
+        "answer": answer(case.truth, verdict.kind.value, sets),
+        "evidence_nats": round(max((e.evidence_nats for e in verdict.effects), default=best_rival(verdict)), 2),
+        "train_before": before.train.chi2_per_dof, "train_after": after.train.chi2_per_dof,
+        "held_before": held_before.chi2_per_dof, "held_after": held_after.chi2_per_dof,
+        "nrmse_before": held_before.nrmse_percent, "nrmse_after": held_after.nrmse_percent,
+        "smooth_before": verdict.attribution.null_residual.smooth_per_dof,
+        "place": places[0].label if places else "",
+        "near": near,
+        "known_place": stage.place_m is not None,
+    }  # fmt: skip
+
+
+def answer(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]]) -> str:
+    """The verdict in a word: 'right', 'in the set', 'wrong', 'wrong set', 'part', 'unknown' or 'nothing'.
+
+    'right' names exactly what is true; 'in the set' names it beside at most two others; 'part' names one of two.
+    """
+    if not sets:
+        return "nothing" if kind == "adequate" else "unknown"
+    hit = [next((s for s in sets if name in s), None) for name in truth]
+    found = [s for s in hit if s is not None]
+    if len(found) == len(truth) > 0:
+        if any(len(s) > LARGEST_SET for s in found):
+            return "wrong set"
+        extra = len(sets) > len(set(found))
+        return "in the set" if extra or any(len(s) > 1 for s in found) else "right"
+    if found:
+        return "part"
+    return "wrong" if all(len(s) == 1 for s in sets) else "wrong set"
+
+
+def best_rival(verdict: Verdict) -> float:
+    """Gain of the best candidate where none was named: what placebos calibrate."""
+    return max((r.gain_nats for r in verdict.attribution.last_rivals), default=0.0)
+
+
+def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
+    """Held-out χ² per degree of freedom of a fit that is told which effect acts, with which settings and sizes."""
+    if case.group != "effect" or not stage.truth:
+        return None
+    hypotheses, start = [], []
+    for name, values in stage.truth.items():
+        cls = available_effects()[name]
+        numbers = {p.name for p in parameters_of(cls)}
+        hypothesis = Hypothesis(cls, {k: v for k, v in values.items() if k not in numbers})
+        hypotheses.append(hypothesis)
+        start.append(hypothesis.scores({k: v for k, v in values.items() if k in numbers}))
+    null = verdict.attribution.null
+    try:
+        told = fit(null.problem, tuple(hypotheses), null.u, np.concatenate(start), FAR)
+    except (ValueError, RuntimeError, np.linalg.LinAlgError):
+        return None
+    held = told.problem.split.held
+    measured = told.problem.measured
+    return float(np.mean(np.abs((told.predicted - measured.values)[held] / measured.sigma[held]) ** 2))
+
+
+def core() -> str:
+    """A short hash of the analysis' source: which version of it gave this answer."""
+    digest = hashlib.sha256()
+    for file in sorted(Path(vgvt.reconcile.__file__).parent.glob("*.*")):
+        if file.suffix in (".py", ".toml"):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:8]
