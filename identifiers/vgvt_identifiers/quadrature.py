@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, Dof, InputError, ModalModel, Outcome
 from vgvt.identification import Needs
 from vgvt_identifiers.mode_fit import FitOptions, FittedMode, fit_modes
+from vgvt_identifiers.non_modes import flag_non_modes
 from vgvt_identifiers.sigma_plot import sigma_peaks
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, campaign_spectra
 from vgvt_identifiers.stahle_forlifer import participation_matrix, separate_quadratures
@@ -124,7 +125,7 @@ class Quadrature:
         remarks = (*remarks, *left_out)
         if not modes:
             return ModalModel.empty(Outcome.NOTHING_FOUND, remarks, dofs=spectra.responses)
-        return self._claim(spectra, modes, remarks)
+        return flag_non_modes(campaign, self._claim(spectra, modes, remarks))
 
     def _claim(self, spectra: CampaignSpectra, modes: tuple[FittedMode, ...], remarks: tuple[str, ...]) -> ModalModel:
         frequency = np.array([m.natural_frequency_hz for m in modes])

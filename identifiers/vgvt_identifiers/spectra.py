@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Channel, ChannelRole, Dof, Quantity, Record
 from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
-from vgvt.signals.usable import fault_of
+from vgvt.signals.usable import doubt_of, fault_of
+from vgvt_identifiers.deaf_bands import deaf_bands
 
 _DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
 _NOISE_HALF_WIDTH = 12
@@ -69,7 +70,21 @@ def campaign_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> Campai
     duration = max(r.duration_s for r in campaign.runs)
     runs = [s for r in campaign.runs if (s := _run_spectra(r, duration, band_hz, remarks)) is not None]
     frequency = np.arange(round(max(r.sample_rate_hz for r in campaign.runs) * duration)) / duration
-    return CampaignSpectra(frequency[_inside(frequency, band_hz)], tuple(runs), tuple(remarks))
+    frequency = frequency[_inside(frequency, band_hz)]
+    return CampaignSpectra(frequency, tuple(runs), (*remarks, *_deaf_bands(frequency, runs)))
+
+
+def _deaf_bands(frequency_hz: NDArray[np.float64], runs: list[RunSpectra]) -> list[str]:
+    """A remark for every part of the band in which what follows the force is less than the noise."""
+    if frequency_hz.size < FEWEST_LINES or not runs:
+        return []
+    power = np.sum([(np.abs(r.accelerance) ** 2).sum(axis=0) for r in runs], axis=0)
+    noise = np.sum([r.variance.sum(axis=0) for r in runs], axis=0)
+    return [
+        f"{low:.3g} to {high:.3g} Hz: the responses do not follow the force (coherence under 0.5), so what is claimed "
+        "there is noise; drive these frequencies longer or harder"
+        for low, high in deaf_bands(frequency_hz, power, noise)
+    ]
 
 
 def _inside(frequency: NDArray[np.float64], band_hz: tuple[float, float]) -> NDArray[np.bool_]:
@@ -84,6 +99,9 @@ def _run_spectra(
         fault = None if channel.role is ChannelRole.DRIVE else fault_of(samples, record.sample_rate_hz)
         if fault is None:
             sound.append((channel, samples))
+            doubt = None if channel.role is ChannelRole.DRIVE else doubt_of(samples)
+            if doubt is not None:
+                remarks.append(f"run {record.run}: {channel.name} ({channel.dof}): {doubt}")
         else:
             remarks.append(f"run {record.run}: {channel.name} ({channel.dof}) left out, {fault}")
     forces = [(c, x) for c, x in sound if c.role is ChannelRole.REFERENCE]

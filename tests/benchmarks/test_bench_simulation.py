@@ -9,6 +9,7 @@ import mujoco
 import mujoco.rollout
 import numpy as np
 import pytest
+import scipy.signal
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from vgvt.scenario import Scenario, load_scenario
@@ -64,3 +65,29 @@ def test_linear_engine(benchmark: BenchmarkFixture, short_hati: Scenario) -> Non
     """The same campaign by the linear engine."""
     result = benchmark.pedantic(simulate, args=(short_hati,), kwargs={"engine": "linear"}, rounds=2)
     assert len(result.campaign.runs) == 10
+
+
+@pytest.mark.benchmark(group="hati, ten runs of a minute")
+def test_linear_engine_on_the_whole_campaign(benchmark: BenchmarkFixture) -> None:
+    """The campaign as it was flown, by the linear engine: assembly, truth, responses, acquisition."""
+    result = benchmark.pedantic(
+        simulate, args=(load_scenario("hati-unsymmetric"),), kwargs={"engine": "linear"}, rounds=3, warmup_rounds=1
+    )
+    assert len(result.campaign.runs) == 10
+
+
+@pytest.mark.benchmark(group="hati, ten runs of a minute")
+def test_filters_alone(benchmark: BenchmarkFixture) -> None:
+    """What a recursion a mode would cost: `scipy.signal.lfilter` on every upper pole of every run, nothing else."""
+    scenario = load_scenario("hati-unsymmetric")
+    layout = plans(scenario)[0]
+    poles = np.linalg.eigvals(state_space(layout, driven_rig(layout, 0), layout.points).state_matrix)
+    growth = np.exp(poles[poles.imag >= 0] / scenario.acquisition.sample_rate_hz)
+    forcing = np.ones(round(scenario.excitation.record_s * scenario.acquisition.sample_rate_hz), dtype=complex)
+
+    def filters() -> None:
+        for _ in range(10):
+            for a in growth:
+                scipy.signal.lfilter([1.0], [1.0, -a], forcing)
+
+    benchmark.pedantic(filters, rounds=3)

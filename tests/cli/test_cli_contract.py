@@ -75,8 +75,9 @@ def test_identify_finds_nothing_where_there_is_nothing(vgvt, campaign_file: Path
 
 
 def test_settings_reach_the_identifier(vgvt, campaign_file: Path) -> None:
-    name = vgvt("list", "identifiers", "--json").document["items"][0]["settings"]
-    key = next(s for s in name if s["type"] == "float")["name"]
+    items = vgvt("list", "identifiers", "--json").document["items"]
+    settings = next(item["settings"] for item in items if item["name"] == "quadrature")
+    key = next(s for s in settings if s["type"] == "float")["name"]
     document = vgvt("identify", campaign_file, "--setting", f"{key}=3.5", "--json").document
     assert float(document["settings"][key]) == 3.5
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from vgvt import __version__
+from vgvt.cli.bench import bench
 from vgvt.cli.cite import cite
 from vgvt.cli.data import data_app
 from vgvt.cli.doctor import doctor
@@ -18,6 +19,7 @@ from vgvt.cli.schema import schema
 from vgvt.cli.score import score
 from vgvt.cli.show import show_scenario
 from vgvt.cli.simulate import simulate
+from vgvt.cli.sweep import sweep
 
 app = typer.Typer(
     name="vgvt",
@@ -47,6 +49,8 @@ app.command(rich_help_panel=_TEST)(run)
 app.command(rich_help_panel=_TEST)(simulate)
 app.command(rich_help_panel=_TEST)(identify)
 app.command(rich_help_panel=_TEST)(score)
+app.command(rich_help_panel=_TEST)(bench)
+app.command(rich_help_panel=_TEST)(sweep)
 app.add_typer(list_app, name="list", rich_help_panel=_LOOK)
 app.command("show", rich_help_panel=_LOOK)(show_scenario)
 app.command(rich_help_panel=_LOOK)(inspect)

@@ -79,7 +79,7 @@ def bench(
     before = None if against is None else read_baseline(against)
     plan = _plan(scenarios, identifier, seeds, seed, engine, band, time_limit, memory_limit)
     with progress("bench") as report:
-        table = work_off(plan, out, _executor(workers, cluster), report)
+        table = work_off(plan, out, executor_for(workers, cluster), report)
     paths = {"table": out / "bench.parquet"}
     write_parquet(paths["table"], table)
     if csv:
@@ -133,7 +133,8 @@ def _plan(
     )
 
 
-def _executor(workers: int | None, cluster: str | None) -> MakeExecutor | None:
+def executor_for(workers: int | None, cluster: str | None) -> MakeExecutor | None:
+    """Where cells are worked off: a Dask cluster, a pool of so many processes, or here."""
     from vgvt.bench.executors import dask_cluster, process_pool
 
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

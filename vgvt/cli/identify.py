@@ -31,6 +31,9 @@ def identify(
     leave_out_faulty: Annotated[
         bool, typer.Option("--leave-out-faulty", help="Go on without channels that hold NaN or are dead.")
     ] = False,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Say of every pole considered why it was kept or dropped.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> int:
     """Identify frequencies, damping ratios and shapes from a campaign.
@@ -46,7 +49,7 @@ def identify(
     method = made_identifier(identifier, parsed_settings(setting or []))
     opened = sound_campaign(campaign, leave_out_faulty)
     claim = claimed(method, opened, band)
-    document = claim_document(claim)
+    document = claim_document(claim, candidates=explain)
     if out is not None:
         write_claim(out, document)
     if report is not None:
@@ -57,9 +60,20 @@ def identify(
         from vgvt.view import modal_table
 
         show(modal_table(claim.model, f"{claim.identifier}, {claim.band_hz[0]:g} to {claim.band_hz[1]:g} Hz"))
+        if explain:
+            _explain(claim)
         for line in claim.model.advice:
             log(line)
     return 0 if claim.model.outcome in (Outcome.FOUND, Outcome.NOTHING_FOUND) else 1
+
+
+def _explain(claim: Claim) -> None:
+    from vgvt.view import candidates_table
+
+    if claim.model.candidates:
+        show(candidates_table(claim.model, f"poles that {claim.identifier} considered"))
+    else:
+        log(f"{claim.identifier} weighs no poles of several model orders, so there is nothing to explain")
 
 
 def _write_report(path: Path, campaign: Campaign, claim: Claim) -> None:
@@ -71,7 +85,7 @@ def _write_report(path: Path, campaign: Campaign, claim: Claim) -> None:
         path,
         title=f"{campaign.name}: modes by {claim.identifier}",
         campaign=campaign,
-        frf=estimate_frf(campaign) if campaign.reference_dofs else None,
+        frf=estimate_frf(campaign, "auto") if campaign.reference_dofs else None,
         claims={claim.identifier: claim.model},
         facts={"made by": f"vgvt {__version__}"},
     )

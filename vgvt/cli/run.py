@@ -12,11 +12,11 @@ from vgvt.cli.console import log, show
 from vgvt.cli.document import document_text, write_document
 from vgvt.cli.identify import claimed, made_identifier, write_claim
 from vgvt.cli.options import BandOption, EngineOption, JsonOption, ScenarioArgument, SeedOption
-from vgvt.cli.score import scored
+from vgvt.cli.score import card_document, fitted, scored
 from vgvt.cli.simulate import ForceOption, OutOption, Simulated, overloads, simulated, simulation_document
 
 if TYPE_CHECKING:
-    from vgvt.data import Scorecard
+    from vgvt.data import FrfFit, Scorecard
     from vgvt.files.claim import Claim
 
 
@@ -26,6 +26,7 @@ class Judged:
 
     claims: dict[str, Claim]
     scorecards: dict[str, Scorecard]
+    fits: dict[str, FrfFit]
     timing_s: dict[str, float]
 
 
@@ -83,16 +84,18 @@ def _judge(result: Simulated, methods: dict[str, Any], band: tuple[float, float]
     from vgvt.files.atomically import replacing
     from vgvt.files.claim import claim_document
 
-    judged = Judged({}, {}, dict(result.timing_s))
+    judged = Judged({}, {}, {}, dict(result.timing_s))
     for name, method in methods.items():
         start = time.perf_counter()
         claim = claimed(method, result.campaign, band)
         judged.timing_s[f"identify_{name}"] = time.perf_counter() - start
-        card = scored(result.truth, claim, band)
+        card, fit = scored(result.truth, claim, band), fitted(result.campaign, claim, band)
         write_claim(result.folder.claim(name), claim_document(claim))
         with replacing(result.folder.scorecard(name)) as temporary:
-            temporary.write_text(document_text(card.as_dict()), encoding="utf-8")
+            temporary.write_text(document_text(card_document(card, fit)), encoding="utf-8")
         judged.claims[name], judged.scorecards[name] = claim, card
+        if fit is not None:
+            judged.fits[name] = fit
     return judged
 
 
@@ -105,11 +108,12 @@ def _write_report(result: Simulated, judged: Judged) -> None:
         result.folder.report,
         title=f"{result.scenario.name}: virtual ground vibration test",
         campaign=result.campaign,
-        frf=estimate_frf(result.campaign),
+        frf=estimate_frf(result.campaign, "auto"),
         claims={name: claim.model for name, claim in judged.claims.items()},
         truth=result.truth,
         scorecards=judged.scorecards,
         facts=_facts(result),
+        fits=judged.fits,
     )
     judged.timing_s["report"] = time.perf_counter() - start
 
@@ -145,7 +149,9 @@ def _run_document(result: Simulated, judged: Judged, report: bool) -> dict[str, 
 
     return {
         **simulation_document(result),
-        "identifiers": {name: card.as_dict() for name, card in judged.scorecards.items()},
+        "identifiers": {
+            name: card_document(card, judged.fits.get(name)) for name, card in judged.scorecards.items()
+        },
         "report": result.folder.report if report else None,
         "timing_s": judged.timing_s,
         "peak_memory_mib": peak_memory_mib(),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +13,7 @@ from vgvt.cli.options import BandOption, JsonOption
 
 if TYPE_CHECKING:
     from vgvt.cli.run_folder import RunFolder
-    from vgvt.data import Scorecard, Truth
+    from vgvt.data import Campaign, FrfFit, Scorecard, Truth
     from vgvt.files.claim import Claim
 
 
@@ -35,12 +35,15 @@ def score(
     claim_path, truth_path = _paths(claim, truth, identifier)
     said = read_claim(claim_path)
     card = scored(read_truth(truth_path), said, band)
+    fit = fitted(_campaign_of(claim_path), said, band)
     if as_json:
-        write_document(card.as_dict())
+        write_document(card_document(card, fit))
         return 0
     from vgvt.view import scorecard_table
 
     show(scorecard_table(card))
+    if fit is not None:
+        log(fit_in_words(fit))
     for line in card.advice:
         log(line)
     return 0
@@ -57,6 +60,45 @@ def scored(truth: Truth, claim: Claim, band: tuple[float, float] | None) -> Scor
     if not 0 <= band_hz[0] < band_hz[1]:
         raise InputError("--band", f"{band_hz[0]:g} {band_hz[1]:g} is not a band", "write LOW and HIGH in Hz")
     return replace(score_model(truth, claim.model, band_hz), identifier=claim.identifier)
+
+
+def fitted(campaign: Campaign | None, claim: Claim, band: tuple[float, float] | None) -> FrfFit | None:
+    """How the claim's frequency responses meet the measured ones; None without a campaign, a force or residues."""
+    from vgvt.data import InputError
+    from vgvt.signals import estimate_frf
+    from vgvt_scoreboard import validate
+
+    if campaign is None or claim.model.residues is None or not len(claim.model):
+        return None
+    try:
+        return validate(estimate_frf(campaign, "auto"), claim.model, claim.band_hz if band is None else band)
+    except InputError as error:
+        log(f"no NRMSE and no ν-gap of {claim.identifier}: {error}")
+        return None
+
+
+def card_document(card: Scorecard, fit: FrfFit | None) -> dict[str, Any]:
+    """A scorecard as the JSON contract has it, with ``fit``, null where nothing could be compared."""
+    return {**card.as_dict(), "fit": None if fit is None else fit.as_dict()}
+
+
+def fit_in_words(fit: FrfFit) -> str:
+    """One line on NRMSE and ν-gap."""
+    said = fit.as_dict()
+    return (
+        f"responses: NRMSE fit {said['median_fit_percent']:.1f} % (median), {said['below']} of {len(said['nrmse'])} "
+        f"below {said['accepted_percent']:g} %; ν-gap at most {said['largest_nu_gap']:.3f} "
+        f"(at {said['largest_nu_gap_hz']:.2f} Hz, accelerances in g/N)"
+    )
+
+
+def _campaign_of(claim_path: Path) -> Campaign | None:
+    """The campaign of the run folder that a claim lies in, if it lies in one."""
+    from vgvt.cli.run_folder import RunFolder
+    from vgvt.files import read_campaign
+
+    path = RunFolder(claim_path.parent.parent).campaign
+    return read_campaign(path) if path.is_file() else None
 
 
 def _paths(claim: Path, truth: Path | None, identifier: str | None) -> tuple[Path, Path]:

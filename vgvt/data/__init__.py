@@ -6,10 +6,12 @@ an identifier claims and what the truth is, the same type for both.
 
 from vgvt.data.assurance import auto_mac, modal_assurance, modal_phase_collinearity
 from vgvt.data.campaign import Campaign
+from vgvt.data.candidates import CandidateGroup, PoleCandidate, grouped_candidates
 from vgvt.data.channel import Channel, ChannelRole, Quantity
 from vgvt.data.dof import Direction, Dof
 from vgvt.data.errors import InputError
 from vgvt.data.frf import FrequencyResponseSet
+from vgvt.data.frf_fit import FrfFit
 from vgvt.data.geometry import Geometry
 from vgvt.data.modal import ModalModel, Outcome
 from vgvt.data.record import Record
@@ -19,23 +21,27 @@ from vgvt.data.truth import RigidBodyProperties, Truth
 
 __all__ = [
     "Campaign",
+    "CandidateGroup",
     "Channel",
     "ChannelRole",
     "Direction",
     "Dof",
     "FrequencyResponseSet",
+    "FrfFit",
     "Geometry",
     "InputError",
     "ModalModel",
     "ModeScore",
     "ModeStatus",
     "Outcome",
+    "PoleCandidate",
     "Quantity",
     "Record",
     "RigidBodyProperties",
     "Scorecard",
     "Truth",
     "auto_mac",
+    "grouped_candidates",
     "modal_assurance",
     "modal_contributions",
     "modal_phase_collinearity",

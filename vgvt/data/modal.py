@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.candidates import PoleCandidate
 from vgvt.data.dof import Dof
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -34,7 +35,8 @@ class ModalModel:
     (M, D, R) are those of the receptance per reference,
     H(s) = sum R / (s - p) + conj, in m/(N s). ``labels`` name a mode in words; ``flags``
     is a tuple of short remarks per mode. ``advice`` is for people: why nothing
-    was found, what was left out, what to try.
+    was found, what was left out, what to try. ``candidates`` are all poles that
+    a method with a stabilisation diagram weighed, claimed or not.
     """
 
     natural_frequency_hz: NDArray[np.float64]
@@ -52,6 +54,7 @@ class ModalModel:
     outcome: Outcome = Outcome.FOUND
     advice: tuple[str, ...] = ()
     settings: dict[str, str] = field(default_factory=dict)
+    candidates: tuple[PoleCandidate, ...] = ()
 
     def __post_init__(self) -> None:
         modes = self.natural_frequency_hz.size
@@ -85,8 +88,9 @@ class ModalModel:
         return np.asarray(omega * (-self.damping_ratio + 1j * root))
 
     def select(self, index: NDArray[np.intp] | NDArray[np.bool_] | list[int]) -> ModalModel:
-        """The modes at ``index`` (indices or mask), in that order."""
-        rows = np.arange(len(self))[np.asarray(index)] if len(self) else np.empty(0, dtype=int)
+        """The modes at ``index`` (indices or mask), in that order; the candidates stay."""
+        chosen = np.asarray(index)
+        rows = np.arange(len(self))[chosen] if len(self) and chosen.size else np.empty(0, dtype=int)
 
         def pick(array: NDArray[_Scalar] | None) -> NDArray[_Scalar] | None:
             return None if array is None else array[rows]

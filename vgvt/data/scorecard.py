@@ -28,7 +28,10 @@ class ModeScore:
 
     The side that is missing is None. ``true_spread_hz`` is the standard
     deviation of the true frequency over the runs of the campaign (roving
-    sensors move it). ``reachable`` is False for a true mode that the excitation
+    sensors move it). ``frequency_bound_hz`` is the Cramér–Rao bound of the campaign, the least
+    standard deviation that an unbiased method can have; the bound of the damping ratio is that
+    over the frequency. ``scaling_error_percent`` compares the size of the residues, and so the
+    modal scaling, where both sides state them. ``reachable`` is False for a true mode that the excitation
     leaves invisible at the measured DOFs, ``in_band`` for one outside the band
     asked for. ``true_index`` and ``claimed_index`` count modes in the two
     models, from 0. ``remark`` says in words what the numbers cannot.
@@ -43,6 +46,8 @@ class ModeScore:
     claimed_std_hz: float | None = None
     claimed_damping_ratio_std: float | None = None
     true_spread_hz: float | None = None
+    frequency_bound_hz: float | None = None
+    scaling_error_percent: float | None = None
     label: str = ""
     reachable: bool = True
     in_band: bool = True
@@ -67,6 +72,14 @@ class ModeScore:
         return _error_percent(self.claimed_damping_ratio, self.true_damping_ratio)
 
     @property
+    def frequency_efficiency(self) -> float | None:
+        """Cramér–Rao bound over the absolute error of the frequency; of many seeds, average the squares first."""
+        if self.frequency_bound_hz is None or self.claimed_hz is None or self.true_hz is None:
+            return None
+        error = abs(self.claimed_hz - self.true_hz)
+        return self.frequency_bound_hz / error if error > 0 else None
+
+    @property
     def frequency_covered(self) -> bool | None:
         """Whether the stated 95 % interval, ±1.96 standard deviations, holds the truth; None when none is stated."""
         return _covered(self.claimed_hz, self.claimed_std_hz, self.true_hz)
@@ -86,6 +99,8 @@ class ModeScore:
             "frequency_error_percent": self.frequency_error_percent,
             "frequency_std_hz": self.claimed_std_hz,
             "frequency_covered": self.frequency_covered,
+            "frequency_bound_hz": self.frequency_bound_hz,
+            "frequency_efficiency": self.frequency_efficiency,
             "true_spread_hz": self.true_spread_hz,
             "true_damping_ratio": self.true_damping_ratio,
             "claimed_damping_ratio": self.claimed_damping_ratio,
@@ -93,6 +108,7 @@ class ModeScore:
             "damping_ratio_std": self.claimed_damping_ratio_std,
             "damping_covered": self.damping_covered,
             "mac": self.mac,
+            "scaling_error_percent": self.scaling_error_percent,
             "reachable": self.reachable,
             "in_band": self.in_band,
             "true_index": self.true_index,
@@ -151,6 +167,7 @@ class Scorecard:
         frequency = [abs(r.frequency_error_percent) for r in found if r.frequency_error_percent is not None]
         damping = [abs(r.damping_error_percent) for r in found if r.damping_error_percent is not None]
         mac = [r.mac for r in found if r.mac is not None]
+        scaling = [abs(r.scaling_error_percent) for r in found if r.scaling_error_percent is not None]
         return {
             "true_modes": sum(r.in_band for r in found) + self.missed,
             "found": self.found,
@@ -163,6 +180,7 @@ class Scorecard:
             "max_abs_damping_error_percent": max(damping, default=None),
             "mean_mac": _mean(mac),
             "min_mac": min(mac, default=None),
+            "max_abs_scaling_error_percent": max(scaling, default=None),
             "frequency_coverage": _mean([r.frequency_covered for r in found if r.frequency_covered is not None]),
             "damping_coverage": _mean([r.damping_covered for r in found if r.damping_covered is not None]),
         }

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vgvt.data import Dof, InputError, ModalModel, Outcome
+from vgvt.data import Dof, InputError, ModalModel, Outcome, PoleCandidate
+from vgvt.files.claim_residues import read_residues, residue_document
 
 _ADVICE = "write it with: vgvt identify CAMPAIGN --identifier NAME --json > claim.json"
 
@@ -57,9 +58,9 @@ def _sigma_peak_hz(flags: list[str]) -> float | None:
     return next((float(flag.removeprefix(prefix)) for flag in flags if flag.startswith(prefix)), None)
 
 
-def claim_document(claim: Claim) -> dict[str, Any]:
-    """The document of ``vgvt identify`` and of a file under claims/."""
-    return {
+def claim_document(claim: Claim, candidates: bool = False) -> dict[str, Any]:
+    """The document of ``vgvt identify`` and of a file under claims/, with the ``candidates`` when asked for."""
+    document: dict[str, Any] = {
         "identifier": claim.identifier,
         "band_hz": list(claim.band_hz),
         "outcome": claim.model.outcome.value,
@@ -67,7 +68,11 @@ def claim_document(claim: Claim) -> dict[str, Any]:
         "settings": dict(claim.model.settings),
         "advice": list(claim.model.advice),
         "modes": mode_documents(claim.model),
+        "residues": residue_document(claim.model),
     }
+    if candidates:
+        document["candidates"] = [asdict(candidate) for candidate in claim.model.candidates]
+    return document
 
 
 def read_claim(path: Path) -> Claim:
@@ -113,6 +118,10 @@ def _model(document: dict[str, Any]) -> ModalModel:
     for k, row in enumerate(rows):
         if row.dofs != dofs:
             raise _BadKeyError(f"modes[{k}].shape", "its DOFs differ from those of modes[0]")
+    try:
+        references, residues = read_residues(document.get("residues"), len(rows), len(dofs))
+    except ValueError as error:
+        raise _BadKeyError("residues", str(error)) from None
     return ModalModel(
         natural_frequency_hz=np.array([row.frequency_hz for row in rows]),
         damping_ratio=np.array([row.damping_ratio for row in rows]),
@@ -120,12 +129,31 @@ def _model(document: dict[str, Any]) -> ModalModel:
         dofs=dofs,
         natural_frequency_std_hz=np.array([row.frequency_std_hz for row in rows]),
         damping_ratio_std=np.array([row.damping_ratio_std for row in rows]),
+        references=references,
+        residues=residues,
         labels=tuple(row.label for row in rows),
         flags=tuple(row.flags for row in rows),
         method=str(document.get("method", "")),
         outcome=Outcome(outcome),
         advice=tuple(str(text) for text in document.get("advice", ())),
         settings={str(key): str(value) for key, value in document.get("settings", {}).items()},
+        candidates=_candidates(document),
+    )
+
+
+def _candidates(document: dict[str, Any]) -> tuple[PoleCandidate, ...]:
+    rows = document.get("candidates", [])
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise _BadKeyError("candidates", "expected a list of poles")
+    return tuple(
+        PoleCandidate(
+            frequency_hz=_number(row, "frequency_hz", f"candidates[{k}]"),
+            damping_ratio=_number(row, "damping_ratio", f"candidates[{k}]"),
+            order=int(_number(row, "order", f"candidates[{k}]")),
+            kept=bool(_get(row, "kept", f"candidates[{k}]")),
+            reason=str(row.get("reason") or ""),
+        )
+        for k, row in enumerate(rows)
     )
 
 

@@ -47,7 +47,7 @@ def modal_model(path: Path, dataset: xarray.Dataset, group: str) -> ModalModel:
         return json.loads(field(path, dataset, name, group))
 
     required = ("natural_frequency_hz", "damping_ratio", "shapes")
-    arrays = {
+    arrays: dict[str, Any] = {
         name: np.asarray(field(path, dataset, name, group))
         for name in _ARRAYS
         if name in dataset.variables or name in required

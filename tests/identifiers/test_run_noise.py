@@ -1,0 +1,67 @@
+"""Noise of responses and of the force, told apart from what a fit leaves over."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vgvt_identifiers.run_noise import first_noise, noise_of_errors
+
+LINES = 2000
+FREQUENCY = np.linspace(3.0, 30.0, LINES)
+
+
+def gains() -> np.ndarray:
+    """Three responses with two resonances each, (3, LINES)."""
+    r = FREQUENCY / np.array([[8.0], [19.0]])
+    peaks = r**2 / (1 - r**2 + 0.02j * r)
+    return np.array([[1.0, 0.5], [0.4, -1.0], [0.8, 0.3]]) @ peaks
+
+
+def errors_of(response: np.ndarray, force: float, seed: int = 0) -> np.ndarray:
+    """Errors of ratios for a force of size one: own noise of power ``response`` (3, LINES) less G times the force's."""
+    generator = np.random.default_rng(seed)
+
+    def circular(*shape: int) -> np.ndarray:
+        return (generator.standard_normal(shape) + 1j * generator.standard_normal(shape)) / np.sqrt(2)
+
+    return np.asarray(np.sqrt(response) * circular(3, LINES) - gains() * np.sqrt(force) * circular(LINES))
+
+
+def test_colour_and_level_of_every_response_are_found() -> None:
+    response = np.array([[1.0], [4.0], [0.25]]) * np.linspace(2.0, 1.0, LINES)
+    found = noise_of_errors(errors_of(response, 0.0), gains(), np.ones(LINES, complex), 0)
+    # Medians over 48 lines, then smoothed: about 15 % of scatter.
+    assert np.sqrt(np.mean((found.response / response - 1) ** 2)) < 0.25
+    assert found.response.mean() == pytest.approx(response.mean(), rel=0.05)
+
+
+@pytest.mark.parametrize("level", [0.02, 0.5])
+def test_noise_of_the_force_is_told_from_the_responses(level: float) -> None:
+    response = np.ones((3, LINES))
+    found = noise_of_errors(errors_of(response, level, 1), gains(), np.ones(LINES, complex), 0)
+    # It shows at the resonances alone, on few dozens of lines.
+    assert np.median(found.force) == pytest.approx(level, rel=0.5)
+    power = np.abs(gains()) ** 2
+    told, true = found.response + power * found.force, 1.0 + power * level
+    for lines in (np.abs(FREQUENCY - 8.0) < 0.1, np.abs(FREQUENCY - 19.0) < 0.2, FREQUENCY < 5.0):
+        assert (told[:, lines] / true[:, lines]).mean() == pytest.approx(1.0, abs=0.35)
+
+
+def test_lines_that_the_force_spoils_weigh_less() -> None:
+    response, force = np.ones((3, LINES)), np.ones(LINES, complex)
+    found = noise_of_errors(errors_of(response, 0.5, 2), gains(), force, 0)
+    weight, scale = found.shared_weights(force)
+    top, quiet = int(np.argmin(np.abs(FREQUENCY - 8.0))), int(np.argmin(np.abs(FREQUENCY - 4.0)))
+    assert weight[0, top] < 0.2 * weight[0, quiet]
+    own = found.weights(force)
+    np.testing.assert_allclose(own.mean(axis=1), (weight * scale[:, None]).mean(axis=1), rtol=0.1)
+
+
+def test_a_record_without_noise_still_has_weights() -> None:
+    ratios = gains()
+    plain = first_noise(np.zeros(ratios.shape), np.ones(LINES, complex))
+    assert np.isfinite(plain.weights(np.ones(LINES, complex))).all()
+    # Every instrument is wrong by a part of what it shows.
+    careful = first_noise(np.zeros(ratios.shape), np.ones(LINES, complex), ratios)
+    assert (careful.response >= plain.response).all() and (careful.response > 0).all()
