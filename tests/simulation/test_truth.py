@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg
 from small_rig import revised
 
 from vgvt.data import synthesise
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import truth_of
-from vgvt.simulation.assembly import driven_rig, plan
+from vgvt.simulation.assembly import driven_rig, plan, plans
 from vgvt.simulation.state_space import state_space
+from vgvt.simulation.truth import assemble_truth
 from vgvt_scoreboard import merge_truth, reachable
 
 
@@ -32,6 +34,25 @@ def test_residues_synthesise_the_noise_free_response(small: Scenario) -> None:
     error = np.linalg.norm(got - wanted, axis=0) / np.linalg.norm(wanted, axis=0)
     assert error.max() < 0.01
     assert np.median(error) < 0.002
+
+
+@pytest.mark.parametrize("name", ["quick", pytest.param("garteur-sm-ag19", marks=pytest.mark.slow)])
+def test_true_poles_are_those_of_acceleration_over_force(name: str) -> None:
+    """They are where the force vanishes though the rig moves: the zeros of force over command, from the pencil."""
+    layout = plans(load_scenario(name))[0]
+    model = state_space(layout, driven_rig(layout, 0), layout.points)
+    size = model.state_matrix.shape[0]
+    pencil = np.block(
+        [[model.state_matrix, model.inputs[:, :1]], [model.output_matrix[-1:], model.feedthrough_rows[-1:, :1]]]
+    )
+    zeros = scipy.linalg.eigvals(pencil, np.diag([1.0] * size + [0.0]))
+    zeros = zeros[np.isfinite(zeros)]
+    modes = assemble_truth([layout], [model]).as_tested[0]
+    for pole in modes.band(3.0, 70.0).poles:
+        assert np.abs(zeros - pole).min() < 1e-7 * abs(pole)
+    # Rigid modes: the stiffness is a difference quotient, and they have little of it.
+    for pole in modes.band(0.05, 3.0).poles:
+        assert np.abs(zeros - pole).min() < 2e-4 * abs(pole)
 
 
 def test_in_plane_sensors_are_scored_by_what_they_feel(small: Scenario) -> None:

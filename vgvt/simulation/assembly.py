@@ -191,6 +191,17 @@ def bare_rig(layout: Plan) -> Rig:
     return Rig(model, np.zeros(model.nq))
 
 
+def gauged_rig(layout: Plan, run: int, at_rest: NDArray[np.float64]) -> Rig:
+    """Hung and instrumented with all that hangs on the aircraft in a run, transducers and stingers too, but no shaker.
+
+    ``at_rest`` (nq,) is the equilibrium of the driven rig of the same run.
+    """
+    spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
+    qpos = at_rest[: spec.compile().nq]
+    _trim(spec, springs, qpos)
+    return Rig(spec.compile(), qpos)
+
+
 def hung_rig(layout: Plan, run: int, at_rest: NDArray[np.float64] | None = None) -> Rig:
     """Hung and instrumented, without the shaker: the structure as seen from the sensing element.
 

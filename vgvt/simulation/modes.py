@@ -35,6 +35,21 @@ def eigenpairs(model: LinearModel) -> tuple[NDArray[np.complex128], NDArray[np.c
     return poles, shapes / np.sqrt(scale)
 
 
+def driven_vectors(
+    model: LinearModel, poles: NDArray[np.complex128], vectors: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Vectors φ (nv, R) of the transposed problem, φᵀ(2 λ M + C)ψ = 1: a residue is ψ φᵀ; φ = ψ for symmetric matrices.
+
+    The smallest singular vector of the transposed λ² M + λ C + K at each pole.
+    """
+    driven = np.empty_like(vectors)
+    for r, (pole, vector) in enumerate(zip(poles, vectors.T, strict=True)):
+        dynamic = pole**2 * model.mass + pole * model.damping + model.stiffness
+        left = np.linalg.svd(dynamic.T)[2][-1].conj()
+        driven[:, r] = left / (left @ (2 * pole * model.mass + model.damping) @ vector)
+    return driven
+
+
 def modal_model(
     model: LinearModel,
     dofs: tuple[Dof, ...],
@@ -54,9 +69,11 @@ def modal_model(
     below = np.abs(poles) <= 2 * np.pi * limit_hz
     poles, vectors = poles[below], vectors[:, below]
     moved = (model.displacement @ vectors).T
+    symmetric = np.allclose(model.stiffness, model.stiffness.T, rtol=0, atol=1e-9 * np.abs(model.stiffness).max())
+    pushed = moved if symmetric else (model.displacement @ driven_vectors(model, poles, vectors)).T
     seen = moved if tilt is None else moved + (tilt @ vectors).T / poles[:, None] ** 2
     reference = (reference,) if isinstance(reference, int) else reference
-    residues = moved[:, :, None] * moved[:, None, list(reference)]
+    residues = moved[:, :, None] * pushed[:, None, list(reference)]
     largest = seen[np.arange(poles.size), np.argmax(np.abs(seen), axis=1)]
     # A motion that no DOF can see keeps the scale of its own coordinates.
     largest = np.where(np.abs(largest) > 0, largest, 1.0)

@@ -6,15 +6,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.data import ModalModel, Truth
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig, bare_rig, driven_rig, hung_rig, plans, rigid_body
+from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig, bare_rig, driven_rig, gauged_rig, plans, rigid_body
 from vgvt.simulation.information import frequency_limit_hz
 from vgvt.simulation.labels import mode_labels
-from vgvt.simulation.linear import linearise
+from vgvt.simulation.linear import LinearModel, linearise
 from vgvt.simulation.modes import eigenpairs, modal_model
-from vgvt.simulation.state_space import StateSpace, state_space, tilt_rows
+from vgvt.simulation.state_space import StateSpace, mass_above_element_kg, state_space, tilt_rows
 
 
 def truth_of(scenario: Scenario) -> Truth:
@@ -57,14 +58,33 @@ def _modes(layout: Plan, rig: Rig) -> ModalModel:
     return _modes_seen(layout, rig, layout.points, range(len(layout.grid), len(layout.points)))
 
 
-def _modes_seen(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...], references: Sequence[int]) -> ModalModel:
+def _modes_seen(
+    layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...], references: Sequence[int], above_kg: float = 0.0
+) -> ModalModel:
     linear = linearise(rig.model, rig.qpos, tuple((p.site, p.axis) for p in points))
+    if above_kg:
+        linear = _seen_from_the_gauges(linear, tilt_rows(rig, layout.drives), len(layout.grid), above_kg)
     poles, vectors = eigenpairs(linear)
-    labels = mode_labels(layout.parts, rig.model, vectors[:, np.abs(poles) <= 2 * np.pi * limit_hz(layout.scenario)])
+    kept = vectors[:, np.abs(poles) <= 2 * np.pi * limit_hz(layout.scenario)]
+    labels = mode_labels(layout.parts, rig.model, linear.mass, kept)
     # Without gravity, as for the bare airframe, there is nothing to feel of it.
     tilt = tilt_rows(rig, points) if rig.model.opt.gravity.any() else None
     dofs = tuple(p.dof for p in points)
     return modal_model(linear, dofs, tuple(references), limit_hz(layout.scenario), labels, tilt)
+
+
+def _seen_from_the_gauges(
+    linear: LinearModel, tilt: NDArray[np.float64], first_drive: int, above_kg: float
+) -> LinearModel:
+    """The structure that the measured forces act on: what lies above a gauge belongs to it sideways only.
+
+    The inertia of that mass along the gauge, and the weight that the gauge feels as it tilts (rows ``tilt``
+    (shakers, nv)), are between the stinger's push and the measured force, and so not part of the structure.
+    """
+    rows = linear.displacement[first_drive : first_drive + len(tilt)]
+    return replace(
+        linear, mass=linear.mass - above_kg * rows.T @ rows, stiffness=linear.stiffness - above_kg * rows.T @ tilt
+    )
 
 
 def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
@@ -72,8 +92,10 @@ def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
 
     Outside the swept band there is none to state, NaN: what force leaks there is the window's, not the test's.
     """
-    rig = hung_rig(layout, run, driven.linear.equilibrium)
-    modes = forced = _modes(layout, rig)
+    rig = gauged_rig(layout, run, driven.linear.equilibrium)
+    references = range(len(layout.grid), len(layout.points))
+    above_kg = 0.0 if layout.strike is not None else mass_above_element_kg(layout)
+    modes = forced = _modes_seen(layout, rig, layout.points, references, above_kg)
     if layout.strike is not None:
         # The truth keeps one reference for all runs, wherever the hammer roves; what it allows to know does not.
         forced = _modes_seen(layout, rig, (*layout.points, layout.strike), [len(layout.points)])
