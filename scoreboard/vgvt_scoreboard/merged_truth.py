@@ -21,7 +21,8 @@ class MergedTruth:
 
     ``frequency_spread_hz`` and ``damping_spread`` are standard deviations over
     the runs; ``runs_matched`` counts the runs a mode was recognised in;
-    ``index`` is its place in ``Truth.as_tested[0]``.
+    ``index`` is its place in ``Truth.as_tested[0]``. ``joined_mac`` is the MAC with the true shape that
+    the best merging of the runs could reach, see :func:`joined_mac`.
     """
 
     model: ModalModel
@@ -29,6 +30,7 @@ class MergedTruth:
     damping_spread: NDArray[np.float64]
     runs_matched: NDArray[np.intp]
     index: NDArray[np.intp]
+    joined_mac: NDArray[np.float64]
 
 
 def merge_truth(truth: Truth) -> MergedTruth:
@@ -69,7 +71,30 @@ def merge_truth(truth: Truth) -> MergedTruth:
         damping_spread=np.array([d.std() for d in damping])[order],
         runs_matched=np.array([len(group) for group in members], dtype=np.intp)[order],
         index=order.astype(np.intp),
+        joined_mac=np.array([joined_mac(group) for group in members])[order],
     )
+
+
+def joined_mac(runs: list[tuple[ModalModel, int]]) -> float:
+    """The MAC that a shape pieced together from roving runs can reach, from (model, mode) of every run.
+
+    Pieces of a shape are joined by the force: each carries the participation of the drive point in its run.
+    On a node line the roving sensors change that in size and even in sign. With participations of mean m and
+    standard deviation s over the runs, pieces of equal power give 1 / (1 + (s/m)²); of several references the
+    best counts. 1 where the truth states no residues.
+    """
+    target = runs[0][0].shapes[runs[0][1]]
+    participations = []
+    for model, j in runs:
+        if model.residues is None or not model.references:
+            return 1.0
+        shape = model.shapes[j]
+        aligned = shape * np.sign(np.vdot(shape, target).real or 1.0)
+        participations.append(aligned.conj() @ model.residues[j] / np.vdot(shape, shape).real)
+    table = np.array(participations)
+    mean, spread = np.abs(table.mean(axis=0)), table.std(axis=0)
+    share = np.divide(mean**2, mean**2 + spread**2, out=np.zeros(mean.shape), where=mean + spread > 0)
+    return float(share.max())
 
 
 def _mean_shape(group: list[tuple[ModalModel, int]]) -> NDArray[np.complex128]:

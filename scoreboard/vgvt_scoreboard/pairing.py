@@ -22,10 +22,12 @@ class PairingRule:
 
     A pair is admissible when its poles are no further apart than
     ``max_pole_distance`` (a fraction of the frequency) and its MAC is at least
-    ``min_mac``. Its cost is distance / max_pole_distance + mac_weight (1 - MAC).
+    ``min_mac``; where no method could know the shape, the poles alone decide, within
+    ``max_pole_distance_alone``. Its cost is distance / max_pole_distance + mac_weight (1 - MAC).
     """
 
     max_pole_distance: float = 0.10
+    max_pole_distance_alone: float = 0.01
     min_mac: float = 0.5
     mac_weight: float = 0.1
 
@@ -58,11 +60,17 @@ def pole_distance(first: ModalModel, second: ModalModel) -> NDArray[np.float64]:
     return np.asarray(np.divide(gap, scale, out=np.zeros_like(gap), where=scale > 0))
 
 
-def pair_modes(first: ModalModel, second: ModalModel, rule: PairingRule | None = None) -> Pairing:
+def pair_modes(
+    first: ModalModel,
+    second: ModalModel,
+    rule: PairingRule | None = None,
+    shapeless: NDArray[np.bool_] | None = None,
+) -> Pairing:
     """The admissible pairing, each mode used at most once, of the largest total gain 1 + mac_weight - cost.
 
     Every admissible pair gains, so one more mode paired is never refused for being a poor match,
-    but two poor pairs do not displace one good pair that gains more. ValueError when the models
+    but two poor pairs do not displace one good pair that gains more. ``shapeless`` (M,) marks modes of ``first`` whose
+    shape nobody can know. ValueError when the models
     are not seen at the same DOFs.
     """
     rule = rule or PairingRule()
@@ -72,6 +80,8 @@ def pair_modes(first: ModalModel, second: ModalModel, rule: PairingRule | None =
     mac = modal_assurance(first.shapes, second.shapes) if first.dofs else np.zeros(distance.shape)
     mac = mac.reshape(distance.shape)
     admissible = (distance <= rule.max_pole_distance) & (mac >= rule.min_mac)
+    if shapeless is not None:
+        admissible |= shapeless[:, None] & (distance <= rule.max_pole_distance_alone)
     cost = distance / rule.max_pole_distance + rule.mac_weight * (1 - mac)
     gain = np.where(admissible, 1 + rule.mac_weight - cost, 0.0)
     rows, columns = linear_sum_assignment(gain, maximize=True)

@@ -44,8 +44,9 @@ def score(
     dofs = _common_dofs(merged.model, claim, f"score of {identifier or 'the claim'} on {scenario}")
     true_model = merged.model.at(dofs)
     claimed = claim.at(dofs) if len(claim) else ModalModel.empty(claim.outcome, claim.advice, claim.method, dofs)
-    pairing = pair_modes(true_model, claimed, rule)
-    rows = _rows(merged, true_model, claimed, pairing, band_hz)
+    shapeless = merged.joined_mac < (rule or PairingRule()).min_mac
+    pairing = pair_modes(true_model, claimed, rule, shapeless)
+    rows = _rows(merged, true_model, claimed, pairing, band_hz, shapeless)
     rows.sort(key=lambda row: row.true_hz if row.true_hz is not None else row.claimed_hz or 0.0)
     return Scorecard(
         identifier=identifier,
@@ -77,11 +78,16 @@ def _common_dofs(true_model: ModalModel, claim: ModalModel, where: str) -> tuple
 
 
 def _rows(
-    merged: MergedTruth, true_model: ModalModel, claimed: ModalModel, pairing: Pairing, band_hz: tuple[float, float]
+    merged: MergedTruth,
+    true_model: ModalModel,
+    claimed: ModalModel,
+    pairing: Pairing,
+    band_hz: tuple[float, float],
+    shapeless: NDArray[np.bool_],
 ) -> list[ModeScore]:
     partner = dict(pairing.pairs)
     inside = _inside(true_model.natural_frequency_hz, band_hz)
-    seen = reachable(true_model)
+    seen = reachable(true_model) & ~shapeless
     rows = []
     for i in range(len(true_model)):
         j = partner.get(i)
@@ -105,7 +111,7 @@ def _true_row(
     inside: bool,
 ) -> ModeScore:
     status = ModeStatus.FOUND if j is not None else ModeStatus.MISSED if seen else ModeStatus.UNREACHED
-    remark = "" if seen else "force, noise and sensors leave too little of this mode in the records"
+    remark = "" if seen else _why_unseen(merged, i)
     return ModeScore(
         status=status,
         true_hz=float(true_model.natural_frequency_hz[i]),
@@ -121,6 +127,12 @@ def _true_row(
         remark=remark if inside else "outside the band asked for",
         **_claim_side(claimed, j),
     )
+
+
+def _why_unseen(merged: MergedTruth, i: int) -> str:
+    if reachable(merged.model)[i]:
+        return "the runs drive this mode so differently that no method can join its shape; the pole alone counts"
+    return "force, noise and sensors leave too little of this mode in the records"
 
 
 def _false_row(true_model: ModalModel, claimed: ModalModel, pairing: Pairing, j: int) -> ModeScore:

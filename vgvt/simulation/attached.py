@@ -12,47 +12,37 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.effects.elements import Absorber, Element, GroundSpring, PointMass, RotationSpring
+from vgvt.effects.elements import Absorber, Element, GroundSpring, HingedFlap, PointMass, RotationSpring
 from vgvt.simulation.assembly import Plan
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
+_Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
 
 
 def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]]) -> Structure | None:
-    """The structure with named elements on it; None where one of them is not a mass, a spring or an absorber.
+    """The structure with named elements on it; None where one of them is not a mass, spring, absorber or flap.
 
     ``layout`` is the plan that ``base`` was assembled from.
     """
-    if not all(isinstance(e, PointMass | GroundSpring | Absorber | RotationSpring) for _, e in elements):
-        return None
-    if any(isinstance(e, RotationSpring) and e.gauge_per_m != 0 for _, e in elements):
-        return None
-    inner = tuple(f"{name}/absorber" for name, e in elements if isinstance(e, Absorber))
-    wide = base.onto((*base.joints, *inner))
-    mass, damping, stiffness = wide.mass.copy(), wide.damping.copy(), wide.stiffness.copy()
+    simple: list[tuple[str, _Simple]] = []
     for name, element in elements:
+        if not isinstance(element, _Simple) or (isinstance(element, RotationSpring) and element.gauge_per_m != 0):
+            return None
+        simple.append((name, element))
+    inner = tuple(_own_joint(name, e) for name, e in simple if isinstance(e, Absorber | HingedFlap))
+    wide = base.onto((*base.joints, *inner))
+    wide = replace(wide, mass=wide.mass.copy(), damping=wide.damping.copy(), stiffness=wide.stiffness.copy())
+    for name, element in simple:
         if isinstance(element, RotationSpring):
             turned = np.zeros(wide.drive.size)
             turned[:6] = wide.root[wide.joints.index(element.axis)]
-            stiffness += element.stiffness_n_m_per_rad * np.outer(turned, turned)
-            damping += element.damping_n_m_s_per_rad * np.outer(turned, turned)
-            continue
-        rows, turn = point_rows(wide, layout, element.part, np.array(element.position_m))
-        if isinstance(element, PointMass):
-            mass += element.mass_kg * rows.T @ rows
-        elif isinstance(element, GroundSpring):
-            row = _unit(element.direction) @ rows
-            stiffness += element.stiffness_n_per_m * np.outer(row, row)
-            damping += element.damping_n_s_per_m * np.outer(row, row)
+            _spring(wide, turned, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)
+        elif isinstance(element, HingedFlap):
+            _flap(wide, layout, wide.joints.index(_own_joint(name, element)), element)
         else:
-            joint = wide.joints.index(f"{name}/absorber")
-            moved = rows.copy()
-            moved[:, joint] += turn @ _unit(element.direction)
-            mass += element.mass_kg * moved.T @ moved
-            stiffness[joint, joint] += element.stiffness_n_per_m
-            damping[joint, joint] += element.damping_n_s_per_m
-    return replace(wide, mass=mass, damping=damping, stiffness=stiffness)
+            _at_a_point(wide, layout, name, element)
+    return wide
 
 
 def point_rows(structure: Structure, layout: Plan, part: str, position_m: Array) -> tuple[Array, Array]:
@@ -65,6 +55,50 @@ def point_rows(structure: Structure, layout: Plan, part: str, position_m: Array)
     return moved + np.cross(turned, arm, axis=0), turn
 
 
+def _own_joint(name: str, element: Absorber | HingedFlap) -> str:
+    return f"{name}/absorber" if isinstance(element, Absorber) else f"{name}/flap"
+
+
+def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | GroundSpring | Absorber) -> None:
+    """Add to the matrices, in place, what sits at a point."""
+    rows, turn = point_rows(s, layout, element.part, np.array(element.position_m))
+    if isinstance(element, PointMass):
+        s.mass[:] += element.mass_kg * rows.T @ rows
+    elif isinstance(element, GroundSpring):
+        _spring(s, _unit(element.direction) @ rows, element.stiffness_n_per_m, element.damping_n_s_per_m)
+    else:
+        moved, own = rows.copy(), np.zeros(s.drive.size)
+        joint = s.joints.index(_own_joint(name, element))
+        moved[:, joint] += turn @ _unit(element.direction)
+        own[joint] = 1.0
+        s.mass[:] += element.mass_kg * moved.T @ moved
+        _spring(s, own, element.stiffness_n_per_m, element.damping_n_s_per_m)
+
+
+def _flap(s: Structure, layout: Plan, joint: int, element: HingedFlap) -> None:
+    """Add a rigid flap that turns about its hinge, in place."""
+    hinge = np.array(element.hinge_m)
+    carrier = layout.parts.carrier(element.part, hinge)
+    k = s.body_names.index(carrier)
+    rows, turn = point_rows(s, layout, element.part, hinge)
+    axis = turn @ _unit(element.hinge_axis)
+    arm = turn @ (np.array(element.centre_of_gravity_m) - hinge)
+    turned = s.bodies[k, 3:].copy()
+    turned[:, joint] += axis
+    moved = rows + np.cross(turned, arm, axis=0)
+    inertia = turn @ np.diag(element.inertia_kg_m2) @ turn.T
+    s.mass[:] += element.mass_kg * moved.T @ moved + turned.T @ inertia @ turned
+    own = np.zeros(s.drive.size)
+    own[joint] = 1.0
+    _spring(s, own, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)
+
+
+def _spring(s: Structure, row: Array, stiffness: float, damping: float) -> None:
+    """Spring and dashpot to the ground on one motion (n,), in place."""
+    s.stiffness[:] += stiffness * np.outer(row, row)
+    s.damping[:] += damping * np.outer(row, row)
+
+
 def _unit(direction: Sequence[float]) -> Array:
-    vector = np.array(direction, dtype=float)
-    return np.asarray(vector / np.linalg.norm(vector))
+    vector: Array = np.array(direction, dtype=float)
+    return vector / np.linalg.norm(vector)

@@ -11,7 +11,6 @@ from scipy.optimize import linear_sum_assignment
 
 from vgvt.simulation.airframe import ROOT_JOINTS, AirframeParts
 from vgvt.simulation.chain import Chain
-from vgvt.simulation.linear import mass_matrix
 
 _RIGID_NAMES = {
     "slide-x": "fore-aft swing",
@@ -24,8 +23,13 @@ _RIGID_NAMES = {
 _ORDINALS = {1: "1st", 2: "2nd", 3: "3rd"}
 
 
-def mode_labels(parts: AirframeParts, model: mujoco.MjModel, vectors: NDArray[np.complex128]) -> tuple[str, ...]:
+def mode_labels(
+    parts: AirframeParts, model: mujoco.MjModel, mass: NDArray[np.float64], vectors: NDArray[np.complex128]
+) -> tuple[str, ...]:
     """Labels like '1st symmetric bending' or 'heave' for modes ``vectors`` (nv, R), in their order.
+
+    ``mass`` (nv, nv) is the inertia that the modes belong to, that at their equilibrium: an aircraft with a
+    lump on one wing may hang at ten degrees of roll.
 
     A mode is rigid where more than half of its kinetic energy is that of a motion without deformation,
     the M-orthogonal projection on the six coordinates of the centre body; free of the ground that share is 0 for
@@ -39,7 +43,6 @@ def mode_labels(parts: AirframeParts, model: mujoco.MjModel, vectors: NDArray[np
     elastic = [j for j, name in enumerate(names) if name.split("/")[0] in links]
     added = [j for j, name in enumerate(names) if "/" in name and j not in elastic]
     stiffness = np.array([float(model.joint(j).stiffness[0]) for j in range(model.njnt)])
-    mass = mass_matrix(model, mujoco.MjData(model))
     shapes = [_in_phase(vector) for vector in vectors.T]
     own = [_label_of_added(names, added, mass, real) for real in shapes]
     shares = np.array([_rigid_shares(model, mass, real) for real in shapes]).reshape(-1, len(ROOT_JOINTS))

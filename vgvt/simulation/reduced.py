@@ -30,7 +30,6 @@ from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_po
 Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 _AT_REST_N = 1e-8
-_ROWS = ("drive", "jacobian", "axis", "tilt", "equilibrium", "bodies")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,9 +79,20 @@ class Structure:
             out = np.zeros((len(joints), len(joints)))
             out[square] = matrix
             matrices.append(out)
-        rows = {name: wide(getattr(self, name)) for name in _ROWS}
         mass, damping, stiffness = matrices
-        return replace(self, joints=joints, mass=mass, damping=damping, stiffness=stiffness, **rows)
+        return replace(
+            self,
+            joints=joints,
+            mass=mass,
+            damping=damping,
+            stiffness=stiffness,
+            drive=wide(self.drive),
+            jacobian=wide(self.jacobian),
+            axis=wide(self.axis),
+            tilt=wide(self.tilt),
+            equilibrium=wide(self.equilibrium),
+            bodies=wide(self.bodies),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +181,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
 
 
 def _in_body_axes(s: Structure) -> Structure:
-    """The structure with its first six coordinates, those of the root joints, turned into the centre body's own axes."""
+    """The structure with its first six coordinates, those of the root joints, along the centre body's own axes."""
     k = s.body_names.index(ROOT)
     back = s.attitude[k].T
     twist = np.vstack([back @ s.bodies[k, :3, :6], back @ s.bodies[k, 3:, :6]])
@@ -264,9 +274,7 @@ def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.M
     return data
 
 
-def _rows(
-    model: mujoco.MjModel, data: mujoco.MjData, points: Sequence[MeasurementPoint]
-) -> tuple[Array, Array, Array]:
+def _rows(model: mujoco.MjModel, data: mujoco.MjData, points: Sequence[MeasurementPoint]) -> tuple[Array, Array, Array]:
     """Displacement in world axes (P, 3, nv), along the sensed axis (P, nv), and the felt gravity (P, nv)."""
     moved, turned = np.zeros((len(points), 3, model.nv)), np.zeros((3, model.nv))
     axis, tilt = np.zeros((len(points), model.nv)), np.zeros((len(points), model.nv))
