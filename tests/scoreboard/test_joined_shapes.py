@@ -9,7 +9,7 @@ from vgvt_scoreboard import merge_truth, score
 
 
 def test_a_mode_driven_on_its_node_line_cannot_be_joined(model, sealed) -> None:
-    """Participations 1 and -1: pieces cancel as often as they agree; 1 and 1: nothing is lost; 1 and 2: 1 / (1 + 1/9)."""
+    """Participations 1 and -1: pieces cancel as often as they agree; 1 and 2: 1 / (1 + 1/9)."""
     shapes = np.array([[1.0, 2.0, 3.0, 1.0]])
 
     def run(participation: float):
