@@ -192,7 +192,7 @@ _KINDS = {
     TURN: "anti-alias-delay channel-delay clock-skew high-pass-mismatch sign-flip swapped-sensors loose-sensor-mount "
     "nonproportional-damper",
     SHARE: "base-strain drive-point-offset lateral-force transducer-mass channel-gain sensor-tilt drive-remount "
-    "sensor-position-error transverse-sensitivity suspension-surge local-absorber bend-twist-coupling",
+    "sensor-position-error transverse-sensitivity suspension-surge local-absorber bend-twist-coupling warm-up",
     PER_COMMAND: "mount-compliance stinger-compliance",
     FORCE_SPECTRUM: "force-distortion",
     RESPONSE_SPECTRUM: "clipping-range mains-hum quantisation mount-lift-off rattling-mass cubic-root-stiffness",

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import argparse
 import csv
+import json
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from loop_cases import NOISE, SECOND, SIMULATION, SIZES, Case, linear_effects, second_laboratory_effects
-from loop_results import JUDGED, Row, by_key, confusion, headline, picture, write_matrix
+from loop_cases import NOISE, SECOND, SHORT, SIMULATION, SIZES, Case, linear_effects, second_laboratory_effects
+from loop_results import JUDGED, Row, by_key, confusion, headline, picture, placebo_limits, write_matrix
 from loop_work import work
 from rich.console import Console
 from virtual_lab import PAGES, write_results
@@ -28,9 +30,10 @@ PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
 IN_TIME = 10
 
 
-def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1) -> list[Case]:
+def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, short: bool = False) -> list[Case]:
     """All cases, in an order in which a study that is stopped early is still balanced."""
     names, (twins, never) = linear_effects(), second_laboratory_effects()
+    names = tuple(n for n in names if not short or n in SHORT)
     queues: list[list[Case]] = []
 
     def source(k: int) -> dict[str, Any]:
@@ -60,7 +63,7 @@ def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1) 
     queues.append(
         [Case("pair", p, k, SIZES[2], NOISE[(k + 1) % 3], base=base) for k, p in enumerate(pair) if p[0] != p[1]]
     )
-    return interleaved(queues)
+    return [replace(case, short=short) for case in interleaved(queues)]
 
 
 def interleaved(queues: Sequence[Sequence[Case]]) -> list[Case]:
@@ -69,10 +72,10 @@ def interleaved(queues: Sequence[Sequence[Case]]) -> list[Case]:
     return [case for _, _, case in sorted(ranked, key=lambda r: r[:2])]
 
 
-def small_plan(base: int = 1) -> list[Case]:
-    """A dozen cases that touch everything: for a machine that has minutes."""
+def small_plan(base: int = 1, short: bool = False) -> list[Case]:
+    """A handful of cases that touch everything: for a machine that has minutes."""
     quiet = NOISE[1]
-    return [
+    cases = [
         Case("placebo", (), 0, 0.0, quiet, base=base),
         Case("effect", ("local-absorber",), 0, 10.0, quiet, base=base),
         Case("never", ("double-absorber",), 0, 0.0, quiet, SECOND, base=base),
@@ -82,6 +85,7 @@ def small_plan(base: int = 1) -> list[Case]:
         Case("removed", ("local-absorber",), 0, 10.0, quiet, base=base),
         Case("pair", ("local-absorber", "channel-delay"), 0, 10.0, quiet, base=base),
     ]
+    return [replace(case, short=short) for case in cases]
 
 
 def results_of(
@@ -106,11 +110,10 @@ def results_of(
             yield case, rows, False
 
 
-def run(cases: Sequence[Case], folder: Path, workers: int, minutes: float) -> list[Row]:
-    """Work off the cases with progress and the time left; the rows of all that are done."""
-    console, rows, fresh, start = Console(stderr=True), [], 0, time.monotonic()
+def run(cases: Sequence[Case], folder: Path, workers: int, minutes: float) -> None:
+    """Work off the cases with progress and the time left."""
+    console, fresh, start = Console(stderr=True), 0, time.monotonic()
     for done, (case, found, old) in enumerate(results_of(cases, folder, workers, minutes), 1):
-        rows += found
         if not old:
             fresh += 1
             left_min = (time.monotonic() - start) / fresh * (len(cases) - done) / 60
@@ -119,7 +122,12 @@ def run(cases: Sequence[Case], folder: Path, workers: int, minutes: float) -> li
                 f"{done}/{len(cases)}, {left_min:.0f} min left: {case.title}: {found[0]['verdict']} {said}",
                 highlight=False,
             )
-    return rows
+
+
+def kept(folder: Path) -> list[Row]:
+    """The rows of every case in a folder, whichever plan it belongs to."""
+    files = sorted((folder / "cells").glob("*.json"))
+    return [row for file in files for row in json.loads(file.read_text(encoding="utf-8"))["rows"]]
 
 
 def write_table(rows: Sequence[Row], file: Path) -> None:
@@ -146,21 +154,23 @@ def results(rows: Sequence[Row]) -> str:
 
 
 def report(rows: Sequence[Row], folder: Path) -> None:
-    """Fill the page, draw the confusion matrix, write the baseline."""
+    """Fill the page, draw the confusion matrix, write the baseline and what placebos say of the thresholds."""
     counts = confusion(rows)
     write_results(PAGES / "closing-the-loop.md", results(rows))
     picture(counts)
     baselines = PAGES.parents[1] / "scoreboard" / "baselines"
     baselines.mkdir(exist_ok=True)
     write_matrix(counts, baselines / "closing-the-loop-confusion.csv")
-    write_table(rows, folder / "cases.csv")
+    if any(r["group"] == "placebo" and r["verdict"] in JUDGED for r in rows):
+        (folder / "thresholds.toml").write_text(placebo_limits(rows), encoding="utf-8")
 
 
 def arguments() -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="where the cases are kept")
-    parser.add_argument("--small", action="store_true", help="a dozen cases instead of all")
+    parser.add_argument("--small", action="store_true", help="a handful of cases instead of all")
+    parser.add_argument("--short", action="store_true", help="a catalogue of twenty effects instead of all")
     parser.add_argument("--draws", type=int, default=DRAWS, help="campaigns an effect")
     parser.add_argument("--placebos", type=int, default=PLACEBOS)
     parser.add_argument("--only", default="", help="only this group: placebo, effect, never, removed or pair")
@@ -173,10 +183,14 @@ def arguments() -> argparse.Namespace:
 
 if __name__ == "__main__":
     given = arguments()
-    every = small_plan(given.seed) if given.small else plan(given.draws, given.placebos, OPEN_DRAWS, PAIRS, given.seed)
+    if given.small:
+        every = small_plan(given.seed, given.short)
+    else:
+        every = plan(given.draws, given.placebos, OPEN_DRAWS, PAIRS, given.seed, given.short)
     every = [c for c in every if given.only in ("", c.group)]
     given.folder.mkdir(parents=True, exist_ok=True)
-    found = run(every, given.folder, given.workers, 0.0 if given.report else given.minutes)
-    write_table(found, given.folder / "cases.csv")
+    if not given.report:
+        run(every, given.folder, given.workers, given.minutes)
+    write_table(kept(given.folder), given.folder / "cases.csv")
     if given.report:
-        report(found, given.folder)
+        report(kept(given.folder), given.folder)

@@ -1,6 +1,7 @@
 """Who finds what in the measured campaign: every registered identifier on the raw records, all runs together and run by run.
 
-One process a method and a set of runs, through the bench's umpire; what is there already is not done again:
+All runs together go through the bench's umpire, in a process of their own for each method; the single runs of a
+method share one process. What is there already is not done again:
 
     python docs/studies/hati_identified.py [METHOD ...]
 
@@ -26,11 +27,12 @@ from vgvt.bench.entry import Entry
 from vgvt.bench.umpire import Limits, attempt
 from vgvt.data import Campaign, ModalModel
 from vgvt.files import open_campaign
-from vgvt.identification.registry import available_identifiers
+from vgvt.identification.registry import available_identifiers, make_identifier
+from vgvt.identification.run import run_identifier
 
 RAW, COPY = "hati-2015-09-24", "hati-2015-09-24-200hz"
 FOLDER = PAGES.parent / "_build" / "hati-identified"
-LIMITS = Limits(time_s=300.0, memory_mib=4096.0)
+LIMITS = Limits(time_s=900.0, memory_mib=4096.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,16 +78,35 @@ def parts_of(campaign: Campaign) -> dict[str, Campaign]:
     return {"all": campaign, **alone}
 
 
-def find(method: str, part: str, campaign: Campaign) -> Finding:
-    """One attempt in a process of its own; whatever goes wrong is a finding too."""
+def find(method: str, campaign: Campaign) -> Finding:
+    """One attempt on all runs, in a process of its own; whatever goes wrong is a finding too."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     tried = attempt(Entry(method), campaign, campaign.band_hz, LIMITS)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    claim = tried.claim
+    return _kept(method, "all", tried.claim, tried.reason, tried.wall_s, used, tried.peak_memory_mib)
+
+
+def find_alone(method: str, campaign: Campaign) -> None:
+    """The single runs that are missing, one after another in this process."""
+    identifier = make_identifier(method)
+    for part, one in parts_of(campaign).items():
+        if part == "all" or stored(method, part) is not None:
+            continue
+        wall, own, claim, reason = time.perf_counter(), time.process_time(), None, ""
+        try:
+            claim = run_identifier(identifier, one)
+        except Exception as error:  # noqa: BLE001  whatever a method raises is an entry in the table
+            reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        _kept(method, part, claim, reason, time.perf_counter() - wall, time.process_time() - own, None)
+
+
+def _kept(
+    method: str, part: str, claim: ModalModel | None, reason: str, wall_s: float | None, used: float, memory: float | None
+) -> Finding:
     modes = 0 if claim is None else len(claim)
     found = Finding(
-        method, part, tried.reason,
+        method, part, reason,
         "" if claim is None else claim.outcome.value,
         () if claim is None else claim.advice,
         () if claim is None else tuple(map(float, claim.natural_frequency_hz)),
@@ -93,7 +114,7 @@ def find(method: str, part: str, campaign: Campaign) -> Finding:
         () if claim is None else tuple(map(float, claim.damping_ratio)),
         _stated(claim, "damping_ratio_std", modes),
         () if claim is None else (claim.flags or ((),) * modes),
-        tried.wall_s, used, tried.peak_memory_mib, os.getloadavg()[0],
+        wall_s, used, memory, os.getloadavg()[0],
     )  # fmt: skip
     FOLDER.mkdir(parents=True, exist_ok=True)
     values: dict[str, Any] = {name: getattr(found, name) for name in Finding.__dataclass_fields__}
@@ -148,15 +169,20 @@ def main(arguments: list[str]) -> None:
         for method in methods:
             for path in (*FOLDER.glob(f"{method}-all.json"), *FOLDER.glob(f"{method}-run-*.json"), *FOLDER.glob(f"timed-{method}.json")):
                 path.unlink()
+    if "--worker" in arguments:
+        find_alone(methods[0], open_campaign(RAW))
+        return
     if "--page" not in arguments:
-        parts = parts_of(open_campaign(RAW))
-        for part, campaign in parts.items():
-            for method in methods:
-                if stored(method, part) is None:
-                    start = time.perf_counter()
-                    found = find(method, part, campaign)
-                    said = found.reason or f"{len(found.frequency_hz)} modes"
-                    print(f"{part} {method}: {said}, {time.perf_counter() - start:.0f} s", flush=True)  # noqa: T201
+        for method in methods:
+            if any(stored(method, f"run-{k}") is None for k in range(1, 11)):
+                subprocess.run([sys.executable, "-W", "ignore", __file__, "--worker", method], check=False)
+                print(f"{method}: single runs done", flush=True)  # noqa: T201
+        campaign = open_campaign(RAW) if any(stored(m, "all") is None for m in methods) else None
+        for method in methods:
+            if campaign is not None and stored(method, "all") is None:
+                found = find(method, campaign)
+                said = found.reason or f"{len(found.frequency_hz)} modes"
+                print(f"all runs, {method}: {said}", flush=True)  # noqa: T201
         for method in methods:
             timed(method)
     import hati_identified_page

@@ -101,6 +101,29 @@ def by_key(rows: Sequence[Row], key: str) -> str:
     return table((key, "truth in the set", "wrong single name", "median held-out χ²/ν", "median held-out NRMSE"), lines)
 
 
+def placebo_limits(rows: Sequence[Row]) -> str:
+    """Thresholds as TOML with their provenance: what 98 of 100 placebos stay below, each on its own.
+
+    Up to fifty placebos it is the largest of them: no sample that small has such a quantile.
+    """
+    mine = judged(rows, "placebo")
+    columns = {
+        "chi2_per_dof": "train_before",
+        "smooth_per_dof": "smooth_before",
+        "held_out_per_dof": "held_before",
+        "evidence_nats": "evidence_nats",
+    }
+    lines = [f"# {len(mine)} placebos of docs/studies/closing_the_loop.py"]
+    for name, column in columns.items():
+        values = np.array([r[column] for r in mine], dtype=float)
+        level = float(np.quantile(values, 0.98, method="higher")) if values.size > 50 else float(values.max())
+        lines.append(f"{name} = {level:.3f}")
+    versions = ", ".join(sorted({r["core"] for r in mine}))
+    noises = ", ".join(f"{100 * v:g} %" for v in sorted({r["noise"] for r in mine}))
+    lines.append(f'provenance = "{len(mine)} placebos, noise {noises}, source of the analysis {versions}"')
+    return "\n".join(lines) + "\n"
+
+
 def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:
     """How often each truth got each answer: the truth where it is in the set, else the first name, else the verdict."""
     counts: Counter[tuple[str, str]] = Counter()
@@ -108,7 +131,7 @@ def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:
         if row["verdict"] not in JUDGED or row["group"] == "pair":
             continue
         truth = row["truth"] or "no effect"
-        label = f"{truth} (removed)" if row["group"] == "removed" else truth
+        label = f"{truth} ({row['group']})" if row["group"] in ("removed", "never") else truth
         if row["answer"] in ("right", "in the set"):
             said = truth
         elif row["named"]:
@@ -127,7 +150,7 @@ def write_matrix(counts: Counter[tuple[str, str]], file: Path) -> None:
 
 def picture(counts: Counter[tuple[str, str]], file: Path = IMAGES / "study-closing-the-loop.svg") -> None:
     """The confusion matrix: truths down, answers across, shares as shades and counts as numbers."""
-    truths = sorted({t for t, _ in counts}, key=lambda t: (t != "no effect", t.endswith("(removed)"), t))
+    truths = sorted({t for t, _ in counts}, key=lambda t: (t != "no effect", t.endswith(")"), t))
     verdicts = [v for v in ("adequate", "unknown", "partly_explained", "ambiguous") if any(a == v for _, a in counts)]
     answers = [*verdicts, *sorted({a for _, a in counts} - set(verdicts))]
     cells = np.array([[counts[t, a] for a in answers] for t in truths], dtype=float)

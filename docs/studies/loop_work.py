@@ -27,7 +27,7 @@ def work(case: Case) -> list[Row]:
     started = time.process_time()
     row: Row = {
         "group": case.group, "truth": "+".join(case.truth), "draw": case.draw, "size": case.size, "noise": case.noise,
-        "source": case.source, "engine": case.engine, "core": core(),
+        "source": case.source, "engine": case.engine, "catalogue": len(case.catalogue), "core": core(),
     }  # fmt: skip
     try:
         stage = staged(case)
@@ -36,11 +36,8 @@ def work(case: Case) -> list[Row]:
     row |= {"ratio": stage.ratio}
     if stage.campaign is None:
         return [row | {"verdict": "not visible"}]
-    effects = available_effects()
-    if case.group == "removed":
-        effects = {name: cls for name, cls in effects.items() if name not in case.truth}
     try:
-        verdict = reconcile(stage.campaign, lab.nominal(), effects=effects, lines=LINES)
+        verdict = reconcile(stage.campaign, lab.nominal(), effects=case.catalogue, lines=LINES)
     except Exception as error:  # noqa: BLE001  a crash of the analysis is a result, too
         return [row | {"verdict": "failed", "reason": f"{type(error).__name__}: {error}"[:200]}]
     row |= judged(case, stage, verdict) | {"oracle_held_out": oracle(case, stage, verdict)}

@@ -62,7 +62,8 @@ class PoleState:
     ``cost`` is the weighted sum of squares; ``information`` (2 N, 2 N) and
     ``gradient`` (2 N,) belong to all real parts, then all imaginary parts;
     ``gain`` (N,) is what the cost rises by if a mode is left out of every response. Per
-    run: ``ring_gain`` (N,) is the same for the transients, ``residues`` (R, N) receptance, ``smooth`` (R, K) without and ``errors`` (R, K) with the transient taken off.
+    run: ``ring_gain`` (N,) is the same for the transients, ``residues`` (R, N) receptance,
+    ``smooth`` (R, K) without and ``errors`` (R, K) with the transient taken off.
     """
 
     poles: NDArray[np.complex128]

@@ -167,7 +167,8 @@ def line_variance(
 def _median(noise: NDArray[np.float64]) -> NDArray[np.float64]:
     from scipy.ndimage import median_filter
 
-    return np.asarray(median_filter(noise, size=(1, 2 * _NOISE_HALF_WIDTH + 1), mode="nearest"))
+    # Row by row: the filter of one dimension is several times faster than the same one in two.
+    return np.array([median_filter(row, size=2 * _NOISE_HALF_WIDTH + 1, mode="nearest") for row in noise])
 
 
 def _local_fit(ratio: NDArray[np.complex128], force: NDArray[np.complex128]) -> LocalFit:

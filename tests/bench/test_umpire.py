@@ -99,6 +99,14 @@ def test_a_cheat_that_hides_in_its_import_is_caught_too(enter) -> None:
     assert "imports vgvt.effects" in tried.reason
 
 
+def test_the_list_of_fonts_is_no_secret(enter, tmp_path: Path) -> None:
+    """A library that imports matplotlib reads it from the user's cache."""
+    (tmp_path / "matplotlib").mkdir()
+    listed = tmp_path / "matplotlib" / "fontlist-v3.json"
+    listed.write_text("{}")
+    assert enter(f"open({str(listed)!r}).close()").reason == ""
+
+
 def test_the_name_and_notes_of_a_campaign_tell_nothing(enter) -> None:
     tried = enter("if campaign.name != 'campaign' or campaign.notes:\n    raise RuntimeError(campaign.name)")
     assert tried.reason == ""

@@ -61,6 +61,7 @@ def test_suggestions_find_the_word_meant() -> None:
     assert nearest("qui", known) == "quick"
     assert nearest("zzz", known) is None
     assert choose_one_of("quik", known).startswith("did you mean 'quick'?")
+    assert choose_one_of("quik", (*known, *(f"name-{i}" for i in range(40)))) == "did you mean 'quick'?"
     assert choose_one_of("zzz", known) == "choose one of: hati-symmetric, hati-unsymmetric, quick"
 
 

@@ -193,3 +193,20 @@ def test_mistakes_are_explained(hati: Scenario, name: str, parameters: dict[str,
 def test_impossible_sizes_are_refused(name: str, parameters: dict[str, object]) -> None:
     with pytest.raises(InputError, match=name):
         made(name, **parameters)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter"),
+    [
+        ("local-absorber", "mass_kg"),
+        ("local-absorber", "damping_ratio"),
+        ("suspension-surge", "mass_kg"),
+        ("frame-resonance", "compliance_m_per_n"),
+        ("cable-drag", "damping_n_s_per_m"),
+        ("stinger-moment", "rotational_stiffness_n_m_per_rad"),
+    ],
+)
+def test_masses_dampers_and_springs_of_their_own_are_not_negative(name: str, parameter: str) -> None:
+    """Such a mass has no model, such a damper feeds the aircraft."""
+    with pytest.raises(InputError, match=rf"{parameter}: effect '{name}': -0.1 is below 0"):
+        made(name, **{parameter: -0.1})

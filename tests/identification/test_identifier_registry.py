@@ -10,7 +10,15 @@ from typing import ClassVar, Literal
 import pytest
 
 from vgvt.data import InputError
-from vgvt.identification import Needs, PluginWarning, available_identifiers, make_identifier, settings_of
+from vgvt.identification import (
+    Needs,
+    PluginWarning,
+    Requirement,
+    absent_identifiers,
+    available_identifiers,
+    make_identifier,
+    settings_of,
+)
 from vgvt.identification import registry as registry_module
 
 
@@ -35,6 +43,18 @@ class Sample:
         """Never called here."""
 
 
+@dataclass(frozen=True)
+class Adapter:
+    name: ClassVar[str] = "adapter"
+    requires: ClassVar[tuple[Requirement, ...]] = (
+        Requirement("dataclasses", "python"),
+        Requirement("no_such_package.part", "somewhere[else]"),
+    )
+
+    def identify(self, campaign: object, band_hz: tuple[float, float]) -> None:
+        """Never called here."""
+
+
 @pytest.fixture
 def plugins(monkeypatch: pytest.MonkeyPatch) -> list[EntryPoint]:
     """The entry points that the registry sees; a test appends to them."""
@@ -48,6 +68,8 @@ def _load(point: EntryPoint) -> object:
     """The test module has no importable name, so its class is handed out directly."""
     if point.value.endswith(":Sample"):
         return Sample
+    if point.value.endswith(":Adapter"):
+        return Adapter
     if point.value.endswith(":number"):
         return 7
     raise ImportError(f"No module named {point.value.partition(':')[0]!r}")
@@ -99,6 +121,14 @@ def test_settings_given_as_text_become_the_type_of_their_field(plugins: list[Ent
 def test_a_value_that_does_not_fit_is_bad_input(plugins: list[EntryPoint], setting: dict[str, object]) -> None:
     with pytest.raises(InputError, match=next(iter(setting))):
         make_identifier("sample", **setting)
+
+
+def test_one_that_lacks_a_library_is_left_out_without_a_warning(plugins: list[EntryPoint]) -> None:
+    plugins.append(EntryPoint("adapter", f"{__name__}:Adapter", registry_module.GROUP))
+    assert list(available_identifiers()) == ["sample"]
+    assert absent_identifiers() == {"adapter": "pip install 'somewhere[else]'"}
+    with pytest.raises(InputError, match=r"needs no_such_package\.part, which is not installed"):
+        make_identifier("adapter")
 
 
 def test_settings_are_listed_with_type_and_default(plugins: list[EntryPoint]) -> None:

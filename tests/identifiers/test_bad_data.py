@@ -41,7 +41,7 @@ def bundled(with_force: bool) -> list[str]:
     """The identifiers of this project that need the force, or those that do without."""
     found = []
     for name, cls in available_identifiers().items():
-        if cls.__module__.startswith("vgvt_identifiers."):
+        if cls.__module__.startswith("vgvt_identifiers.") and not hasattr(cls, "requires"):
             needs = make_identifier(name).needs
             if (Needs.OUTPUT_ONLY in needs) != with_force:
                 found.append(name)

@@ -100,7 +100,7 @@ def stepped(
     count = substeps(np.linalg.eigvals(model.state_matrix), RATE_HZ, step_s or scenario.simulation.step_s)
     time = np.arange(round(seconds * RATE_HZ) * count + 1) / (RATE_HZ * count)
     grown = np.sin(0.5 * np.pi * np.minimum(time, 1.0)) ** 2
-    commands = [volts * grown * np.cos(2 * np.pi * hz * time) for hz, volts in cases]
+    commands = [(volts * grown * np.cos(2 * np.pi * hz * time))[None] for hz, volts in cases]
     for rig in rigs:
         rig.model.opt.timestep = 1.0 / (RATE_HZ * count)
     records = step_runs(layouts, rigs, commands, count, RATE_HZ)

@@ -53,7 +53,7 @@ def bare_modes(name: str) -> ModalModel:
     layout = plan(load_scenario(name))
     rig = bare_rig(layout)
     linear = linearise(rig.model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in layout.points))
-    labels = mode_labels(layout.parts, rig.model, eigenpairs(linear)[1])
+    labels = mode_labels(layout.parts, rig.model, linear.mass, eigenpairs(linear)[1])
     dofs = tuple(p.dof for p in layout.points)
     return modal_model(linear, dofs, len(dofs) - 1, 80.0, labels)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from vgvt.signals import impact_train, stepped_sine
 from vgvt.signals.clipping import clipped_share
 from vgvt.signals.usable import doubt_of, fault_of
 
@@ -21,6 +22,20 @@ SIGNALS = {
 def test_sound_signals_are_not_clipped_however_coarse_their_steps(name: str, step: float) -> None:
     x = SIGNALS[name]
     assert clipped_share(np.round(x / step) * step if step else x) == 0
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-6, 1e-3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_hammer_at_rest_between_its_hits_is_not_clipped(step: float, sign: float) -> None:
+    force = sign * impact_train(TIME_S, np.random.default_rng(2), 40, 1.0, 0.1, 0.012, strength_scatter=0.1)
+    assert clipped_share(np.round(force / step) * step if step else force) == 0
+    # Hits that overdrive the gauge still are: a third of each hit lies on the flat top.
+    assert clipped_share(np.clip(force, -0.6, 0.6)) > 0
+
+
+def test_dwells_whose_sines_touch_the_same_top_are_not_clipped() -> None:
+    """Ten sines of one amplitude, periods of whole samples: each touches 1.0 once a cycle."""
+    assert clipped_share(stepped_sine(TIME_S, 5.0, 50.0, 40.0, 10, 0.1)) == 0
 
 
 @pytest.mark.parametrize("step", [0.0, 1e-6, 1e-3])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import Dof, Quantity
 from vgvt.signals import estimate_frf, linear_chirp
+from vgvt.signals.cross import CrossSpectra
 
 RATE_HZ = 200.0
 NEAR = (5.0, 20.0)
@@ -196,3 +197,13 @@ def test_mean_values_do_not_matter(single_mass, make_campaign) -> None:
     shifted = estimate_frf(make_campaign([{"F1+Z": drive + 3.0, "1+Z": moved - 7.0}]))
     assert plain.frequency_hz[0] > 0
     np.testing.assert_allclose(shifted.values, plain.values, rtol=1e-6, atol=1e-9)
+
+
+def test_two_forces_that_leave_a_line_empty_know_nothing_of_it() -> None:
+    """NaN as for one force, not a response of zero; the line beside it is solved as ever."""
+    empty, full = np.zeros((2, 2)), np.diag([2.0, 4.0])
+    spectra = CrossSpectra(
+        1, 4.0, np.stack([empty, full], axis=2).astype(complex), np.ones((2, 2), complex), np.ones(2)
+    )
+    assert np.isnan(spectra.h1()[:, 0]).all()
+    np.testing.assert_allclose(spectra.h1()[:, 1], [0.5, 0.25])

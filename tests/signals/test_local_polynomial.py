@@ -54,6 +54,42 @@ def test_a_response_that_is_a_local_polynomial_is_found_exactly() -> None:
     assert fit.noise_power.max() < 1e-18
 
 
+def one_line(responses, references, line: int, half_width: int):
+    """The fit around one line by `numpy.linalg.lstsq`, column by column as the definition has it."""
+    centre = min(max(line, 1 + half_width), responses.shape[1] - 1 - half_width)
+    window = np.arange(centre - half_width, centre + half_width + 1)
+    powers = ((window - line) / half_width)[:, None] ** np.arange(3)
+    design = np.hstack([*(reference[window, None] * powers for reference in references), powers])
+    found, _, rank, _ = np.linalg.lstsq(design, responses[:, window].T, rcond=1e-13)
+    left = responses[:, window].T - design @ found
+    noise = (np.abs(left) ** 2).sum(axis=0) / (window.size - design.shape[1])
+    gain = (np.abs(np.linalg.pinv(design)[: 3 * len(references) : 3]) ** 2).sum(axis=1)
+    return found[: 3 * len(references) : 3].T, noise, gain, rank
+
+
+@pytest.mark.parametrize("inputs", [1, 2])
+def test_every_line_is_its_own_least_squares_fit(inputs: int) -> None:
+    """Also at the ends of the axis, and where a reference is zero on most lines of the window."""
+    generator = np.random.default_rng(6)
+    shape = (inputs + 3, 120)
+    force, *_ = np.split(generator.standard_normal(shape) + 1j * generator.standard_normal(shape), [inputs])
+    responses = generator.standard_normal((3, 120)) + 1j * generator.standard_normal((3, 120))
+    force[0, 50:90] = 0.0
+    force[0, 69] = 1.0
+    fit = local_polynomial_fit(responses, force, np.arange(1, 120))
+    ranks = []
+    for line in range(1, 120):
+        values, noise, gain, rank = one_line(responses, force, line, 8)
+        ranks.append(int(rank))
+        if rank == 3 * (inputs + 1):
+            np.testing.assert_allclose(fit.noise_power[:, line - 1], noise, rtol=1e-8)
+            np.testing.assert_allclose(fit.values[:, :, line - 1], values, rtol=1e-6, atol=1e-9)
+            np.testing.assert_allclose(fit.variance[:, :, line - 1], noise[:, None] * gain, rtol=1e-6)
+    assert 3 * inputs + 1 in ranks  # one line of force alone in its window
+    dead = local_polynomial_fit(responses, np.zeros((1, 120), complex), np.arange(1, 120))
+    assert not dead.values.any()
+
+
 def test_leakage_of_a_record_cut_short_is_taken_out(single_mass, make_campaign) -> None:
     damped = replace(single_mass, damping_ratio=0.1)
     # Downwards through 10 Hz at 51.4 s, and cut there: the record ends in full swing.

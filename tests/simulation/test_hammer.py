@@ -128,7 +128,29 @@ def test_a_hammer_that_does_not_fit_is_refused(small: Scenario, hammer: Hammer |
         Scenario.model_validate(tables)
 
 
-def test_a_mount_that_the_hammer_does_not_have_is_refused(small: Scenario) -> None:
-    mount = EffectTable.model_validate({"name": "mount-compliance", "compliance_m_per_n": 1e-4})
+@pytest.mark.parametrize(
+    ("name", "parameter", "value"),
+    [
+        ("mount-compliance", "compliance_m_per_n", 1e-4),
+        ("stinger-compliance", "compliance_m_per_n", 1e-5),
+        ("stinger-moment", "rotational_stiffness_n_m_per_rad", 3.0),
+        ("transducer-mass", "mass_kg", 0.02),
+        ("force-distortion", "second_harmonic", 0.05),
+    ],
+)
+def test_an_effect_of_what_the_hammer_does_not_have_is_refused(
+    small: Scenario, name: str, parameter: str, value: float
+) -> None:
+    table = EffectTable.model_validate({"name": name, parameter: value})
+    with pytest.raises(InputError, match=f"{name}: acts on the shaker.* hammer"):
+        plans(struck(small).model_copy(update={"effect": (table,)}))
+
+
+def test_a_hammer_that_misses_its_point_is_an_effect_unless_it_roves(small: Scenario) -> None:
+    beside = EffectTable.model_validate({"name": "drive-point-offset", "dx_m": 0.02})
+    right, wrong = (plans(struck(small).model_copy(update={"effect": e}))[0].strike for e in ((), (beside,)))
+    assert right is not None
+    assert wrong is not None
+    np.testing.assert_allclose(wrong.position_m - right.position_m, [0.02, 0.0, 0.0], atol=1e-12)
     with pytest.raises(InputError, match="hammer"):
-        simulate(struck(small).model_copy(update={"effect": (mount,)}), engine="linear")
+        plans(struck(small, nodes=(1,)).model_copy(update={"effect": (beside,)}))

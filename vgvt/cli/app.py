@@ -14,6 +14,8 @@ from vgvt.cli.doctor import doctor
 from vgvt.cli.identify import identify
 from vgvt.cli.inspect import inspect
 from vgvt.cli.listing import list_app
+from vgvt.cli.plan import plan
+from vgvt.cli.reconcile import reconcile
 from vgvt.cli.run import run
 from vgvt.cli.schema import schema
 from vgvt.cli.score import score
@@ -50,7 +52,9 @@ app.command(rich_help_panel=_TEST)(simulate)
 app.command(rich_help_panel=_TEST)(identify)
 app.command(rich_help_panel=_TEST)(score)
 app.command(rich_help_panel=_TEST)(bench)
+app.command(rich_help_panel=_TEST)(reconcile)
 app.command(rich_help_panel=_TEST)(sweep)
+app.command(rich_help_panel=_TEST)(plan)
 app.add_typer(list_app, name="list", rich_help_panel=_LOOK)
 app.command("show", rich_help_panel=_LOOK)(show_scenario)
 app.command(rich_help_panel=_LOOK)(inspect)

@@ -62,7 +62,7 @@ def scenarios(
 @list_app.command()
 def identifiers(as_json: JsonOption = False) -> int:
     """List the installed identification methods and their settings."""
-    from vgvt.identification import available_identifiers, settings_of
+    from vgvt.identification import absent_identifiers, available_identifiers, settings_of
 
     items: list[dict[str, Any]] = []
     for name, cls in available_identifiers().items():
@@ -80,7 +80,10 @@ def identifiers(as_json: JsonOption = False) -> int:
             }
         )
     rows = [{**item, "setting": ", ".join(f"{s['name']}={s['default']}" for s in item["settings"])} for item in items]
-    return _list(items if as_json else rows, ("name", "summary", "setting"), as_json)
+    status = _list(items if as_json else rows, ("name", "summary", "setting"), as_json)
+    for name, install in () if as_json else absent_identifiers().items():
+        show(f"not listed, as it lacks a library: {name} ({install})")
+    return status
 
 
 @list_app.command()

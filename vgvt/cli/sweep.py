@@ -102,7 +102,7 @@ def _variants(name: str, settings: list[str], design: str, samples: int, seed: i
     if design not in DESIGNS:
         raise InputError("--design", f"there is no design {design!r}", f"write {', '.join(DESIGNS)}")
     axes = [Axis.parse(text) for text in settings]
-    variants = sweep(load_scenario(name), axes, design, samples, seed)  # type: ignore[arg-type]  # checked above
+    variants = sweep(load_scenario(name), axes, design, samples, seed)  # checked above
     for variant in variants:
         effects_of(variant.scenario)  # a misspelt parameter of an effect costs no time
     return variants
@@ -138,11 +138,12 @@ def _summary(table: pandas.DataFrame, keys: list[str]) -> pandas.DataFrame:
 
 def _show(table: pandas.DataFrame, variants: tuple[Variant, ...], paths: dict[str, Path]) -> None:
     from rich.table import Table
+    from rich.text import Text
 
     keys = list(variants[0].values)
     shown = Table(title=f"{len(variants)} variants")
     for heading in (*keys, "entry", "found", "missed", "false", "mean |Δf| %", "mean |Δζ| %"):
-        shown.add_column(heading, justify="right")
+        shown.add_column(Text(heading), justify="right")
     for row in _summary(table, keys).to_dict("records"):
         errors = (row["mean_abs_frequency_error_percent"], row["mean_abs_damping_error_percent"])
         numbers = ("" if e is None else f"{e:.3g}" for e in errors)

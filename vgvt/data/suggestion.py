@@ -6,6 +6,10 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 
+# More names than this are a wall of text where one of them is meant.
+_MANY = 20
+
+
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """The known word that a person most likely meant, or None where nothing is close."""
     by_folded = {k.casefold(): k for k in known}
@@ -17,8 +21,10 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
 
 
 def choose_one_of(word: str, known: Iterable[str]) -> str:
-    """Advice for a person: ``did you mean 'x'?`` where one is close, then the whole list."""
+    """Advice for a person: ``did you mean 'x'?`` where one is close, then the whole list, unless it is long."""
     names = sorted(known)
     guess = nearest(word, names)
+    if guess and len(names) > _MANY:
+        return f"did you mean {guess!r}?"
     question = f"did you mean {guess!r}? " if guess else ""
     return f"{question}choose one of: {', '.join(names)}"

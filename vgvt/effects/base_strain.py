@@ -36,10 +36,14 @@ class BaseStrain:
         "1/m", -20.0, 20.0, "apparent force s per bending moment, N per N m", neutral=0.0
     )
     rotational_stiffness_n_m_per_rad: float = parameter(
-        "N m/rad", 0.5, 30.0, "stiffness of what holds the drive point", default=10.0, scale="log"
+        "N m/rad", 0.5, 30.0, "stiffness of what holds the drive point", default=10.0, scale="log", least=0.0
     )
-    loss_factor: float = parameter("", 0.01, 0.5, "loss factor of the moment path", default=0.05, scale="log")
-    frequency_hz: float = parameter("Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log")
+    loss_factor: float = parameter(
+        "", 0.01, 0.5, "loss factor of the moment path", default=0.05, scale="log", least=0.0
+    )
+    frequency_hz: float = parameter(
+        "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
+    )
     axis: Literal["roll", "pitch"] = dataclasses.field(default="pitch", metadata={"doc": "'roll' or 'pitch'"})
 
     def act(self, scenario: Scenario, run: int) -> Action:

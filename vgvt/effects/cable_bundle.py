@@ -35,8 +35,10 @@ class CableBundle:
         "2011; ranges are guesses"
     )
 
-    stiffness_n_per_m: float = parameter("N/m", 1.0, 100.0, "force per difference of height", neutral=0.0, scale="log")
-    damping_n_s_per_m: float = parameter("N s/m", 0.001, 1.0, "damper beside it", default=0.05, scale="log")
+    stiffness_n_per_m: float = parameter(
+        "N/m", 1.0, 100.0, "force per difference of height", neutral=0.0, scale="log", least=0.0
+    )
+    damping_n_s_per_m: float = parameter("N s/m", 0.001, 1.0, "damper beside it", default=0.05, scale="log", least=0.0)
     x_m: float = parameter("m", 0.0, 1.2, "one end, aft of the nose", default=0.9)
     y_m: float = parameter("m", -1.5, 1.5, "one end, to the right", default=1.2)
     other_x_m: float = parameter("m", 0.0, 1.2, "the other end, aft of the nose", default=0.45)

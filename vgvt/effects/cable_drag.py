@@ -29,8 +29,12 @@ class CableDrag:
     separating_test: ClassVar[str] = "re-route or suspend the cables and repeat a run with the sensors at a tip"
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (cables); shift by Rayleigh's quotient"
 
-    stiffness_n_per_m: float = parameter("N/m", 1.0, 50.0, "stiffness of one cable", neutral=0.0, scale="log")
-    damping_n_s_per_m: float = parameter("N s/m", 0.01, 0.5, "dashpot of one cable", neutral=0.0, scale="log")
+    stiffness_n_per_m: float = parameter(
+        "N/m", 1.0, 50.0, "stiffness of one cable", neutral=0.0, scale="log", least=0.0
+    )
+    damping_n_s_per_m: float = parameter(
+        "N s/m", 0.01, 0.5, "dashpot of one cable", neutral=0.0, scale="log", least=0.0
+    )
     sensors: str = dataclasses.field(default="response", metadata={"doc": CHOICES})
 
     def act(self, scenario: Scenario, run: int) -> Action:

@@ -42,7 +42,9 @@ class ControlSurface:
         "rad/(N m)", 1.0, 100.0, "compliance of the hinge: linkage and servo", neutral=0.0, scale="log"
     )
     arm_m: float = parameter("m", 0.01, 0.06, "centre of gravity behind the hinge", default=0.03, scale="log")
-    damping_ratio: float = parameter("", 0.005, 0.2, "damping ratio on a fixed wing", default=0.03, scale="log")
+    damping_ratio: float = parameter(
+        "", 0.005, 0.2, "damping ratio on a fixed wing", default=0.03, scale="log", least=0.0
+    )
     item: str = dataclasses.field(default="flap-outer", metadata={"doc": "the item that moves; it must be on a beam"})
     side: Side = dataclasses.field(default="right", metadata={"doc": "'right', 'left' or 'both'"})
 

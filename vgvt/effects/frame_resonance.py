@@ -31,10 +31,14 @@ class FrameResonance:
     reference: ClassVar[str] = "Den Hartog, Mechanical Vibrations, 4th ed., chapter 3 (two masses in series)"
 
     compliance_m_per_n: float = parameter(
-        "m/N", 1e-6, 6e-4, "static compliance of the frame where the spring hangs", neutral=0.0, scale="log"
+        "m/N", 1e-6, 6e-4, "static compliance of the frame where the spring hangs", neutral=0.0, scale="log", least=0.0
     )
-    frequency_hz: float = parameter("Hz", 3.0, 20.0, "frequency of the frame alone", default=8.0, scale="log")
-    damping_ratio: float = parameter("", 0.01, 0.05, "damping ratio of the frame alone", default=0.02, scale="log")
+    frequency_hz: float = parameter(
+        "Hz", 3.0, 20.0, "frequency of the frame alone", default=8.0, scale="log", least=0.0
+    )
+    damping_ratio: float = parameter(
+        "", 0.01, 0.05, "damping ratio of the frame alone", default=0.02, scale="log", least=0.0
+    )
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Put the spring's upper end on the frame, in every run."""

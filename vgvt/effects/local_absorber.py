@@ -27,9 +27,13 @@ class LocalAbsorber:
     separating_test: ClassVar[str] = "take the payload out or tape it down and repeat one run"
     reference: ClassVar[str] = "Den Hartog, Mechanical Vibrations, 4th ed., chapter 3 (dynamic vibration absorber)"
 
-    mass_kg: float = parameter("kg", 0.02, 0.3, "mass that is loose", neutral=0.0, scale="log")
-    frequency_hz: float = parameter("Hz", 3.0, 40.0, "its frequency on a fixed airframe", default=12.0, scale="log")
-    damping_ratio: float = parameter("", 0.003, 0.1, "its damping ratio on a fixed airframe", default=0.02, scale="log")
+    mass_kg: float = parameter("kg", 0.02, 0.3, "mass that is loose", neutral=0.0, scale="log", least=0.0)
+    frequency_hz: float = parameter(
+        "Hz", 3.0, 40.0, "its frequency on a fixed airframe", default=12.0, scale="log", least=0.0
+    )
+    damping_ratio: float = parameter(
+        "", 0.003, 0.1, "its damping ratio on a fixed airframe", default=0.02, scale="log", least=0.0
+    )
     x_m: float = parameter("m", 0.0, 1.2, "where it sits, aft of the nose", default=0.45)
     y_m: float = parameter("m", -1.5, 1.5, "where it sits, to the right", default=0.0)
 

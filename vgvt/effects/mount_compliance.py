@@ -39,8 +39,12 @@ class MountCompliance:
         scale="log",
         source="hot glue 1-6 MN/m, modelling clay 4-80 kN/m, 13 mm across: estimates from modulus and thickness",
     )
-    loss_factor: float = parameter("", 0.05, 1.0, "loss factor: glue 0.05-0.2, clay 0.3-1", default=0.1, scale="log")
-    frequency_hz: float = parameter("Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log")
+    loss_factor: float = parameter(
+        "", 0.05, 1.0, "loss factor: glue 0.05-0.2, clay 0.3-1", default=0.1, scale="log", least=0.0
+    )
+    frequency_hz: float = parameter(
+        "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
+    )
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Put the mount under the gauge, in every run; InputError where nothing of the gauge rides on it."""

@@ -50,8 +50,10 @@ class MountLiftOff:
     preload_n: float = parameter(
         "N", 0.5, 10.0, "pull, beyond the weight, at which the mount starts to lift off", default=0.5, scale="log"
     )
-    loss_factor: float = parameter("", 0.05, 1.0, "loss factor in compression", default=0.3, scale="log")
-    frequency_hz: float = parameter("Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log")
+    loss_factor: float = parameter("", 0.05, 1.0, "loss factor in compression", default=0.3, scale="log", least=0.0)
+    frequency_hz: float = parameter(
+        "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
+    )
 
     def __post_init__(self) -> None:
         """ValueError for a mount that cannot hold the gauge."""

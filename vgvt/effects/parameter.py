@@ -14,7 +14,8 @@ class Parameter:
     ``neutral`` is the value at which the effect vanishes (None where another
     parameter switches it off); ``low`` and ``high`` bound what is plausible for a small
     aircraft; ``source`` says who says so ('guess' where nobody does). ``scale`` is the
-    natural one for a prior: 'log' for positive sizes, 'linear' for signed ones.
+    natural one for a prior: 'log' for positive sizes, 'linear' for signed ones. Below ``least`` it
+    is refused: a negative mass has no model, and a negative damper feeds the aircraft.
     """
 
     name: str
@@ -25,6 +26,7 @@ class Parameter:
     scale: Literal["linear", "log"]
     doc: str
     source: str
+    least: float | None = None
 
 
 def parameter(
@@ -37,13 +39,14 @@ def parameter(
     default: float | None = None,
     scale: Literal["linear", "log"] = "linear",
     source: str = "guess",
+    least: float | None = None,
 ) -> Any:
     """A dataclass field that is a physical parameter; it defaults to ``default``, else to its neutral value."""
     value = default if default is not None else neutral
     if value is None:
         raise ValueError("a parameter needs a neutral value or a default")
-    about = {"unit": unit, "low": low, "high": high, "doc": doc, "neutral": neutral, "scale": scale, "source": source}
-    return dataclasses.field(default=float(value), metadata=about)
+    about = {"unit": unit, "low": low, "high": high, "doc": doc, "neutral": neutral, "scale": scale}
+    return dataclasses.field(default=float(value), metadata=about | {"source": source, "least": least})
 
 
 def parameters_of(effect: type) -> tuple[Parameter, ...]:

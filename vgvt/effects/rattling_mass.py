@@ -35,12 +35,14 @@ class RattlingMass:
         "Holmes, The dynamics of repeated impacts with a sinusoidally vibrating table, J. Sound Vib. 84, 1982"
     )
 
-    mass_kg: float = parameter("kg", 0.005, 0.1, "mass that is loose", neutral=0.0, scale="log")
+    mass_kg: float = parameter("kg", 0.005, 0.1, "mass that is loose", neutral=0.0, scale="log", least=0.0)
     gap_m: float = parameter("m", 1e-4, 5e-3, "free way between the stops", default=1e-3, scale="log")
     contact_hz: float = parameter(
         "Hz", 30.0, 140.0, "frequency of the mass on its stop, whose stiffness follows", default=100.0, scale="log"
     )
-    damping_ratio: float = parameter("", 0.01, 0.3, "damping ratio of the mass on its stop", default=0.1, scale="log")
+    damping_ratio: float = parameter(
+        "", 0.01, 0.3, "damping ratio of the mass on its stop", default=0.1, scale="log", least=0.0
+    )
     x_m: float = parameter("m", 0.0, 1.2, "where it lies, aft of the nose", default=0.9)
     y_m: float = parameter("m", -1.5, 1.5, "where it lies, to the right", default=1.2)
 

@@ -46,7 +46,8 @@ def make_effect(name: str, where: str, **values: object) -> Effect:
     """The effect called ``name`` with some parameters set.
 
     InputError, naming ``where`` (a file and key path), for an unknown name or
-    parameter, a value of the wrong type, or one that is not finite.
+    parameter, a value of the wrong type, one that is not finite, or one below
+    the parameter's least.
     """
     known = available_effects()
     if name not in known:
@@ -61,6 +62,11 @@ def make_effect(name: str, where: str, **values: object) -> Effect:
                 f"{where}.{key}", f"effect {name!r} has no such parameter", choose_one_of(key, tuple(fields))
             )
         checked[key] = _fitting(f"{where}.{key}", value, hints[key])
+    for about in parameters_of(cls):
+        number = checked.get(about.name)
+        if about.least is not None and isinstance(number, float) and number < about.least:
+            problem = f"effect {name!r}: {number:g} is below {about.least:g}"
+            raise InputError(f"{where}.{about.name}", problem, _ranges(cls))
     try:
         made: Effect = cls(**checked)
     except ValueError as error:

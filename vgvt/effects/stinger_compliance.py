@@ -32,6 +32,7 @@ class StingerCompliance:
         neutral=0.0,
         scale="log",
         source="10 MN/m for a stiff joint to 10 kN/m for a thin long rod: guess; steel, 4.6 mm by 216 mm, has 16 MN/m",
+        least=0.0,
     )
 
     def act(self, scenario: Scenario, run: int) -> Action:

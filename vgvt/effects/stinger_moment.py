@@ -42,9 +42,14 @@ class StingerMoment:
         neutral=0.0,
         scale="log",
         source="clay 0.04-0.8, hot glue 10-60, steel rod of 4.6 mm 4EI/L = 84 N m/rad: estimates, in series",
+        least=0.0,
     )
-    loss_factor: float = parameter("", 0.01, 0.5, "loss factor of the moment path", default=0.05, scale="log")
-    frequency_hz: float = parameter("Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log")
+    loss_factor: float = parameter(
+        "", 0.01, 0.5, "loss factor of the moment path", default=0.05, scale="log", least=0.0
+    )
+    frequency_hz: float = parameter(
+        "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
+    )
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Hold roll and pitch of the centre body, in every run; InputError for a drive point on a beam."""

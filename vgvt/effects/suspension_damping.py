@@ -27,7 +27,7 @@ class SuspensionDamping:
     )
 
     damping_n_s_per_m: float = parameter(
-        "N s/m", 0.1, 5.0, "dashpot added in line with the spring", neutral=0.0, scale="log"
+        "N s/m", 0.1, 5.0, "dashpot added in line with the spring", neutral=0.0, scale="log", least=0.0
     )
 
     def act(self, scenario: Scenario, run: int) -> Action:

@@ -36,7 +36,7 @@ class SuspensionSurge:
         "Wahl, Mechanical Springs, 2nd ed. (surge of helical springs); Rao, Mechanical Vibrations (bars)"
     )
 
-    mass_kg: float = parameter("kg", 0.1, 0.9, "mass of the spring", neutral=0.0, scale="log")
+    mass_kg: float = parameter("kg", 0.1, 0.9, "mass of the spring", neutral=0.0, scale="log", least=0.0)
     loss_factor: float = parameter(
         "",
         0.001,
@@ -45,6 +45,7 @@ class SuspensionSurge:
         default=0.005,
         scale="log",
         source="steel springs with their end hooks; guess",
+        least=0.0,
     )
 
     def act(self, scenario: Scenario, run: int) -> Action:

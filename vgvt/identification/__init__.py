@@ -5,10 +5,12 @@ from vgvt.identification.protocol import Identifier, Needs
 from vgvt.identification.registry import (
     PluginWarning,
     Setting,
+    absent_identifiers,
     available_identifiers,
     make_identifier,
     settings_of,
 )
+from vgvt.identification.requirement import Requirement
 from vgvt.identification.run import ContractError, run_identifier, settings_text
 from vgvt.identification.state_space import to_state_space
 
@@ -17,7 +19,9 @@ __all__ = [
     "Identifier",
     "Needs",
     "PluginWarning",
+    "Requirement",
     "Setting",
+    "absent_identifiers",
     "available_identifiers",
     "bibliography",
     "bibtex_entries",

@@ -12,6 +12,7 @@ from typing import Any
 
 from vgvt.data import InputError
 from vgvt.identification.protocol import Identifier
+from vgvt.identification.requirement import install_advice, missing_requirements
 
 GROUP = "vgvt.identifiers"
 
@@ -34,8 +35,19 @@ def available_identifiers() -> dict[str, type]:
     """Every usable installed identifier class by name, in alphabetical order.
 
     A plugin that cannot be imported or is not an identifier is left out with a
-    ``PluginWarning`` that names it; it never breaks the others.
+    ``PluginWarning`` that names it; it never breaks the others. One that requires a library
+    which is not installed is left out without a word: ``absent_identifiers`` has it.
     """
+    return {name: cls for name, cls in _installed().items() if not missing_requirements(cls)}
+
+
+def absent_identifiers() -> dict[str, str]:
+    """Identifiers that only lack a library, by name, and the command that installs it."""
+    lacking = {name: missing_requirements(cls) for name, cls in _installed().items()}
+    return {name: install_advice(missing) for name, missing in lacking.items() if missing}
+
+
+def _installed() -> dict[str, type]:
     found: dict[str, type] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
         loaded = _load(point)
@@ -43,7 +55,7 @@ def available_identifiers() -> dict[str, type]:
             continue
         if point.name in found and found[point.name] is not loaded:
             warnings.warn(
-                f"two identifiers are called {point.name!r}; {point.value} is left out", PluginWarning, stacklevel=2
+                f"two identifiers are called {point.name!r}; {point.value} is left out", PluginWarning, stacklevel=3
             )
             continue
         found[point.name] = loaded
@@ -55,13 +67,17 @@ def make_identifier(name: str, **settings: Any) -> Identifier:
 
     Settings given as text (from a command line or a file) become the type of
     the field. Raises InputError for an unknown name, an unknown setting or a
-    value that does not fit, with what to write instead.
+    value that does not fit, with what to write instead, or a library that is not installed.
     """
     cls = _named(name)
     if cls is None:
         raise InputError(
             f"identifier {name!r}", "no such identifier", _did_you_mean(name, list(available_identifiers()))
         )
+    missing = missing_requirements(cls)
+    if missing:
+        lacking = ", ".join(r.module for r in missing)
+        raise InputError(f"identifier {name!r}", f"needs {lacking}, which is not installed", install_advice(missing))
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
     for key in settings:
         if key not in fields:
@@ -106,7 +122,7 @@ def _load(point: EntryPoint) -> type | None:
         ):
             return loaded
         why = "it is not a dataclass with a method identify(campaign, band_hz)"
-    warnings.warn(f"identifier plugin {point.name!r} ({point.value}) is left out: {why}", PluginWarning, stacklevel=3)
+    warnings.warn(f"identifier plugin {point.name!r} ({point.value}) is left out: {why}", PluginWarning, stacklevel=4)
     return None
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from vgvt.data import Campaign, ChannelRole, InputError, ModalModel, Outcome
 from vgvt.identification.protocol import Identifier, Needs
+from vgvt.identification.requirement import install_advice, missing_requirements
 
 
 class ContractError(RuntimeError):
@@ -21,14 +22,17 @@ def run_identifier(
     """The identifier's claim on a campaign, stamped with the method's name and settings.
 
     ``band_hz`` defaults to the excited band of the campaign. A method that
-    needs a force is declined here when a run has none. Raises InputError for a
+    needs a force is declined here when a run has none, and one that lacks a library. Raises InputError for a
     band that the records cannot hold, ContractError for a claim with modes
     outside the band, non-finite values or an empty claim without a reason.
     """
     band = campaign.band_hz if band_hz is None else (float(band_hz[0]), float(band_hz[1]))
     _check_band(campaign, band)
-    missing = _runs_without_force(campaign)
-    if Needs.FORCE_REFERENCE in identifier.needs and missing:
+    missing, lacking = _runs_without_force(campaign), missing_requirements(identifier)
+    if lacking:
+        advice = f"{identifier.name} needs {', '.join(r.module for r in lacking)}: {install_advice(lacking)}"
+        model = ModalModel.empty(Outcome.DECLINED, (advice,))
+    elif Needs.FORCE_REFERENCE in identifier.needs and missing:
         advice = f"{identifier.name} needs a force channel in every run; missing in run {', '.join(map(str, missing))}"
         model = ModalModel.empty(Outcome.DECLINED, (advice,))
     else:

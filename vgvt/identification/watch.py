@@ -61,7 +61,7 @@ class Watch:
         parts = set(Path(full).parts)
         if parts & _SEALED:
             self._note(f"reads {text}")
-        elif not (full.startswith(self._allowed) or Path(full).suffix in _CODE or _is_metadata(full)):
+        elif not (full.startswith(self._allowed) or Path(full).suffix in _CODE or _is_harmless(full)):
             self._note(f"reads {text}, which it was not given")
 
     def _note(self, misdeed: str) -> None:
@@ -69,9 +69,11 @@ class Watch:
             self.misdeeds.append(misdeed)
 
 
-def _is_metadata(path: str) -> bool:
-    """Folders are no files, and what is said about installed packages is no secret."""
-    return Path(path).is_dir() or Path(path).parent.suffix in (".dist-info", ".egg-info")
+def _is_harmless(path: str) -> bool:
+    """Folders are no files; what is said about installed packages is no secret, nor is matplotlib's list of fonts."""
+    file = Path(path)
+    fonts = file.name.startswith("fontlist-v") and file.suffix == ".json" and file.parent.name == "matplotlib"
+    return file.is_dir() or file.parent.suffix in (".dist-info", ".egg-info") or fonts
 
 
 def _watch_hdf5() -> None:

@@ -82,5 +82,6 @@ class CrossSpectra:
         return np.asarray(unexplained * np.einsum("lii->il", self._inverse()).real)
 
     def _inverse(self) -> NDArray[np.complex128]:
-        inverse = np.linalg.pinv(self.reference.transpose(2, 0, 1), hermitian=True)
-        return np.asarray(inverse, dtype=np.complex128)
+        inverse = np.asarray(np.linalg.pinv(self.reference.transpose(2, 0, 1), hermitian=True), dtype=np.complex128)
+        inverse[~np.einsum("iil->il", self.reference).any(axis=0)] = np.nan
+        return inverse

@@ -84,13 +84,17 @@ class ImpactSegments:
         return float(self.begin.size)
 
     def spectra(self, samples: NDArray[np.floating], *, force: bool = False) -> NDArray[np.complex128]:
-        """Spectra (segments, lines) of one channel (N,), less its mean before each hit."""
+        """Spectra (segments, lines) of one channel (N,): a force less its mean before each hit, a response its own."""
         window = self.force_window if force else self.response_window
-        pieces = np.asarray(samples, dtype=np.float64)[self.begin[:, None] + np.arange(window.size)]
-        if self.quiet:
+        values = np.asarray(samples, dtype=np.float64)
+        pieces = values[self.begin[:, None] + np.arange(window.size)]
+        if not force:
+            # Before a hit a response may still ring from the last one: its offset is the mean of the whole record.
+            pieces = pieces - values.mean()
+        elif self.quiet:
             # The offset of a force gauge, let through by the force window, would be a second, long hit. It is read
             # well before the trigger, which the hit's own rise precedes.
-            pieces = pieces - pieces[:, : self.quiet].mean(axis=1, keepdims=True) * force
+            pieces = pieces - pieces[:, : self.quiet].mean(axis=1, keepdims=True)
         return np.asarray(np.fft.rfft(pieces * window, axis=1))
 
 
@@ -117,7 +121,9 @@ def cut_at_hits(where: str, force: NDArray[np.floating], rate_hz: float, windows
     good = [first for first, twice in zip(begin, double, strict=True) if not twice]
     kept = good if windows.reject_double_hits and good else begin
     time = (np.arange(length) - before) / rate_hz
-    decay = np.exp(-np.maximum(time, 0.0) / windows.decay_s) if np.isfinite(windows.decay_s) else np.ones(length)
+    # One exponential from the start of the segment on: a hit begins before it triggers, and a bend in the window there
+    # would be a force that the responses do not know of.
+    decay = np.exp(-time / windows.decay_s) if np.isfinite(windows.decay_s) else np.ones(length)
     passed = time + before / rate_hz - windows.force_s
     fall = max(0.25 * windows.force_s, 1.0 / rate_hz)
     gate = np.where(passed <= 0, 1.0, np.where(passed < fall, 0.5 + 0.5 * np.cos(np.pi * passed / fall), 0.0))

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 
-_LINES_AT_ONCE = 4096
+_LINES_AT_ONCE = 1024
+_LEAST_SINE = 1e-6  # of a column to those before it; flatter ones lose more digits than a plain solution may
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,25 +83,93 @@ def _fit_lines(
     order: int,
     half_width: int,
 ) -> None:
-    """Fill ``fit`` for some lines: one thin QR a line, shared by all responses."""
-    inputs, last = references.shape[0], responses.shape[1] - 1
+    """Fill ``fit`` for some lines at once, all responses sharing the factors of the references.
+
+    The window of every line holds the same polynomials, so t is projected out by one constant matrix.
+    """
+    last = responses.shape[1] - 1
     centre = np.clip(lines, 1 + half_width, last - half_width)
-    window = centre[:, None] + np.arange(-half_width, half_width + 1)
+    window = centre + np.arange(-half_width, half_width + 1)[:, None]
     # Offsets in units of the half width keep the powers of r well scaled.
-    powers = ((window - lines[:, None]) / half_width)[:, :, None] ** np.arange(order + 1)
-    scale = np.sqrt((np.abs(references[:, window]) ** 2).mean(axis=2))
+    powers = (np.arange(-half_width, half_width + 1) / half_width)[:, None] ** np.arange(order + 1)
+    rest = np.linalg.qr(powers, mode="complete")[0][:, order + 1 :].T
+    around = references[:, window]
+    scale = np.sqrt((np.abs(around) ** 2).mean(axis=1))
     scale[scale == 0] = 1.0
-    blocks = [(references[i][window] / scale[i][:, None])[:, :, None] * powers for i in range(inputs)]
+    columns = (powers.T[:, :, None] * (around / scale[:, None])[:, None]).reshape(-1, *window.shape)
+    basis, triangle = _orthonormal(rest @ columns)
+    least = _LEAST_SINE * np.sqrt((np.abs(columns) ** 2).sum(axis=1))
+    sound = (least < np.diagonal(triangle).real.T).all(axis=0)
+    at_line = ((lines - centre) / half_width) ** np.arange(order + 1)[:, None]
+    weights = _value_weights(triangle, at_line, sound) / scale[:, None]
+    data = rest @ responses[:, window]
+    values = np.zeros((responses.shape[0], *scale.shape), complex)
+    for column, vector in enumerate(basis):
+        projected = np.einsum("wk,cwk->ck", vector.conj(), data)
+        data -= vector * projected[:, None]
+        values += weights[:, column] * projected[:, None]
+    fit.values[:, :, part] = values
+    fit.noise_power[:, part] = (np.abs(data) ** 2).sum(axis=1) / (data.shape[1] - basis.shape[0])
+    fit.variance[:, :, part] = fit.noise_power[:, None, part] * (np.abs(weights) ** 2).sum(axis=1)
+    flat = np.flatnonzero(~sound)
+    if flat.size:
+        _fit_flat_lines(fit, part.start + flat, responses, references, lines[flat], window[:, flat], order)
+
+
+def _orthonormal(columns: NDArray[np.complex128]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Thin QR factors of columns (N, W, K) on every line K: basis (N, W, K) and triangle (N, N, K).
+
+    Gram and Schmidt's, twice over, which is as orthogonal as Householder's.
+    """
+    basis = np.empty_like(columns)
+    triangle = np.zeros((columns.shape[0], columns.shape[0], columns.shape[2]), complex)
+    for j, column in enumerate(columns):
+        left = column.copy()
+        for i in (*range(j), *range(j)):
+            share = np.einsum("wk,wk->k", basis[i].conj(), left)
+            left -= basis[i] * share
+            triangle[i, j] += share
+        size = np.sqrt((np.abs(left) ** 2).sum(axis=0))
+        triangle[j, j] = size
+        basis[j] = left / np.where(size > 0, size, 1.0)
+    return basis, triangle
+
+
+def _value_weights(
+    triangle: NDArray[np.complex128], at_line: NDArray[np.float64], sound: NDArray[np.bool_]
+) -> NDArray[np.complex128]:
+    """Weights (R, N, K) of the projections on the basis in g(line), by forward substitution through the triangle."""
+    terms, unknowns = at_line.shape[0], triangle.shape[0]
+    weights = np.zeros((unknowns // terms, unknowns, sound.size), complex)
+    for i, weight in enumerate(weights):
+        weight[i * terms : (i + 1) * terms] = at_line
+        for j in range(unknowns):
+            known = weight[j] - (weight[:j] * triangle[:j, j]).sum(axis=0)
+            weight[j] = np.divide(known, triangle[j, j], out=np.zeros_like(known), where=sound)
+    return weights
+
+
+def _fit_flat_lines(
+    fit: LocalFit,
+    places: NDArray[np.intp],
+    responses: NDArray[np.complex128],
+    references: NDArray[np.complex128],
+    lines: NDArray[np.intp],
+    window: NDArray[np.intp],
+    order: int,
+) -> None:
+    """Fill ``fit`` where a reference vanishes or is a polynomial itself: the pseudo-inverse keeps the rest alive."""
+    half_width = window.shape[0] // 2
+    powers = ((window - lines) / half_width).T[:, :, None] ** np.arange(order + 1)
+    around = references[:, window.T]
+    scale = np.sqrt((np.abs(around) ** 2).mean(axis=2))
+    scale[scale == 0] = 1.0
+    blocks = [(spectrum / size[:, None])[:, :, None] * powers for spectrum, size in zip(around, scale, strict=True)]
     basis, triangle = np.linalg.qr(np.concatenate([*blocks, powers.astype(complex)], axis=2))
-    freedom = window.shape[1] - basis.shape[2]
-    # Where the reference vanishes the fit is singular; the pseudo-inverse keeps the rest alive.
-    inverse = np.linalg.pinv(triangle)
-    columns = np.arange(inputs) * (order + 1)
-    gain = (np.abs(inverse[:, columns, :]) ** 2).sum(axis=2).T / scale**2
-    for c, response in enumerate(responses):
-        data = response[window][:, :, None]
-        projected = basis.conj().transpose(0, 2, 1) @ data
-        residual = data - basis @ projected
-        fit.noise_power[c, part] = (np.abs(residual[:, :, 0]) ** 2).sum(axis=1) / freedom
-        fit.values[c, :, part] = (inverse @ projected)[:, columns, 0].T / scale
-        fit.variance[c, :, part] = fit.noise_power[c, part] * gain
+    rows = np.linalg.pinv(triangle)[:, np.arange(references.shape[0]) * (order + 1)] / scale.T[:, :, None]
+    data = np.moveaxis(responses[:, window.T], 0, 2)
+    projected = basis.conj().transpose(0, 2, 1) @ data
+    noise = (np.abs(data - basis @ projected) ** 2).sum(axis=1).T / (window.shape[0] - basis.shape[2])
+    fit.values[:, :, places] = np.moveaxis(rows @ projected, 0, 2).transpose(1, 0, 2)
+    fit.noise_power[:, places] = noise
+    fit.variance[:, :, places] = noise[:, None] * (np.abs(rows) ** 2).sum(axis=2).T

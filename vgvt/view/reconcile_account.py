@@ -64,6 +64,7 @@ class CandidateRow:
     held_out_before: float | None
     held_out_after: float | None
     standing: Standing
+    fitted: str = ""
 
 
 @dataclass(frozen=True, slots=True)

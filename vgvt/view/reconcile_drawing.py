@@ -32,8 +32,7 @@ def places_drawing(geometry: Geometry, places: Sequence[PlaceRow]) -> str:
     parts = [outline_rings(geometry, frame)]
     order = sorted(range(len(there)), key=lambda k: -there[k].explained)
     # Large ones first, so that a small one on top of it stays visible.
-    for k in order:
-        parts.append(_mark(there[k], float(spots[k][0]), float(spots[k][1])))
+    parts += [_mark(there[k], float(spots[k][0]), float(spots[k][1])) for k in order]
     for letter, k in zip("ABC", order[:_LABELLED], strict=False):
         if there[k].explained > 0:
             x, y = spots[k]

@@ -36,25 +36,36 @@ def residual_map_figure(account: Account) -> Figure:
     if account.changed:
         states.append(("after: with what was named", account.after))
     figure = make_subplots(
-        rows=1, cols=len(states), shared_yaxes=True, horizontal_spacing=0.02, subplot_titles=[name for name, _ in states]
+        rows=1,
+        cols=len(states),
+        shared_yaxes=True,
+        horizontal_spacing=0.02,
+        subplot_titles=[name for name, _ in states],
     )
     edges = np.linspace(account.frequency_hz[0], account.frequency_hz[-1], _CELLS + 1)
     names = [_channel_name(c.label, c.held) for c in account.channels]
-    for k, (_, state) in enumerate(states):
-        cells = binned(np.abs(state.predicted - account.measured) ** 2 / account.sigma**2, account.frequency_hz, edges)
+    shown = [
+        binned(np.abs(state.predicted - account.measured) ** 2 / account.sigma**2, account.frequency_hz, edges)
+        for _, state in states
+    ]
+    # Whole decades, the same for both: a few wild cells must not make the rest pale.
+    most = max(1.0, *(float(np.nanquantile(cells, 0.99)) for cells in shown))
+    top = max(1, int(np.ceil(np.log10(most))))
+    for k, cells in enumerate(shown):
         figure.add_heatmap(
-            z=np.log10(np.maximum(cells, 0.1)), x=(edges[1:] + edges[:-1]) / 2, y=names, zmin=0, zmax=3, colorscale=_SCALE,
-            showscale=k == 0, customdata=cells, hovertemplate="%{y}, %{x:.2f} Hz: %{customdata:.2f}<extra></extra>",
+            z=np.log10(np.maximum(cells, 0.1)), x=(edges[1:] + edges[:-1]) / 2, y=names, zmin=0, zmax=top,
+            colorscale=_SCALE, showscale=k == 0, customdata=cells,
+            hovertemplate="%{y}, %{x:.2f} Hz: %{customdata:.2f}<extra></extra>",
             colorbar={
-                "title": {"text": "χ² per degree of freedom", "side": "top"}, "tickvals": [0, 1, 2, 3],
-                "ticktext": ["≤ 1", "10", "100", "≥ 1000"], "orientation": "h", "thickness": 10, "len": 0.5,
-                "y": 1.0, "ypad": 26, "yanchor": "bottom", "outlinewidth": 0,
+                "title": {"text": "χ² per dof", "side": "top"}, "tickvals": list(range(top + 1)),
+                "ticktext": ["≤ 1", *(f"{10**d:g}" for d in range(1, top)), f"≥ {10**top:g}"],
+                "thickness": 12, "outlinewidth": 0,
             },
             row=1, col=k + 1,
         )  # fmt: skip
     figure.update_xaxes(title_text="frequency, Hz", showgrid=False, showline=False)
     figure.update_yaxes(autorange="reversed", showgrid=False, showline=False, ticks="", dtick=1)
-    figure.update_layout(template=template(), height=_ROW_PX * len(names) + 160, margin={"t": 90})
+    figure.update_layout(template=template(), height=max(_ROW_PX * len(names), 150) + 110, margin={"t": 34, "b": 54})
     return figure
 
 
@@ -75,29 +86,31 @@ def evidence_figure(rows: tuple[CandidateRow, ...], needed_nats: float, most: in
     shown = sorted(rows, key=lambda r: -r.gain_nats)[:most]
     # A bar of a thousand nats must not hide one of ten: the axis is linear up to one, logarithmic beyond.
     length = [np.sign(r.gain_nats) * np.log10(1 + abs(r.gain_nats)) for r in shown]
+    names = _distinct([_plain(r.label) for r in shown])
     figure = go.Figure()
     for standing, (colour, words) in _STANDING.items():
         mine = [k for k, r in enumerate(shown) if r.standing == standing]
         if mine:
             figure.add_bar(
-                y=[_plain(shown[k].label) for k in mine], x=[length[k] for k in mine], orientation="h", name=words,
+                y=[names[k] for k in mine], x=[length[k] for k in mine], orientation="h", name=words,
                 marker={"color": colour}, text=[f"{shown[k].gain_nats:.1f}" for k in mine], textposition="outside",
                 cliponaxis=False, hovertemplate="%{y}: %{text} nats<extra></extra>",
             )  # fmt: skip
     figure.add_vline(x=float(np.log10(1 + needed_nats)), line={"color": MEASURED_COLOUR, "dash": "dash", "width": 1.5})
-    ticks = [t for t in (0, 1, 10, 100, 1000, 10000, 100000) if np.log10(1 + t) <= max(length) + 1]
+    powers = [t for t in (1, 10, 100, 1000, 10000, 100000) if np.log10(1 + t) <= max(length) + 1]
+    ticks = [*(-t for t in powers), 0, *powers]
     figure.update_xaxes(
-        title_text="gain of evidence on the fitted data, nats", tickvals=[np.log10(1 + t) for t in ticks],
-        ticktext=[f"{t:g}" for t in ticks], range=[min(0.0, *length) - 0.05, 1.18 * max(max(length), 1.0)],
+        title_text="gain of evidence on the fitted data, nats",
+        tickvals=[np.sign(t) * np.log10(1 + abs(t)) for t in ticks],
+        ticktext=[f"{t:g}" for t in ticks], range=[1.25 * min(0.0, *length), 1.18 * max(max(length), 1.0)],
     )  # fmt: skip
-    order = [_plain(r.label) for r in shown]
-    figure.update_yaxes(categoryorder="array", categoryarray=order, autorange="reversed", showgrid=False, ticks="")
-    figure.update_layout(template=template(), height=26 * len(shown) + 130, bargap=0.25)
+    figure.update_yaxes(categoryorder="array", categoryarray=names, autorange="reversed", showgrid=False, ticks="")
+    figure.update_layout(template=template(), height=26 * len(shown) + 130, bargap=0.25, showlegend=True)
     return figure
 
 
 def stiffness_figure(place: PlaceRow, frequency_hz: NDArray[np.float64]) -> Figure | None:
-    """Magnitude and phase of z(ω) = force over motion at a place, with the law that it resembles; None without z."""
+    """Magnitude and phase of z(ω), force over motion at a place, (L,) Hz, and the law it resembles; None without z."""
     from plotly.subplots import make_subplots
 
     if place.stiffness is None:
@@ -111,7 +124,14 @@ def stiffness_figure(place: PlaceRow, frequency_hz: NDArray[np.float64]) -> Figu
     elif place.type == "resonant":
         figure.add_vline(x=place.size, line={"color": POSITIVE_COLOUR, "dash": "dash", "width": 1.5})
     moment = place.position_m is None or "root" in place.label
-    figure.update_yaxes(row=1, col=1, type="log", title_text=f"|z|, {'N m/rad' if moment else 'N/m'}", exponentformat="power")
+    unit = "N m/rad" if moment else "N/m"
+    figure.update_yaxes(
+        row=1,
+        col=1,
+        type="log",
+        title_text=f"|z|, {unit}",
+        **(_DECADES | {"exponentformat": "power", "tickformat": None}),
+    )
     figure.update_yaxes(row=2, col=1, title_text="phase, °", range=[-185, 185], tickvals=[-180, -90, 0, 90, 180])
     figure.update_xaxes(row=2, col=1, title_text="frequency, Hz")
     figure.update_layout(template=template(), height=420)
@@ -137,11 +157,11 @@ def overlay_figure(account: Account, channel: int) -> Figure:
         _curves(figure, f, state.predicted[channel], name, colour, dash)
         away = np.abs(state.predicted[channel] - measured) / account.sigma[channel]
         figure.add_scatter(
-            x=f.astype(np.float32), y=np.maximum(away, 0.03).astype(np.float32), mode="lines", name=name, legendgroup=name,
-            showlegend=False, line={"color": colour, "dash": dash, "width": 1.2}, row=3, col=1,
+            x=f.astype(np.float32), y=np.maximum(away, 0.03).astype(np.float32), mode="lines", name=name,
+            legendgroup=name, showlegend=False, line={"color": colour, "dash": dash, "width": 1.2}, row=3, col=1,
             hovertemplate="%{x:.3f} Hz: %{y:.2f} sd<extra>" + name + "</extra>",
         )  # fmt: skip
-    figure.add_hline(y=1.0, line={"color": MEASURED_COLOUR, "dash": "dot", "width": 1}, row=3, col=1)  # type: ignore[arg-type]
+    figure.add_hline(y=1.0, line={"color": MEASURED_COLOUR, "dash": "dot", "width": 1}, row=3, col=1)
     figure.update_yaxes(row=1, col=1, type="log", title_text="|A/F|, (m/s²)/N", **_DECADES)
     figure.update_yaxes(row=2, col=1, title_text="phase, °", range=[-185, 185], tickvals=[-180, -90, 0, 90, 180])
     figure.update_yaxes(row=3, col=1, type="log", title_text="error, sd", **_DECADES)
@@ -165,7 +185,10 @@ def posterior_figure(account: Account) -> Figure | None:
     beyond = [abs(r.score) > 3 for r in rows]
     figure.add_scatter(
         x=[r.score for r in rows], y=names, mode="markers", showlegend=False,
-        error_x={"type": "data", "array": [r.score_std for r in rows], "thickness": 1.2, "width": 3, "color": MEASURED_COLOUR},
+        error_x={
+            "type": "data", "array": [r.score_std for r in rows], "thickness": 1.2, "width": 3,
+            "color": MEASURED_COLOUR,
+        },
         marker={
             "color": [POSITIVE_COLOUR if b else NEGATIVE_COLOUR for b in beyond], "size": 8,
             "symbol": ["diamond" if b else "circle" for b in beyond],
@@ -201,9 +224,14 @@ def _curves(
     phase = np.degrees(np.angle(values))
     x, y = (frequency_hz, phase) if points else break_wraps(frequency_hz, phase)
     figure.add_scatter(
-        x=x.astype(np.float32), y=y.astype(np.float32), name=name, legendgroup=name, showlegend=False, connectgaps=False,
-        hoverinfo="skip", row=2, col=1, **style,
+        x=x.astype(np.float32), y=y.astype(np.float32), name=name, legendgroup=name, showlegend=False,
+        connectgaps=False, hoverinfo="skip", row=2, col=1, **style,
     )  # fmt: skip
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """The same names, later ones of the same wording numbered."""
+    return [n if names.index(n) == k else f"{n} ({names[: k + 1].count(n)})" for k, n in enumerate(names)]
 
 
 def _channel_name(label: str, held: str) -> str:

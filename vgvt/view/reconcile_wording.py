@@ -1,4 +1,4 @@
-"""A reconciliation in words, the same in the terminal and on its page: the verdict, what to do, what would refute it."""
+"""A reconciliation in words, the same in the terminal and on its page: verdict, what to do, what would refute it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from vgvt.view.reconcile_account import Account, EffectRow
 KINDS = {
     "adequate": "No other effect is needed",
     "explained": "Explained",
-    "ambiguous": "Explained, but not by one effect alone",
+    "ambiguous": "Ambiguous: several effects explain it alike",
     "partly_explained": "Partly explained",
     "unknown": "Not explained by the catalogue",
 }
 _NEXT = {
     "adequate": (
-        "Use the calibrated scenario. The table of detectability says how large each effect could be without being seen.",
+        "Use the calibrated scenario; the table of detectability says how large each effect could be, unseen.",
     ),
     "explained": (
         "Check the named effect on the aircraft or the rig; its separating test below is the quickest way.",
@@ -58,18 +58,17 @@ def next_steps(account: Account) -> tuple[str, ...]:
     steps = list(_NEXT[account.kind])
     if account.tests:
         best = account.tests[0]
-        words = f"{best.test}: {best.nats:.0f} nats between {best.rivals[0]} and {best.rivals[1]} in {best.minutes:.0f} min"
+        words = (
+            f"{best.test}: {best.nats:.0f} nats between {best.rivals[0]} and {best.rivals[1]} in {best.minutes:.0f} min"
+        )
         steps.insert(0, f"Next test: {words}.")
     return tuple(steps)
 
 
 def disproofs(account: Account) -> tuple[str, ...]:
     """What would show the verdict to be wrong, each with its figure."""
-    found = []
+    found = [f"{e.name}: {_sentence(e.separating_test)}" for e in account.effects if e.separating_test]
     limit = account.limits["held_out_chi2_per_dof"]
-    for e in account.effects:
-        if e.separating_test:
-            found.append(f"{e.name}: {_sentence(e.separating_test)}")
     if account.effects:
         held = account.after.figures["held_out_chi2_per_dof"]
         reached = "" if held is None else f" (here {held:.2f})"
@@ -79,13 +78,13 @@ def disproofs(account: Account) -> tuple[str, ...]:
         )
         found.append("A repetition with the effect removed from the rig or the aircraft, in which the residual stays.")
     elif account.kind == "adequate":
-        found.append(
-            f"A new run that the calibrated scenario misses by more than {limit:.2f} per degree of freedom."
-        )
+        found.append(f"A new run that the calibrated scenario misses by more than {limit:.2f} per degree of freedom.")
         found.append("An effect smaller than what the table of detectability says is not refuted by this verdict.")
     else:
         found.append("An effect added to the catalogue that gains enough evidence and lowers the held-out error.")
-        found.append("Noise or a model-form error larger than was assumed: see how sigma is made up below the residual maps.")
+        found.append(
+            "Noise or a model-form error larger than was assumed: see how sigma is made up below the residual maps."
+        )
     return tuple(found)
 
 

@@ -73,7 +73,8 @@ def setup_drawing(campaign: Campaign) -> str:
         x, y = points[node]
         parts.append(f'<path class="drive" d="M{x:.1f} {y - 8:.1f}l7 13h-14z"/>')
         parts.append(f'<text class="drive-label" x="{x + 11:.1f}" y="{y + 5:.1f}">{node}</text>')
-    return svg_element("".join(parts), frame.height, "Plan view of the response points and drive points", width=2 * _WIDTH)
+    title = "Plan view of the response points and drive points"
+    return svg_element("".join(parts), frame.height, title, width=2 * _WIDTH)
 
 
 def shape_nodes(geometry: Geometry, model: ModalModel) -> tuple[int, ...]:

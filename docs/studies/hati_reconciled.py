@@ -1,0 +1,296 @@
+"""The loop closed on the measured campaign: ten raw runs against the nominal scenario that was frozen beforehand.
+
+    python docs/studies/hati_reconciled.py [STAGE ...]
+
+Stages, each kept under docs/_build/hati-reconciled and not done again: null (the nominal model as it stands and calibrated, no
+effect added), main (the whole catalogue), first (the same, at most one
+effect: a quicker look), fine-floor (a model-form
+error of 0.4 %), without (the catalogue without what was named), shuffled (channel labels permuted), wrong-place (what
+was named, offered elsewhere), splits (six more hold-outs). Afterwards the page's tables and figure are written. All of it
+is derived from records under the MIT licence (PAAW/mAEWing1).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from virtual_lab import PAGES
+
+import vgvt.reconcile
+from vgvt.data import Campaign, ChannelRole
+from vgvt.effects.registry import available_effects
+from vgvt.files import open_campaign
+from vgvt.reconcile.attribute import Rival
+from vgvt.reconcile.augment import posterior_of
+from vgvt.reconcile.candidates import places
+from vgvt.reconcile.figures_of_merit import compare
+from vgvt.reconcile.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.holdout import Split
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.localise import localise
+from vgvt.reconcile.loop import reconcile
+from vgvt.reconcile.mode_errors import model_modes
+from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.residual import residual
+from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.verdict import Verdict
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.scenario.streams import named_stream
+
+RAW = "hati-2015-09-24"
+FOLDER = PAGES.parent / "_build" / "hati-reconciled"
+FINE_FLOOR = 0.004
+SPLITS = ("odd runs", "even runs", "forward row", "aft row", "right wing", "left wing")
+"""What is fitted in each of the further hold-outs; the other half is judged."""
+Document = dict[str, Any]
+
+
+def _core() -> str:
+    """A hash of the sources that decide, to tell stages of different versions apart."""
+    names = ("attribute", "candidates", "data", "fit", "localise", "misfit", "residual", "screen", "surrogate", "uncertain")
+    files = [Path(vgvt.reconcile.__file__).with_name(f"{name}.py") for name in names]
+    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()[:12]
+
+
+CORE = _core()
+
+
+def nominal() -> Scenario:
+    """The frozen scenario."""
+    return load_scenario(PAGES / "hati-measured.toml")
+
+
+def stored(stage: str) -> Document | None:
+    """What a stage came to, if it is there."""
+    path = FOLDER / f"{stage}.json"
+    found: Document | None = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    return found
+
+
+def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any) -> Document:
+    """A whole reconciliation with its verdict, posterior, rivals, time, and the load under which it was taken."""
+    wall, own = time.perf_counter(), time.process_time()
+
+    def tell(fraction: float, message: str, left: float | None) -> None:
+        print(f"{stage} {time.strftime('%H:%M:%S')} {fraction:.0%} {message}", flush=True)  # noqa: T201
+
+    verdict = reconcile(campaign, scenario, folder=FOLDER / stage, progress=tell, **choices)
+    found = verdict.attribution
+    document = verdict.document() | {
+        "core": CORE,
+        "wall_s": time.perf_counter() - wall,
+        "processor_s": time.process_time() - own,
+        "load": os.getloadavg()[0],
+        "converged": {"before": found.null.converged, "after": found.final.converged},
+        "posterior_before": posterior_of(found.null),
+        "posterior": posterior_of(found.final),
+        "rounds": [[_rival(r) for r in addition.rivals] for addition in found.rounds],
+        "last_rivals": [_rival(r) for r in found.last_rivals],
+        "vetoed": [_rival(r) for r in found.vetoed],
+        "scores": {"before": found.null.u.tolist(), "after": found.final.u.tolist(), "effects": found.final.e.tolist()},
+    }
+    _keep_arrays(stage, verdict)
+    return document
+
+
+def _rival(r: Rival) -> Document:
+    return {
+        "effect": r.hypothesis.label,
+        "gain_nats": r.gain_nats,
+        "raw_nats": r.raw_nats,
+        "held_out": r.held_out,
+        "parameters": {k: list(v) for k, v in r.fit.values(len(r.fit.hypotheses) - 1).items()},
+    }
+
+
+def _keep_arrays(stage: str, verdict: Verdict) -> None:
+    found = verdict.attribution
+    measured = found.null.problem.measured
+    np.savez(
+        FOLDER / f"{stage}.npz",
+        frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
+        before=found.null.predicted, after=found.final.predicted, train=found.null.problem.split.train,
+        run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
+        table_before=found.null_residual.table, table_after=found.final_residual.table,
+        bands_hz=found.null_residual.bands_hz,
+    )  # fmt: skip
+
+
+def shuffled(campaign: Campaign, seed: int) -> Campaign:
+    """The same records with the places of the responses permuted."""
+    dofs = list(campaign.response_dofs)
+    order = named_stream(seed, "shuffled").permutation(len(dofs))
+    new = {dof: dofs[k] for dof, k in zip(dofs, order, strict=True)}
+
+    def relabelled(run: Any) -> Any:
+        channels = tuple(
+            replace(c, dof=new[c.dof]) if c.role is ChannelRole.RESPONSE and c.dof is not None else c for c in run.channels
+        )
+        return replace(run, channels=channels)
+
+    return replace(campaign, runs=tuple(relabelled(run) for run in campaign.runs))
+
+
+def named(document: Document) -> list[tuple[Hypothesis, dict[str, float]]]:
+    """The effects that a stage named, as hypotheses with their fitted values."""
+    found = []
+    for effect in document["effects"]:
+        hypothesis = Hypothesis(available_effects()[effect["name"]], effect["settings"])
+        found.append((hypothesis, {k: v["value"] for k, v in effect["parameters"].items()}))
+    return found
+
+
+def half(problem: Problem, what: str) -> NDArray[np.bool_]:
+    """The channels that one of the further hold-outs fits, (C,) bool."""
+    run = np.array([c.run_number for c in problem.measured.channels])
+    node = np.array([c.dof.node for c in problem.measured.channels])
+    return np.asarray({
+        "odd runs": run % 2 == 1, "even runs": run % 2 == 0, "forward row": node % 2 == 1, "aft row": node % 2 == 0,
+        "right wing": node <= 10, "left wing": node > 10,
+    }[what])  # fmt: skip
+
+
+def problem_as_run() -> Problem:
+    """The problem of the main stage."""
+    return make_problem(open_campaign(RAW), nominal(), cache=FOLDER / "cache")
+
+
+def after_fit(before: Fit, effects: list[tuple[Hypothesis, dict[str, float]]]) -> Fit:
+    """The model with effects, fitted from the one without."""
+    start = np.concatenate([h.scores(values) for h, values in effects])
+    return fit(before.problem, tuple(h for h, _ in effects), before.u, start, ((0.15, 3), *NEAR))
+
+
+def run_splits(main: Document) -> Document:
+    """Errors on what was not fitted, before and after, for every further hold-out."""
+    problem, effects, rows = problem_as_run(), named(main), {}
+    for what in SPLITS:
+        train = half(problem, what)
+        parts = Split(train, ~train, np.zeros_like(train))
+        part = replace(problem, split=parts)
+        before = calibrate(part)
+        row: Document = {"before": compare(before.predicted, problem.measured, parts).document()}
+        if effects:
+            after = after_fit(before, effects)
+            row["after"] = compare(after.predicted, problem.measured, parts).document()
+            row["effects"] = [after.values(k) for k in range(len(effects))]
+        rows[what] = row
+        print(f"splits {time.strftime('%H:%M:%S')} {what}", flush=True)  # noqa: T201
+    return rows
+
+
+def run_wrong_places(main: Document) -> Document:
+    """What each named effect with a place would gain elsewhere: mirrored, and at the nearest other place of the grid."""
+    problem, rows = problem_as_run(), {}
+    before = fit(problem, (), np.array(main["scores"]["before"]), np.zeros(0), NEAR)
+    for hypothesis, values in named(main):
+        here = {**hypothesis.settings, **values}
+        if not {"x_m", "y_m"} <= set(here):
+            rows[hypothesis.name] = {"place": None}
+            continue
+        x, y = float(here["x_m"]), float(here["y_m"])
+        others = sorted(places(problem), key=lambda p: np.hypot(p[0] - x, p[1] - y))
+        wrong = {"as found": (x, y), "mirrored": (x, -y), "nearest other": next(p for p in others if np.hypot(p[0] - x, p[1] - y) > 0.05)}
+        rest = {k: v for k, v in values.items() if k not in ("x_m", "y_m")}
+        kept = {k: v for k, v in hypothesis.settings.items() if k not in ("x_m", "y_m")}
+        row: Document = {}
+        for label, (px, py) in wrong.items():
+            fixed = Hypothesis(hypothesis.cls, {**kept, "x_m": px, "y_m": py})
+            found = after_fit(before, [(fixed, rest)])
+            row[label] = {
+                "x_m": px, "y_m": py, "raw_nats": found.evidence_nats - before.evidence_nats,
+                "errors": compare(found.predicted, problem.measured, problem.split).document(),
+            }  # fmt: skip
+        rows[hypothesis.name] = row
+    return rows
+
+
+def run_null() -> Document:
+    """The nominal model as it stands and calibrated, no effect added: errors, modes, and where a free force would help."""
+    wall, own = time.perf_counter(), time.process_time()
+    problem = problem_as_run()
+    stated = fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
+    calibrated = calibrate(problem)
+    document: Document = {"core": CORE, "converged": calibrated.converged, "posterior": posterior_of(calibrated)}
+    for label, model in (("stated", stated), ("calibrated", calibrated)):
+        modes = model_modes(model)
+        left = residual(model, stored_thresholds())
+        document[label] = {
+            "errors": compare(model.predicted, problem.measured, problem.split).document(),
+            "frequency_hz": modes.frequency_hz.tolist(), "damping_ratio": modes.damping_ratio.tolist(),
+            "bands_hz": left.bands_hz.tolist(), "table": left.table.tolist(), "reasons": list(left.reasons),
+            "lag_one": left.lag_one, "smooth_per_dof": left.smooth_per_dof,
+        }  # fmt: skip
+    measured = problem.measured
+    np.savez(
+        FOLDER / "null.npz",
+        frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
+        before=stated.predicted, after=calibrated.predicted, train=problem.split.train,
+        run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
+        table_before=np.array(document["stated"]["table"]), table_after=np.array(document["calibrated"]["table"]),
+        bands_hz=np.array(document["stated"]["bands_hz"]),
+    )  # fmt: skip
+    document["calibration_s"] = [time.perf_counter() - wall, time.process_time() - own, os.getloadavg()[0]]
+    (FOLDER / "null-without-places.json").write_text(json.dumps(document, default=float), encoding="utf-8")
+    found = localise(calibrated)
+    document["localisation"] = [
+        {"place": p.label, "explained": p.explained, "type": p.type, "size": p.size, "unit": p.unit} for p in found.places[:8]
+    ]
+    document["localised_s"] = [time.perf_counter() - wall, time.process_time() - own, os.getloadavg()[0]]
+    return document
+
+
+def without(main: Document) -> dict[str, type]:
+    """The catalogue without what was named, and without what explains the data as well."""
+    gone = {n for e in main["effects"] for n in (e["name"], *e["equivalent"])}
+    return {k: v for k, v in available_effects().items() if k not in gone}
+
+
+def work(stage: str) -> Document:
+    """One stage; all but the first need what the first came to."""
+    scenario = nominal()
+    if stage == "null":
+        return run_null()
+    if stage in ("main", "first"):
+        return run_whole(stage, open_campaign(RAW), scenario, most=3 if stage == "main" else 1)
+    if stage == "fine-floor":
+        return run_whole(stage, open_campaign(RAW), scenario, floor=FINE_FLOOR)
+    if stage == "shuffled":
+        return run_whole(stage, shuffled(open_campaign(RAW), scenario.seed), scenario)
+    main = stored("main") or stored("first")
+    if main is None:
+        raise SystemExit("the stage 'main' comes first")
+    if stage == "without":
+        return run_whole(stage, open_campaign(RAW), scenario, effects=without(main))
+    return run_splits(main) if stage == "splits" else run_wrong_places(main)
+
+
+STAGES = ("null", "main", "without", "splits", "wrong-place", "shuffled", "fine-floor")
+
+
+def run(stages: tuple[str, ...]) -> None:
+    """Do what is missing of some stages, and write the page."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for stage in stages:
+        if stored(stage) is None:
+            document = work(stage)
+            (FOLDER / f"{stage}.json").write_text(json.dumps(document, indent=1, default=float), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    chosen = tuple(a for a in sys.argv[1:] if not a.startswith("--"))
+    if "--page" not in sys.argv:
+        run(chosen or STAGES)
+    if not chosen:
+        import hati_reconciled_page
+
+        hati_reconciled_page.write()

@@ -1,0 +1,42 @@
+"""A small campaign with known truth: Hati with six links a wing, solved exactly, drawn from the tolerances."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from vgvt.data import Campaign
+from vgvt.effects import Effect
+from vgvt.effects.conformance import table_of
+from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.uncertain import edited, unknowns
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation import simulate
+
+
+def small_scenario() -> Scenario:
+    """The bundled quick scenario, smaller still."""
+    whole = load_scenario("quick")
+    wing = whole.airframe.beam[0].model_copy(update={"cells": 6})
+    changes = {
+        "airframe": whole.airframe.model_copy(update={"beam": (wing,)}),
+        "acquisition": whole.acquisition.model_copy(update={"sample_rate_hz": 200.0}),
+        "tolerances": whole.tolerances.model_copy(update={"segments": 0}),
+    }
+    return whole.model_copy(update=changes)
+
+
+def campaign_of(scenario: Scenario, seed: int, *effects: Effect) -> Campaign:
+    """A campaign whose truth is drawn from the scenario's tolerances, with effects."""
+    known = unknowns(scenario)
+    drawn = np.random.default_rng(seed).standard_normal(len(known))
+    truth = edited(scenario, known, drawn)
+    truth = truth.model_copy(update={"seed": seed, "effect": tuple(table_of(e) for e in effects)})
+    return simulate(truth, engine="linear").campaign
+
+
+def problem(cache: Path, seed: int, *effects: Effect) -> Problem:
+    """The reconciliation of such a campaign with the scenario as stated."""
+    scenario = small_scenario()
+    return make_problem(campaign_of(scenario, seed, *effects), scenario, lines=200, cache=cache)

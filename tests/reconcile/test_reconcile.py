@@ -1,0 +1,72 @@
+"""The whole loop on small campaigns with known truth: nothing is named where nothing is missing, and what is, is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, small_scenario
+
+from vgvt.effects import Effect, available_effects
+from vgvt.reconcile import Kind, Verdict, reconcile
+from vgvt.scenario import load_scenario
+
+SOME = ("channel-gain", "channel-delay", "transducer-mass")
+MANY = (*SOME, "local-absorber", "added-mass", "root-compliance", "stinger-moment", "suspension-surge")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Derivatives are worked out once for all tests."""
+    return tmp_path_factory.mktemp("reconcile")
+
+
+def verdict(folder: Path, seed: int, names: tuple[str, ...], *made: Effect) -> Verdict:
+    """The verdict on a campaign with effects, the catalogue being those named."""
+    known = available_effects()
+    scenario = small_scenario()
+    campaign = campaign_of(scenario, seed, *made)
+    return reconcile(campaign, scenario, effects={n: known[n] for n in names}, lines=150, folder=folder)
+
+
+def test_a_campaign_without_any_effect_is_adequate(folder: Path) -> None:
+    found = verdict(folder, 11, SOME)
+    assert found.kind is Kind.ADEQUATE, found.reasons
+    assert found.effects == ()
+
+
+def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
+    found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))
+    assert found.kind is Kind.EXPLAINED, found.reasons
+    (effect,) = found.effects
+    assert (effect.name, effect.settings["channels"]) == ("channel-gain", "7+Z")
+    value, sd, _ = effect.parameters["gain_error"]
+    assert abs(value - 0.08) < max(4 * sd, 0.015)
+    assert found.after.held_out is not None and found.before.held_out is not None
+    assert found.after.train.chi2_per_dof < found.before.train.chi2_per_dof
+    again = load_scenario(folder / "reconciled.toml")
+    assert [t.name for t in again.effect] == ["channel-gain"]
+    assert found.document()["verdict"] == "explained"
+
+
+def test_the_same_call_gives_the_same_verdict(folder: Path) -> None:
+    first, second = (verdict(folder, 11, ("channel-delay",)) for _ in range(2))
+    np.testing.assert_array_equal(first.attribution.final.u, second.attribution.final.u)
+    assert first.document() == second.document()
+
+
+@pytest.mark.slow
+def test_an_absorber_is_found_where_it_is(folder: Path) -> None:
+    made = available_effects()["local-absorber"](mass_kg=0.05, frequency_hz=14.0, x_m=0.75, y_m=0.9)
+    found = verdict(folder, 13, MANY, made)
+    assert found.effects[0].name == "local-absorber", found.reasons
+    assert abs(found.effects[0].parameters["frequency_hz"][0] - 14.0) < 0.5
+
+
+@pytest.mark.slow
+def test_an_effect_outside_the_catalogue_is_not_given_another_name(folder: Path) -> None:
+    made = available_effects()["local-absorber"](mass_kg=0.05, frequency_hz=14.0, x_m=0.75, y_m=0.9)
+    found = verdict(folder, 13, tuple(n for n in MANY if n != "local-absorber"), made)
+    assert found.kind in (Kind.UNKNOWN, Kind.PARTLY_EXPLAINED), found.reasons
+    assert found.localisation is not None and found.localisation.places

@@ -1,0 +1,106 @@
+"""Sweeps: designs, keys, values, and refusals that name the nearest key."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vgvt.data import InputError
+from vgvt.scenario import load_scenario
+from vgvt.scenario.sweeps import Axis, changed, known_keys, sweep
+
+
+@pytest.fixture(scope="module")
+def quick():
+    return load_scenario("quick")
+
+
+def test_a_grid_has_every_combination_and_changes_nothing_else(quick) -> None:
+    variants = sweep(quick, [Axis.parse("excitation.duration_s=8,16"), Axis.parse("airframe.beam[wing].cells=6,8,9")])
+    assert [(v.scenario.excitation.duration_s, v.scenario.airframe.beam[0].cells) for v in variants] == [
+        (8, 6), (8, 8), (8, 9), (16, 6), (16, 8), (16, 9),
+    ]  # fmt: skip
+    back = {"excitation.duration_s": quick.excitation.duration_s, "airframe.beam[wing].cells": 10}
+    assert changed(variants[0].scenario, back).model_copy(update={"name": quick.name}) == quick
+    assert len({v.scenario.name for v in variants}) == 6
+
+
+def test_a_list_goes_in_step(quick) -> None:
+    axes = [Axis.parse("excitation.duration_s=8,16"), Axis.parse("excitation.amplitude_v=2,1")]
+    variants = sweep(quick, axes, "list")
+    assert [tuple(v.values.values()) for v in variants] == [(8, 2), (16, 1)]
+    with pytest.raises(InputError, match="different numbers"):
+        sweep(quick, [axes[0], Axis.parse("excitation.amplitude_v=1,2,3")], "list")
+
+
+def test_a_latin_hypercube_has_one_point_in_every_stratum(quick) -> None:
+    axes = [Axis.parse("excitation.duration_s=8..24"), Axis.parse("excitation.amplitude_v=0.1..10:log")]
+    with pytest.raises(InputError, match=r"KEY=values|no range|no value"):
+        Axis.parse("excitation.amplitude_v=10..0.1")
+    variants = sweep(quick, axes, "latin", samples=4, seed=3)
+    linear = [(v.values["excitation.duration_s"] - 8) / 16 for v in variants]
+    logarithmic = [np.log10(v.values["excitation.amplitude_v"] / 0.1) / 2 for v in variants]
+    for fractions in (linear, logarithmic):
+        assert sorted(int(4 * f) for f in fractions) == list(range(4))
+    assert np.argsort(linear).tolist() != np.argsort(logarithmic).tolist()
+    again = sweep(quick, axes, "latin", samples=4, seed=3)
+    assert [v.values for v in again] == [v.values for v in variants]
+    assert [v.values for v in sweep(quick, axes, "latin", samples=4, seed=4)] != [v.values for v in variants]
+
+
+def test_a_counted_range_is_even(quick) -> None:
+    assert Axis.parse("x=1..5:5").values == (1, 2, 3, 4, 5)
+    assert Axis.parse("x=0.01..100:5:log").values == pytest.approx((0.01, 0.1, 1, 10, 100))
+
+
+def test_lists_words_and_another_kind(quick) -> None:
+    (moved,) = sweep(quick, [Axis.parse("shaker.position_m=[0.6, 0.1, 0.0]")])
+    assert moved.scenario.shaker.position_m == (0.6, 0.1, 0.0)
+    kinds = sweep(quick, [Axis.parse("excitation.kind=linear-chirp,logarithmic-chirp")])
+    assert [v.scenario.excitation.kind for v in kinds] == ["linear-chirp", "logarithmic-chirp"]
+
+
+@pytest.mark.parametrize(
+    ("key", "nearest"),
+    [
+        ("excitation.durations", "excitation.duration_s"),
+        ("duration_s", "excitation.duration_s"),
+        ("airframe.beam[wing].cell", "airframe.beam[wing].cells"),
+        ("airframe.beam[tail].cells", "airframe.beam[wing].cells"),
+        ("shaker", "shaker."),
+    ],
+)
+def test_an_unknown_key_is_told_its_nearest(quick, key: str, nearest: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        sweep(quick, [Axis(key, (1.0,))])
+    assert nearest in refusal.value.advice
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("excitation.duration_s", "KEY=values"),
+        ("excitation.duration_s=5..1", "rising"),
+        ("excitation.duration_s=0..1:3:log", "above 0"),
+        ("excitation.duration_s=1..2:1", "two values"),
+        ("excitation.duration_s={1", "no value"),
+    ],
+)
+def test_what_is_no_axis_is_refused(text: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Axis.parse(text)
+
+
+def test_values_that_do_not_fit_are_refused_as_in_a_file(quick) -> None:
+    with pytest.raises(InputError, match="duration_s"):
+        sweep(quick, [Axis.parse("excitation.duration_s=-3")])
+    with pytest.raises(InputError, match="off the part"):
+        sweep(quick, [Axis.parse("shaker.position_m=[9.0, 0.0, 0.0]")])
+
+
+def test_every_known_key_can_be_found(quick) -> None:
+    keys = known_keys(quick)
+    assert len(keys) > 80
+    with pytest.raises(InputError, match="is there twice"):
+        sweep(quick, [Axis("seed", (1,)), Axis("seed", (2,))])
+    assert {"excitation.duration_s", "airframe.beam[wing].stations.mass_kg_per_m", "shaker.position_m"} <= set(keys)

@@ -1,0 +1,158 @@
+"""The study of reconcile: blind truths, a fair umpire, resumable work, and intervals that mean what they say."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections import Counter
+from pathlib import Path
+
+import closing_the_loop as study
+import loop_cases
+import loop_results
+import loop_truth
+import loop_work
+import numpy as np
+import pytest
+import scipy.stats
+from loop_cases import Case
+
+from vgvt.data import ChannelRole
+from vgvt.files import read_campaign, write_campaign
+from vgvt.files.truth import write_truth
+from vgvt.reconcile import reconcile
+from vgvt.simulation import simulate
+
+PLACEBO = Case("placebo", (), 0, 0.0, 0.01)
+
+
+@pytest.mark.parametrize(("hits", "trials"), [(0, 20), (1, 20), (19, 20), (20, 20), (60, 200)])
+def test_intervals_are_wilsons(hits: int, trials: int) -> None:
+    known = scipy.stats.binomtest(hits, trials).proportion_ci(0.95, "wilson")
+    assert loop_results.wilson(hits, trials) == pytest.approx((known.low, known.high), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("truth", "kind", "sets", "expected"),
+    [
+        ((), "adequate", [], "nothing"),
+        ((), "explained", [("a",)], "wrong"),
+        (("a",), "explained", [("a",)], "right"),
+        (("a",), "ambiguous", [("b", "a", "c")], "in the set"),
+        (("a",), "ambiguous", [("b", "a", "c", "d")], "wrong set"),
+        (("a",), "explained", [("a",), ("b",)], "in the set"),
+        (("a",), "explained", [("b",)], "wrong"),
+        (("a",), "ambiguous", [("b", "c")], "wrong set"),
+        (("a",), "unknown", [], "unknown"),
+        (("a", "b"), "explained", [("b",), ("a",)], "right"),
+        (("a", "b"), "partly_explained", [("a",)], "part"),
+        (("a", "b"), "ambiguous", [("a", "b")], "in the set"),
+    ],
+)
+def test_the_umpire(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]], expected: str) -> None:
+    assert loop_work.answer(truth, kind, sets) == expected
+
+
+def test_the_plan_keeps_its_promises() -> None:
+    cases = study.plan(study.DRAWS, study.PLACEBOS, study.OPEN_DRAWS, study.PAIRS)
+    assert len({c.key for c in cases}) == len(cases)
+    groups = Counter(c.group for c in cases)
+    assert groups["placebo"] >= 200
+    draws = Counter(c.truth[0] for c in cases if c.group == "effect")
+    assert set(loop_cases.linear_effects()) <= set(draws)
+    assert min(draws.values()) >= 20
+    assert len({c.truth for c in cases if c.group == "never"}) >= 6
+    assert {c.noise for c in cases if c.group == "effect"} == set(loop_cases.NOISE)
+    first = cases[: len(cases) // 5]
+    assert Counter(c.group for c in first)["placebo"] == pytest.approx(groups["placebo"] / 5, abs=2)
+
+
+def test_a_study_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    cases = [dataclasses.replace(PLACEBO, draw=k) for k in range(4)]
+    asked: list[int] = []
+
+    def work(case: Case) -> list[loop_results.Row]:
+        asked.append(case.draw)
+        return [{"draw": case.draw}]
+
+    first = list(study.results_of(cases[:2], tmp_path, 1, float("inf"), work))
+    assert [old for _, _, old in first] == [False, False]
+    again = list(study.results_of(cases, tmp_path, 1, float("inf"), work))
+    assert [(case.draw, old) for case, _, old in again] == [(0, True), (1, True), (2, False), (3, False)]
+    assert asked == [0, 1, 2, 3]
+    assert list(study.results_of([dataclasses.replace(PLACEBO, draw=9)], tmp_path, 1, 0.0, work)) == []
+
+
+def test_thresholds_are_what_placebos_stay_below() -> None:
+    """Of a hundred placebos at most two lie above each limit, of ten none; the limits say whence they come."""
+    keys = ("train_before", "smooth_before", "held_before", "evidence_nats")
+    common = {"group": "placebo", "verdict": "adequate", "core": "abc", "noise": 0.01}
+    many = [{**common, **{key: float(k) for key in keys}} for k in range(100)]
+    limits = tomllib.loads(loop_results.placebo_limits(many))
+    assert 0 < sum(r["evidence_nats"] > limits["evidence_nats"] for r in many) <= 2
+    few = tomllib.loads(loop_results.placebo_limits(many[:10]))
+    assert few["chi2_per_dof"] == 9.0
+    assert "10 placebos" in few["provenance"]
+
+
+def test_truths_scatter_as_the_tolerances_say() -> None:
+    """The common factor of EI over draws, against its stated 10 %: chi-square bounds at one in a thousand."""
+    scenario, g = loop_truth.nominal(), np.random.default_rng(5)
+    nominal = scenario.airframe.beam[0].stations.bending_stiffness_n_m2[0]
+    logs = []
+    for _ in range(60):
+        true = loop_truth.drawn(scenario, g)
+        logs.append(np.mean([np.log(b.stations.bending_stiffness_n_m2) for b in true.airframe.beam]) - np.log(nominal))
+    stated = scenario.tolerances.stiffness_scale
+    low, high = scipy.stats.chi2.ppf([0.0005, 0.9995], 59)
+    assert low < 59 * np.var(logs, ddof=1) / stated**2 < high
+
+
+def test_noise_has_the_stated_size() -> None:
+    """Two readings with other noise differ by root two of it, at the median line of the band."""
+    scenario = loop_truth.nominal()
+    exact = {"gain": 0.0, "channel_gain": 0.0}
+    ideal = scenario.model_copy(update={"tolerances": scenario.tolerances.model_copy(update=exact)})
+    _, _, laboratory = loop_cases._second_laboratory()
+    one_run = ideal.acquisition.model_copy(update={"runs": loop_truth.RUNS[:1]})
+    campaign = laboratory.campaign_of(ideal.model_copy(update={"acquisition": one_run}))
+    first, second = (
+        loop_truth.read_by_instruments(campaign, ideal, np.random.default_rng(seed), 0.01).runs[0] for seed in (1, 2)
+    )
+    spectrum, difference = (np.fft.rfft(x, axis=1) for x in (first.samples, first.samples - second.samples))
+    frequency = np.fft.rfftfreq(first.samples.shape[1], 1 / first.sample_rate_hz)
+    inside = (frequency > 5.0) & (frequency < 35.0)
+    for k, channel in enumerate(first.channels):
+        share = np.sqrt(np.mean(np.abs(difference[k, inside]) ** 2) / 2) / np.median(np.abs(spectrum[k, inside]))
+        stated = 0.01 / 3 if channel.role is ChannelRole.REFERENCE else 0.01
+        assert share == pytest.approx(stated, rel=0.15)
+
+
+@pytest.mark.slow
+def test_the_answer_does_not_depend_on_the_truth_being_there(tmp_path: Path) -> None:
+    """Records and sealed truth side by side, then the truth deleted: the same verdict, to the last digit."""
+    scenario = loop_truth.nominal()
+    true = loop_truth.drawn(loop_truth.quiet(scenario), np.random.default_rng(11))
+    result = simulate(true, engine="linear")
+    sealed = tmp_path / "sealed"
+    sealed.mkdir()
+    write_truth(sealed / "truth.nc", result.truth)
+    noisy = loop_truth.read_by_instruments(result.campaign, scenario, np.random.default_rng(12), 0.01)
+    write_campaign(tmp_path / "campaign.nc", noisy)
+    effects = {n: c for n, c in loop_cases.available_effects().items() if n in ("local-absorber", "channel-delay")}
+
+    def verdict() -> dict[str, object]:
+        return reconcile(read_campaign(tmp_path / "campaign.nc"), scenario, effects=effects, lines=120).document()
+
+    with_truth = verdict()
+    (sealed / "truth.nc").unlink()
+    assert verdict() == with_truth
+
+
+@pytest.mark.slow
+def test_a_small_study_in_the_time_domain(tmp_path: Path) -> None:
+    """One campaign from MuJoCo's time domain goes through everything and leaves a row that can be judged."""
+    case = dataclasses.replace(PLACEBO, engine="mujoco")
+    ((_, rows, _),) = study.results_of([case], tmp_path, 1, float("inf"))
+    assert rows[0]["verdict"] in loop_results.JUDGED
+    assert "placebo: an effect named" in study.results(rows)

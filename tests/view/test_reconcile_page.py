@@ -1,0 +1,238 @@
+"""The page of a reconciliation: the verdict first, every number with its table or figure, nothing from the network."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vgvt.data import Geometry
+from vgvt.view.reconcile_account import (
+    Account,
+    CandidateRow,
+    ChannelRow,
+    EffectRow,
+    ModelState,
+    ModeRow,
+    PlaceRow,
+    PosteriorRow,
+    PowerRow,
+    SuggestionRow,
+)
+from vgvt.view.reconcile_drawing import places_drawing
+from vgvt.view.reconcile_figures import binned, evidence_figure, residual_map_figure, stiffness_figure
+from vgvt.view.reconcile_page import render_reconcile_page, write_power_page, write_reconcile_page
+from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence, warnings_of
+
+FREQUENCY = np.linspace(3.0, 35.0, 120)
+LIMITS = {
+    "chi2_per_dof": 1.3,
+    "smooth_per_dof": 1.8,
+    "held_out_chi2_per_dof": 2.0,
+    "evidence_nats": 6.0,
+    "set_nats": 5.0,
+}
+
+
+def response(frequency_hz: float, gain: float) -> np.ndarray:
+    w, w0 = 2 * np.pi * FREQUENCY, 2 * np.pi * frequency_hz
+    return gain * w**2 / (w0**2 - w**2 + 0.04j * w * w0)
+
+
+def state(factor: float, adequate: bool) -> ModelState:
+    predicted = np.array([response(15.0 * factor, g) for g in (1.0, 0.8, 1.2, 0.5)])
+    merit = {"chi2_per_dof": 40.0 * abs(factor - 1) + 1, "nrmse_percent": 90.0, "mean_abs_db": 0.5, "frac": 0.99}
+    figures = {
+        "chi2_per_dof": merit["chi2_per_dof"],
+        "smooth_per_dof": 1.0,
+        "held_out_chi2_per_dof": merit["chi2_per_dof"],
+        "lag_one": 0.2,
+        "between_channels": 0.1,
+        "share_beyond_three": 0.01,
+    }
+    merits = {"train": merit, "held_out": merit, "held_runs": merit, "held_channels": None}
+    return ModelState(predicted, np.full((4, 3), merit["chi2_per_dof"]), figures, merits, adequate)
+
+
+def account(kind: str = "ambiguous", named: bool = True) -> Account:
+    z = 300.0 - (2 * np.pi * FREQUENCY) ** 2 * 0.05 + 0j
+    places = (
+        PlaceRow("force at 8+Z", "structure", (0.8, 1.1, 0.0), 0.81, "mass", 0.05, "kg", z),
+        PlaceRow("bending at the root of wing-right", "structure", (0.4, 0.2, 0.0), 0.2, "unclear", 0.0, "", z),
+        PlaceRow("run 1, 2+Z", "sensor", None, 0.1, "", 0.0, "", None),
+    )
+    effect = EffectRow(
+        "added-mass", "Something <heavy> sits there.", {"mass_kg": (0.05, 0.002, "kg")}, {"x_m": 0.8}, 120.5,
+        ("local-absorber",), 12.0, 1.1, "All modes move.", "Weigh it",
+    )  # fmt: skip
+    candidates = (
+        CandidateRow(1, "added-mass", 120.5, 300.0, 12.0, 1.1, "named", "mass_kg 0.05 kg"),
+        CandidateRow(1, "local-absorber", 118.0, 290.0, 12.0, 1.2, "equivalent"),
+        CandidateRow(1, "local-absorber", 3.0, 4.0, 12.0, 11.0, "too little evidence"),
+        CandidateRow(1, "channel-gain (channels = 2+Z)", 9.0, 20.0, 12.0, 13.0, "refused by held-out data"),
+    )
+    before, after = state(1.1, False), state(1.0, True)
+    corners = np.array([[0.0, -1.5, 0.0], [0.0, 1.5, 0.0], [1.0, 0.0, 0.0], [0.0, -1.5, 0.0]])
+    return Account(
+        title="plate against </script><b>nominal",
+        kind=kind,
+        reasons=("Adding added-mass gains 120 nats",),
+        unexplained=(),
+        facts={"campaign": "plate"},
+        geometry=Geometry((1, 2), np.array([[0.2, 1.0, 0.0], [0.2, -1.0, 0.0]]), (), (corners,)),
+        channels=(
+            ChannelRow("run 1, 1+Z"),
+            ChannelRow("run 1, 2+Z", "channel"),
+            ChannelRow("run 2, 1+Z", "run"),
+            ChannelRow("run 2, 2+Z", "run"),
+        ),
+        frequency_hz=FREQUENCY,
+        measured=after.predicted * 1.001,
+        sigma=0.02 * np.abs(after.predicted),
+        bands_hz=np.array([3.0, 10.0, 20.0, 35.0]),
+        before=before,
+        after=after if named else before,
+        limits=LIMITS,
+        provenance="a study",
+        effects=(effect,) if named else (),
+        candidates=candidates,
+        places=places,
+        located="the calibrated scenario",
+        posterior=(
+            PosteriorRow("EI wing", "EI of the wing", -4.2, 0.3, "× 0.66 ± 0.02"),
+            PosteriorRow("drive x", "drive point, x", 0.1, 0.9, "+0.0005 ± 0.0045 m", "0.635 m", "0.6355 m"),
+        ),
+        modes=(ModeRow(16.5, 15.0, 0.02, 0.02, 0.99, (40.0, 0.5), (41.0, 0.6)),),
+        power=(
+            PowerRow("added-mass", "added-mass", "mass_kg", "kg", 0.01, 0.002, 0.2, (("local-absorber", 0.93),)),
+            PowerRow("mains-hum", "mains-hum", "amplitude_v", "V", np.inf, 0.0, 0.1),
+        ),
+        tests=(SuggestionRow("tape a dummy mass", ("added-mass", "local-absorber"), 31.0, 5.0),),
+    )
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return render_reconcile_page(account())
+
+
+def visible(page: str) -> str:
+    return re.sub(r"<script.*?</script>|<style>.*?</style>", "", page, flags=re.S)
+
+
+def test_the_verdict_comes_first_in_plain_words(page) -> None:
+    body = visible(page)
+    first = re.search(r"<section id=\"([a-z]+)\"", body)
+    assert first is not None and first.group(1) == "verdict"
+    assert verdict_sentence(account()) in body
+    assert "added-mass or local-absorber" in body
+
+
+def test_it_asks_nothing_of_the_network_and_text_cannot_become_markup(page) -> None:
+    assert not re.search(r"""(src|href)\s*=\s*["']?(https?:)?//""", visible(page))
+    assert "default-src 'none'" in page
+    assert "<heavy>" not in page and "</script><b>nominal" not in page
+
+
+def test_every_figure_has_its_data_and_every_link_its_section(page) -> None:
+    targets = set(re.findall(r'id="([^"]+)"', page))
+    assert set(re.findall(r'data-figure="([^"]+)"', page)) <= targets
+    assert set(re.findall(r'href="#([^"]+)"', page)) <= targets
+    for section in ("residual", "places", "candidates", "error", "modes", "responses", "tests", "power", "disproof"):
+        assert f'id="{section}"' in page
+
+
+def test_every_held_out_response_is_there_first(page) -> None:
+    options = re.findall(r'<option value="(\d)">([^<]+)<', page)
+    assert [text for _, text in options[:3]] == [
+        "run 1, 2+Z, held out", "run 2, 1+Z, held out with its run", "run 2, 2+Z, held out with its run",
+    ]  # fmt: skip
+    data = re.search(r'id="frf-data">(.*?)</script>', page, flags=re.S)
+    assert data is not None
+    drawn = json.loads(data.group(1))
+    assert len(drawn) == 4
+    assert {trace["name"] for trace in drawn[0]["data"]} == {"measured", "before", "after"}
+
+
+@pytest.mark.parametrize("kind", ["adequate", "explained", "ambiguous", "partly_explained", "unknown"])
+def test_every_verdict_has_its_sentence_steps_and_refutation(kind) -> None:
+    told = account(kind, named=kind not in ("adequate", "unknown"))
+    assert verdict_sentence(told) and next_steps(told) and disproofs(told)
+    body = visible(render_reconcile_page(told))
+    assert f"verdict-{kind.replace('_', '-')}" in body
+    assert ("What was named" in body) == bool(told.effects)
+
+
+def test_what_is_refuted_names_the_separating_test_and_the_limit() -> None:
+    said = " ".join(disproofs(account()))
+    assert "Weigh it." in said
+    assert f"{LIMITS['held_out_chi2_per_dof']:.2f} per degree of freedom" in said
+
+
+def test_a_warning_for_what_is_further_than_three_standard_deviations(page) -> None:
+    assert warnings_of(account()) == ("EI of the wing needs -4.2 stated standard deviations (× 0.66 ± 0.02)",)
+    assert "EI of the wing needs -4.2" in page
+
+
+def test_without_held_out_data_the_page_says_so() -> None:
+    told = account()
+    alone = replace(told, channels=tuple(ChannelRow(c.label) for c in told.channels))
+    assert "too small to hold anything out" in render_reconcile_page(alone)
+
+
+def test_cells_of_the_map_are_means_of_their_lines() -> None:
+    generator = np.random.default_rng(3)
+    values = generator.uniform(size=(2, 30))
+    frequency = np.sort(generator.uniform(0.0, 1.0, size=30))
+    edges = np.array([0.0, 0.3, 0.31, 1.0])
+    cells = binned(values, frequency, edges)
+    for k in range(3):
+        inside = (frequency >= edges[k]) & (frequency < edges[k + 1])
+        expected = values[:, inside].mean(axis=1) if inside.any() else np.full(2, np.nan)
+        np.testing.assert_allclose(cells[:, k], expected)
+
+
+def test_the_map_shows_both_models_on_one_scale_only_where_they_differ() -> None:
+    both, one = residual_map_figure(account()), residual_map_figure(account("unknown", named=False))
+    assert [trace.type for trace in both.data] == ["heatmap", "heatmap"]
+    assert both.data[0].zmax == both.data[1].zmax
+    assert len(one.data) == 1
+
+
+def test_candidates_of_one_name_keep_bars_of_their_own() -> None:
+    figure = evidence_figure(account().candidates, 6.0)
+    assert figure is not None
+    labels = [label for bar in figure.data for label in bar.y]
+    assert len(set(labels)) == len(labels) == 4
+
+
+def test_a_place_with_a_law_gets_the_law_drawn_beside_it() -> None:
+    told = account()
+    figure = stiffness_figure(told.places[0], FREQUENCY)
+    assert figure is not None
+    law = next(trace for trace in figure.data if trace.name == "mass of 0.05 kg")
+    np.testing.assert_allclose(law.y, 0.05 * (2 * np.pi * FREQUENCY) ** 2, rtol=1e-5)
+    assert stiffness_figure(told.places[2], FREQUENCY) is None
+
+
+def test_a_disc_has_the_area_of_its_share() -> None:
+    told = account()
+    small = replace(told.places[0], label="force at 3+Z", position_m=(0.5, -0.9, 0.0), explained=0.0)
+    drawing = places_drawing(told.geometry, (told.places[0], small))
+    radii = [float(r) for r in re.findall(r'<circle class="place"[^>]* r="([\d.]+)"', drawing)]
+    assert len(radii) == 2 and radii[0] > 5 * radii[1]
+    assert places_drawing(told.geometry, (told.places[2],)) == ""
+
+
+def test_pages_are_written_whole(tmp_path: Path) -> None:
+    told = account()
+    path = write_reconcile_page(tmp_path / "report.html", told)
+    assert path.read_text(encoding="utf-8").endswith("</html>\n")
+    power = write_power_page(tmp_path / "power.html", "What plate could see", {"scenario": "plate"}, told.power)
+    text = power.read_text(encoding="utf-8")
+    assert "local-absorber (0.93)" in text and "never" in text
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["power.html", "report.html"]

@@ -1,0 +1,222 @@
+"""``vgvt reconcile``: what does a measured campaign say that a scenario lacks?"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vgvt.cli.console import log, progress, show
+from vgvt.cli.document import document_text, write_document
+from vgvt.cli.options import BandOption, JsonOption
+
+if TYPE_CHECKING:
+    from vgvt.cli.reconcile_folder import ReconcileFolder
+    from vgvt.data import Campaign
+    from vgvt.reconcile.verdict import Verdict
+    from vgvt.scenario.model import Scenario
+
+_LINES = 500
+_FEWEST_LINES = 50
+_POWER_SHARE = 0.1
+
+
+def reconcile(
+    campaign: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[CAMPAIGN]", help="What was measured, as in vgvt identify. Left out with --power alone."
+        ),
+    ] = None,
+    scenario: Annotated[
+        str, typer.Option("--scenario", metavar="SCENARIO", help="What is believed: a bundled name or a .toml file.")
+    ] = "",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Where to write; reconciled/CAMPAIGN-SCENARIO.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the hold-out split, instead of the scenario's own.")
+    ] = None,
+    band: BandOption = None,
+    lines: Annotated[
+        int, typer.Option(min=_FEWEST_LINES, help="About how many lines of each response to use.")
+    ] = _LINES,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="EFFECT", help="Try this effect only; may be given again.")
+    ] = None,
+    without: Annotated[
+        list[str] | None, typer.Option("--without", metavar="EFFECT", help="Leave this effect out; may be given again.")
+    ] = None,
+    power: Annotated[
+        bool, typer.Option("--power", help="Say how small each effect could be and still be seen.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Do it again where the answer is there already.")] = False,
+    as_json: JsonOption = False,
+) -> int:
+    """Trace what a scenario does not explain of a campaign to an effect, or say that none does.
+
+    Writes reconciled.toml, verdict.json and report.html. Exit status 0 with
+    any verdict. Without CAMPAIGN, --power says before the test what it could see.
+    """
+    from vgvt.cli.options import resolved_scenario
+    from vgvt.data import InputError
+
+    if not scenario:
+        raise InputError("--scenario", "is missing", "write --scenario NAME or --scenario FILE.toml: what is believed")
+    believed = resolved_scenario(scenario, seed, None)
+    effects = chosen_effects(only or [], without or [])
+    if campaign is None:
+        if not power:
+            raise InputError(
+                "CAMPAIGN", "is missing", "name what was measured, or add --power to ask what a test could see"
+            )
+        from vgvt.cli.reconcile_power import power_before_the_test
+
+        return power_before_the_test(believed, effects, out, band, lines, as_json)
+    from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
+    from vgvt.cli.soundness import sound_campaign
+    from vgvt.reconcile.suitable import banded, check_suitable
+
+    measured = banded(sound_campaign(campaign, leave_out_faulty=False), band)
+    check_suitable(measured, believed)
+    folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
+    folder.prepare()
+    options = {"lines": lines, "effects": sorted(effects), "power": power}
+    fingerprint = fingerprint_of(measured, believed, options)
+    document = None if force else folder.answer(fingerprint)
+    if document is None:
+        document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint)
+    else:
+        log(f"took the verdict that {folder.path} already holds; --force does it again")
+    if as_json:
+        write_document(document)
+        return 0
+    _show(document, folder)
+    return 0
+
+
+def chosen_effects(only: list[str], without: list[str]) -> dict[str, type]:
+    """The installed effects by name, those asked for; InputError for a name that there is not."""
+    from vgvt.data import InputError
+    from vgvt.data.suggestion import choose_one_of
+    from vgvt.effects.registry import available_effects
+
+    found = available_effects()
+    for option, names in (("--only", only), ("--without", without)):
+        for name in names:
+            if name not in found:
+                raise InputError(option, f"there is no effect {name!r}", choose_one_of(name, tuple(found)))
+    kept = {name: cls for name, cls in found.items() if (not only or name in only) and name not in without}
+    if not kept:
+        raise InputError("--only and --without", "leave no effect to try", "leave one of them out")
+    return kept
+
+
+def _reconciled(
+    campaign: Campaign,
+    scenario: Scenario,
+    effects: Mapping[str, type],
+    folder: ReconcileFolder,
+    lines: int,
+    with_power: bool,
+    fingerprint: str,
+) -> dict[str, Any]:
+    """Reconcile and write the three files; the verdict, which makes the folder an answer, last."""
+    from vgvt.files.atomically import replacing
+    from vgvt.reconcile.account import account_of
+    from vgvt.reconcile.loop import reconcile as close_the_loop
+    from vgvt.view.reconcile_page import write_reconcile_page
+    from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence, warnings_of
+
+    start = time.perf_counter()
+    with _kept_on_interrupt(folder), progress(f"reconcile {campaign.name}") as report:
+        share = 1.0 - _POWER_SHARE
+        verdict = close_the_loop(
+            campaign, scenario, effects=effects, lines=lines, folder=folder.cache,
+            progress=lambda fraction, message, _: report(share * fraction, message),
+        )  # fmt: skip
+        # "Nothing is needed" is worth as much as what could have been seen.
+        asked = with_power or verdict.kind == "adequate"
+        seen = _power(verdict, effects, lambda f, m: report(share + _POWER_SHARE * f, m)) if asked else ()
+        spent = time.perf_counter() - start
+        account = account_of(
+            verdict,
+            title=f"{campaign.name} against {scenario.name}",
+            facts=_facts(campaign, scenario, effects, spent),
+            power=seen,
+        )
+        page = write_reconcile_page(folder.cache / folder.report.name, account)
+    document: dict[str, Any] = {
+        **verdict.document(),
+        "sentence": verdict_sentence(account),
+        "next_steps": next_steps(account),
+        "would_disprove_it": disproofs(account),
+        "warnings": warnings_of(account),
+        "power": [p.document() for p in seen],
+        "campaign": campaign.name,
+        "folder": folder.path,
+        "report": folder.report,
+        "reconciled": folder.scenario,
+        "timing_s": spent,
+        "fingerprint": fingerprint,
+    }
+    # From here on only files change places: a call that is stopped before leaves the former answer whole.
+    folder.verdict.unlink(missing_ok=True)
+    (folder.cache / folder.scenario.name).replace(folder.scenario)
+    page.replace(folder.report)
+    with replacing(folder.verdict) as temporary:
+        temporary.write_text(document_text(document), encoding="utf-8")
+    return document
+
+
+def _power(verdict: Verdict, effects: Mapping[str, type], report: Any) -> tuple[Any, ...]:
+    """Detectability around the calibrated scenario."""
+    from vgvt.reconcile.candidates import candidates
+    from vgvt.reconcile.power import power as detectability
+
+    null = verdict.attribution.null
+    return detectability(null, candidates(null.problem, effects), report)
+
+
+def _facts(campaign: Campaign, scenario: Scenario, effects: Mapping[str, type], spent_s: float) -> dict[str, str]:
+    from vgvt import __version__
+
+    low, high = campaign.band_hz
+    return {
+        "campaign": campaign.name,
+        "scenario": f"{scenario.name}: {scenario.summary}",
+        "band": f"{low:g} to {high:g} Hz",
+        "runs": str(len(campaign.runs)),
+        "effects tried": str(len(effects)),
+        "seed of the hold-out": str(scenario.seed),
+        "time": f"{spent_s:.0f} s",
+        "made by": f"vgvt {__version__}",
+    }
+
+
+@contextmanager
+def _kept_on_interrupt(folder: ReconcileFolder) -> Iterator[None]:
+    """Say what a second call can go on from."""
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit):
+        log(f"kept in {folder.path}: the derivatives computed so far; the same command goes on from them")
+        raise
+
+
+def _show(document: Mapping[str, Any], folder: ReconcileFolder) -> None:
+    from vgvt.cli.reconcile_tables import effects_table, error_table
+
+    show(str(document["sentence"]), "")
+    show(*(f"  - {reason}" for reason in document["reasons"]))
+    if document["effects"]:
+        show(effects_table(document["effects"]))
+    show(error_table(document))
+    for line in document["warnings"]:
+        log(f"calibrated far from what the scenario states: {line}")
+    show("What to do:", *(f"  - {step}" for step in document["next_steps"]))
+    show(f"{document['timing_s']:.0f} s; files in {folder.path}; open {folder.report} in a browser")

@@ -1,0 +1,76 @@
+"""``vgvt reconcile --power`` without a campaign: what a test could see, before it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vgvt.cli.console import progress, show
+from vgvt.cli.document import document_text, write_document
+
+if TYPE_CHECKING:
+    from vgvt.scenario.model import Scenario
+
+_SIMULATED, _LINED_UP = 0.2, 0.3
+
+
+def power_before_the_test(
+    scenario: Scenario,
+    effects: Mapping[str, type],
+    out: Path | None,
+    band: tuple[float, float] | None,
+    lines: int,
+    as_json: bool,
+) -> int:
+    """Print the table of detectability; with ``out`` write power.json and power.html there too."""
+    from vgvt.reconcile.account import power_rows
+    from vgvt.reconcile.before_test import expected_fit
+    from vgvt.reconcile.candidates import candidates
+    from vgvt.reconcile.power import power
+
+    with progress(f"power of {scenario.name}") as report:
+        fit = expected_fit(scenario, lines=lines, band_hz=band, progress=lambda f, m: report(_SIMULATED * f, m))
+        report(_LINED_UP, "derivatives")
+        tried = candidates(fit.problem, effects)
+        found = power(fit, tried, lambda f, m: report(_LINED_UP + (1 - _LINED_UP) * f, m))
+    rows = power_rows(found)
+    document = {
+        "scenario": scenario.name,
+        "band_hz": [float(fit.problem.measured.frequency_hz[0]), float(fit.problem.measured.frequency_hz[-1])],
+        "power": [p.document() for p in found],
+        "invisible": sorted({r.effect for r in rows} - {r.effect for r in rows if r.visible}),
+        "confusable": confusable(rows),
+    }
+    if out is not None:
+        _write(out, scenario, document, rows)
+    if as_json:
+        write_document(document)
+        return 0
+    from vgvt.cli.reconcile_tables import power_table
+
+    show(power_table(rows))
+    return 0
+
+
+def confusable(rows: Any) -> list[dict[str, object]]:
+    """Pairs of effects of nearly the same signature, the most alike first, each pair once."""
+    best: dict[tuple[str, str], float] = {}
+    for row in rows:
+        for name, cosine in row.alike:
+            pair = (min(row.effect, name), max(row.effect, name))
+            best[pair] = max(best.get(pair, 0.0), cosine)
+    return [{"effects": list(pair), "cosine": cosine} for pair, cosine in sorted(best.items(), key=lambda i: -i[1])]
+
+
+def _write(out: Path, scenario: Scenario, document: Mapping[str, Any], rows: Any) -> None:
+    from vgvt import __version__
+    from vgvt.cli.reconcile_folder import ReconcileFolder
+    from vgvt.files.atomically import replacing
+    from vgvt.view.reconcile_page import write_power_page
+
+    ReconcileFolder(out).prepare()
+    facts = {"scenario": f"{scenario.name}: {scenario.summary}", "made by": f"vgvt {__version__}"}
+    write_power_page(out / "power.html", f"What {scenario.name} could see", facts, rows)
+    with replacing(out / "power.json") as temporary:
+        temporary.write_text(document_text(document), encoding="utf-8")

@@ -1,0 +1,80 @@
+"""The verdict of a reconciliation in the terminal, from its document."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vgvt.view.fitted_table import FittedTable
+    from vgvt.view.reconcile_account import PowerRow
+
+_SETS = {"train": "fitted", "held_out": "held out", "held_runs": "  whole runs", "held_channels": "  single channels"}
+
+
+def error_table(document: Mapping[str, Any]) -> FittedTable:
+    """Error before and after on fitted and held-out data."""
+    from vgvt.view.fitted_table import FittedTable
+
+    states = ("before", "after") if document["effects"] else ("before",)
+    columns = ["data"]
+    for name in states:
+        columns += [f"χ²/dof {name}", f"NRMSE % {name}", f"dB {name}"]
+    rows = []
+    for key, words in _SETS.items():
+        parts = [document[name].get(key) for name in states]
+        if all(parts):
+            numbers = [
+                text
+                for p in parts
+                for text in (f"{p['chi2_per_dof']:.2f}", f"{p['nrmse_percent']:.2f}", f"{p['mean_abs_db']:.3f}")
+            ]
+            rows.append((words, *numbers))
+    return FittedTable(
+        columns=tuple(columns),
+        rows=tuple(rows),
+        whole=frozenset(columns),
+        expendable=tuple(f"dB {name}" for name in states),
+        right=frozenset(columns[1:]),
+        title="error of the predicted responses",
+    )
+
+
+def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
+    """What was named, with its parameters, evidence and equals."""
+    from vgvt.view.fitted_table import FittedTable
+
+    rows = []
+    for e in effects:
+        values = [f"{k} = {p['value']:.4g} ± {p['std']:.2g} {p['unit']}".rstrip() for k, p in e["parameters"].items()]
+        values += [f"{k} = {v}" for k, v in e["settings"].items()]
+        rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", ", ".join(e["equivalent"])))
+    return FittedTable(
+        columns=("effect", "parameters", "nats", "explains it as well"),
+        rows=tuple(rows),
+        whole=frozenset(("effect", "nats")),
+        right=frozenset(("nats",)),
+    )
+
+
+def power_table(rows: Sequence[PowerRow]) -> FittedTable:
+    """The smallest size of each effect that could be seen."""
+    import math
+
+    from vgvt.view.fitted_table import FittedTable
+
+    cells = []
+    for p in rows:
+        smallest = f"{p.smallest:.2g} {p.unit}".rstrip() if math.isfinite(p.smallest) else "never"
+        alike = ", ".join(f"{name} {cosine:.2f}" for name, cosine in p.alike[:3])
+        plausible = f"{p.low:g} to {p.high:g}"
+        cells.append((p.effect, p.parameter, smallest, plausible, "yes" if p.visible else "no", alike))
+    return FittedTable(
+        columns=("effect", "parameter", "smallest", "plausible", "visible", "hard to tell from"),
+        rows=tuple(cells),
+        whole=frozenset(("effect", "parameter", "smallest", "plausible", "visible")),
+        expendable=("plausible", "parameter"),
+        right=frozenset(("smallest",)),
+        title="smallest size seen at five standard deviations beyond the tolerances",
+        caption=f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",
+    )

@@ -1,0 +1,1 @@
+"""Test planning: which test would identify the modes best, before the lab is booked."""

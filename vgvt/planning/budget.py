@@ -1,0 +1,88 @@
+"""The budget of a test: minutes in the lab, accelerometers, and what setting up takes of the minutes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from vgvt.data import InputError
+from vgvt.scenario.model import Scenario
+
+MOUNT_EFFECT = "mount-compliance"
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """A way to fix the force transducer, the parameters of the effect that stands for it, and whether it must cure."""
+
+    name: str
+    words: str
+    effect: tuple[tuple[str, float], ...] = ()
+    cures: bool = True
+
+
+AS_DESCRIBED = Mount("as-described", "as the scenario describes it")
+CLAY = Mount(
+    "modelling-clay",
+    "modelling clay, a disc 13 mm across and 3 mm thick",
+    (("compliance_m_per_n", 2.5e-5), ("loss_factor", 0.5), ("frequency_hz", 10.0)),
+    cures=False,
+)
+MOUNTS = (AS_DESCRIBED, CLAY)
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """What there is to spend; the minutes of setting up are estimates to be replaced by a lab's own.
+
+    ``setup_minutes`` to place the accelerometers of one run, ``mount_minutes`` to fix the transducer with what
+    must cure, ``clay_minutes`` with what need not. One sweep takes ``longest_sweep_s`` at most, more
+    time goes into repeats.
+    """
+
+    minutes: float
+    sensors: int
+    setup_minutes: float = 0.5
+    mount_minutes: float = 5.0
+    clay_minutes: float = 1.0
+    longest_sweep_s: float = 300.0
+
+    def minutes_of(self, scenario: Scenario, mount: Mount = AS_DESCRIBED) -> float:
+        """What a scenario's campaign takes: fixing the transducer, placing sensors run by run, and the records."""
+        records = len(scenario.acquisition.run_nodes) * scenario.excitation.record_s / 60
+        return self._fixed(len(scenario.acquisition.runs), mount) + records
+
+    def sweep(self, scenario: Scenario, runs: int, mount: Mount) -> tuple[float, int]:
+        """Seconds of one sweep and how often each run repeats it, so that ``runs`` fill the budget."""
+        excitation = scenario.excitation
+        silence = excitation.lead_in_s + excitation.ring_down_s
+        each = (self.minutes - self._fixed(runs, mount)) * 60 / runs
+        repeats = max(math.ceil(each / (self.longest_sweep_s + silence)), 1)
+        duration = math.floor(10 * (each / repeats - silence)) / 10
+        if duration < self.shortest_sweep_s(scenario):
+            raise InputError(
+                "--minutes",
+                f"{self.minutes:g} min leave {max(each, 0):.0f} s for each of {runs} runs with their silences",
+                "give more minutes, more accelerometers at once, or fewer points",
+            )
+        return duration, repeats
+
+    @staticmethod
+    def shortest_sweep_s(scenario: Scenario) -> float:
+        """A sweep shorter than this is no test: ten cycles of its lowest frequency, or two seconds."""
+        return max(2.0, 10 / max(scenario.excitation.band_hz[0], 0.1))
+
+    def _fixed(self, runs: int, mount: Mount) -> float:
+        return (self.mount_minutes if mount.cures else self.clay_minutes) + runs * self.setup_minutes
+
+    def as_dict(self) -> dict[str, Any]:
+        """The budget with the keys of the JSON contract."""
+        return {
+            "minutes": self.minutes,
+            "sensors": self.sensors,
+            "setup_minutes": self.setup_minutes,
+            "mount_minutes": self.mount_minutes,
+            "clay_minutes": self.clay_minutes,
+            "longest_sweep_s": self.longest_sweep_s,
+        }

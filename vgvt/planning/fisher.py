@@ -1,0 +1,139 @@
+"""What a test can know of poles at all: their Fisher information, close modes and all.
+
+Responses A = H F + n with H = s² Σ (R / (s - p) + conj) + background. The information about
+the poles of all modes together is the integral of 4 |F|² Re(∂H* ∂H) / G over
+frequency, less what residues and background of each response can imitate (Schur complement). For one mode
+alone it gives the closed form std(f) = sqrt(2 s / (E |H|² / G)) / 2π; see
+Pintelon and Schoukens, System Identification, 2nd ed., 2012, chapter 9, and for the noise of the measured
+force Sherman and Morrison: information about H falls by 1 + G_f Σ |H_o|² / G_o.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_BACKGROUND = (-1, 0, 1, 2)
+"""Powers of s, real coefficients, that stand for the modes below and above."""
+_NEAR = 40
+_SPREAD = 300
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lines:
+    """Frequencies (K,) and the part of the axis that each stands for, Hz (K,)."""
+
+    frequency_hz: Array
+    width_hz: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunInformation:
+    """The information of one run about poles p (M,): ``matrix`` (2 M, 2 M) for all real, then all imaginary parts."""
+
+    poles: Complex
+    matrix: Array
+
+    def deviations(self) -> tuple[Array, Array]:
+        """Least standard deviations of the natural frequencies, Hz (M,), and of the damping ratios (M,)."""
+        return deviations(self.poles, self.matrix)
+
+
+def lines_for(band_hz: tuple[float, float], poles: Complex) -> Lines:
+    """Lines (K,) over a band, dense where ``poles`` (M,) rad/s make the responses change, for the trapezoidal rule."""
+    low, high = band_hz
+    angle = np.linspace(-0.496, 0.496, 2 * _NEAR + 1) * np.pi
+    near = [np.abs(p) - p.real * np.tan(angle) for p in poles]
+    every = np.concatenate([np.linspace(low, high, _SPREAD), *(w / (2 * np.pi) for w in near)])
+    frequency = np.unique(every[(every >= low) & (every <= high)])
+    half = np.diff(frequency) / 2
+    return Lines(frequency, np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half]))
+
+
+def accelerance(frequency_hz: Array, poles: Complex, residues: Complex) -> Complex:
+    """H (D, K) at frequencies (K,) of modes with poles (M,) and residues (M, D), receptance times s²."""
+    s = 2j * np.pi * frequency_hz
+    above, below = 1 / (s - poles[:, None]), 1 / (s - poles.conj()[:, None])
+    return np.asarray(s**2 * (residues.T @ above + residues.conj().T @ below))
+
+
+def weighted_slopes(lines: Lines, poles: Complex, weight: Array) -> Array:
+    """Gram matrix (2 M, 2 M) of the pole slopes, per unit of residue, freed of what residues and background imitate.
+
+    ``weight`` (K,) is 4 |F|² / G on the ``lines``. Rows: M slopes for the residues' real, M for their imaginary parts.
+    """
+    s = 2j * np.pi * lines.frequency_hz[:, None]
+    above, below = 1 / (s - poles), 1 / (s - poles.conj())
+    middle = np.abs(s[s.size // 2])
+    root = np.sqrt(weight * lines.width_hz)
+    columns = _stacked(np.hstack([s**2 * _pair(above, below), (s / middle) ** _BACKGROUND]), root)
+    slopes = _stacked(s**2 * _pair(above**2, below**2), root)
+    size = np.linalg.norm(columns, axis=0)
+    basis, _ = np.linalg.qr(columns / np.where(size > 0, size, 1.0))
+    left = slopes - basis @ (basis.T @ slopes)
+    return np.asarray(left.T @ left)
+
+
+def information_of_responses(gram: Array, residues: Complex) -> Array:
+    """What each response tells about the poles: (D, 2 M, 2 M) from ``weighted_slopes`` and residues (M, D)."""
+    count, responses = residues.shape
+    turned = np.zeros((responses, 2 * count, 2 * count))
+    index = np.arange(count)
+    # dH/dRe p has the coefficients (a, b) of the residue a + jb, dH/dIm p those of j (a + jb) = -b + ja.
+    turned[:, index, index] = residues.real.T
+    turned[:, count + index, index] = residues.imag.T
+    turned[:, index, count + index] = -residues.imag.T
+    turned[:, count + index, count + index] = residues.real.T
+    return np.asarray(np.einsum("oip,ij,ojq->opq", turned, gram, turned, optimize=True))
+
+
+def deviations(poles: Complex, information: Array) -> tuple[Array, Array]:
+    """Standard deviations of frequencies, Hz (M,), and damping ratios (M,) from the information (2 M, 2 M).
+
+    Infinite for a mode that the information says nothing about.
+    """
+    count = poles.size
+    size = np.sqrt(np.maximum(np.diag(information), 0.0))
+    known = size > 0
+    std_hz, std_ratio = np.full(count, np.inf), np.full(count, np.inf)
+    seen = np.flatnonzero(known[:count] & known[count:])
+    if not seen.size:
+        return std_hz, std_ratio
+    both = np.concatenate([seen, count + seen])
+    scaled = information[np.ix_(both, both)] / size[both, None] / size[both]
+    covariance = np.linalg.pinv(scaled, hermitian=True) / size[both, None] / size[both]
+    x, y, radius = poles[seen].real, poles[seen].imag, np.abs(poles[seen])
+    towards_f = np.hstack([np.diag(x / radius), np.diag(y / radius)]) / (2 * np.pi)
+    towards_ratio = np.hstack([np.diag(x**2 / radius**3 - 1 / radius), np.diag(x * y / radius**3)])
+    std_hz[seen] = np.sqrt(np.einsum("ij,jk,ik->i", towards_f, covariance, towards_f))
+    std_ratio[seen] = np.sqrt(np.einsum("ij,jk,ik->i", towards_ratio, covariance, towards_ratio))
+    return std_hz, std_ratio
+
+
+def mean_deviation(values: Array, deviation: Array) -> float:
+    """Standard deviation of the mean of runs' estimates with ``deviation`` (R,) of true ``values`` (R,).
+
+    Runs that differ more than their noise count alike, runs of one and the same
+    value by their information: the weights of a random-effects mean (Laird and Ware, Biometrics 38(4), 1982).
+    """
+    seen = np.isfinite(deviation)
+    if not seen.any():
+        return float("inf")
+    between = float(np.var(values[seen], ddof=1)) if seen.sum() > 1 else 0.0
+    variance = deviation[seen] ** 2
+    weight = 1 / (variance + between)
+    return float(np.sqrt((weight**2 * variance).sum()) / weight.sum())
+
+
+def _pair(above: Complex, below: Complex) -> Complex:
+    """Columns (K, 2 M) for real and imaginary parts of a complex factor of ``above``, its conjugate with ``below``."""
+    return np.hstack([above + below, 1j * (above - below)])
+
+
+def _stacked(columns: Complex, root: Array) -> Array:
+    return np.vstack([columns.real * root[:, None], columns.imag * root[:, None]])

@@ -1,0 +1,114 @@
+"""The standard deviations that a scenario's whole campaign would have, without simulating it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.planning.fisher import mean_deviation
+from vgvt.planning.system import Seen, System, run_information, systems_of
+from vgvt.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class ModePrediction:
+    """How well a campaign would know one mode; deviations are infinite where it cannot see it."""
+
+    label: str
+    frequency_hz: float
+    damping_ratio: float
+    frequency_std_hz: float
+    damping_ratio_std: float
+    loading_percent: float
+
+    @property
+    def relative_damping_std(self) -> float:
+        """Standard deviation of the damping ratio over the ratio."""
+        return self.damping_ratio_std / self.damping_ratio
+
+    def as_dict(self) -> dict[str, Any]:
+        """The prediction with the keys of the JSON contract."""
+        return {
+            "label": self.label,
+            "frequency_hz": self.frequency_hz,
+            "frequency_std_hz": self.frequency_std_hz,
+            "damping_ratio": self.damping_ratio,
+            "damping_ratio_std": self.damping_ratio_std,
+            "relative_damping_std": self.relative_damping_std,
+            "loading_percent": self.loading_percent,
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction:
+    """All modes of the band, and the largest motion and force to expect: m/s², N and mm."""
+
+    modes: tuple[ModePrediction, ...]
+    peak_acceleration_m_per_s2: float
+    peak_force_n: float
+    peak_drive_mm: float
+
+
+def predict(scenario: Scenario) -> Prediction:
+    """Expected deviations of the modes in the swept band, by Fisher information; one shaker, no simulation.
+
+    A campaign's frequency and damping are the random-effects means over its runs, whose true poles
+    differ a little: roving sensors weigh something.
+    """
+    systems = systems_of(scenario)
+    return predicted(systems)
+
+
+def predicted(systems: tuple[System, ...]) -> Prediction:
+    """The prediction from the rigs of all runs."""
+    first, band = systems[0], systems[0].layout.scenario.excitation.band_hz
+    frequency = first.modes.natural_frequency_hz
+    modes = np.flatnonzero((frequency >= band[0]) & (frequency <= band[1]))
+    hz, ratio, std_hz, std_ratio = (np.full((len(systems), modes.size), np.nan) for _ in range(4))
+    expected = np.zeros(3)
+    for run, system in enumerate(systems):
+        information, seen = run_information(system, run)
+        found_hz, found_ratio = information.deviations()
+        for k, mode in enumerate(modes):
+            place = np.flatnonzero(seen.unknown == mode)
+            std_hz[run, k] = found_hz[place[0]] if place.size else np.inf
+            std_ratio[run, k] = found_ratio[place[0]] if place.size else np.inf
+            hz[run, k], ratio[run, k] = system.modes.natural_frequency_hz[mode], system.modes.damping_ratio[mode]
+        expected = np.maximum(expected, _expected(system, seen))
+    return Prediction(
+        tuple(
+            ModePrediction(
+                first.modes.labels[mode] if first.modes.labels else "",
+                float(hz[:, k].mean()),
+                float(ratio[:, k].mean()),
+                mean_deviation(hz[:, k], std_hz[:, k]),
+                mean_deviation(ratio[:, k], std_ratio[:, k]),
+                _loading(first, int(mode), float(hz[:, k].mean())),
+            )
+            for k, mode in enumerate(modes)
+        ),
+        *(float(e) for e in expected),
+    )
+
+
+def _expected(system: System, seen: Seen) -> Array:
+    """Largest steady acceleration of the sensors, force, and motion of the drive point in mm, of a swept sine."""
+    amplitude = system.layout.scenario.excitation.amplitude_v
+    force = np.abs(system.force_per_volt(seen.lines.frequency_hz)) * amplitude
+    drive = len(system.layout.grid)
+    moved = np.abs(seen.response[drive]) * force / (2 * np.pi * seen.lines.frequency_hz) ** 2
+    return np.array([(np.abs(seen.response[list(system.sensors)]) * force).max(), force.max(), 1000 * moved.max()])
+
+
+def _loading(system: System, mode: int, frequency_hz: float) -> float:
+    """How far the instruments move a mode, per cent, against the bare one of the same name; NaN without it."""
+    label = system.modes.labels[mode] if system.modes.labels else ""
+    if label not in system.bare.labels:
+        return float("nan")
+    bare = float(system.bare.natural_frequency_hz[system.bare.labels.index(label)])
+    return 100 * (frequency_hz / bare - 1)

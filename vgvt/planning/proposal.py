@@ -1,0 +1,86 @@
+"""A plan for a test: a scenario to run, what it costs, and what it is expected to tell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vgvt.planning.budget import AS_DESCRIBED, Budget, Mount
+from vgvt.planning.prediction import ModePrediction, Prediction, predict
+from vgvt.scenario.model import Scenario
+
+RIGID = frozenset({"fore-aft swing", "sideways swing", "heave", "yaw", "pitch", "roll"})
+_NEAR = 0.1  # of its frequency: a mode without a namesake may be taken for one this near
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """One plan with its prediction; ``targets`` are the labels and frequencies of the modes that it is judged by."""
+
+    name: str
+    scenario: Scenario
+    mount: Mount
+    minutes: float
+    prediction: Prediction
+    targets: tuple[tuple[str, float], ...]
+
+    @property
+    def modes(self) -> tuple[ModePrediction, ...]:
+        """The predictions of the target modes in order; infinite deviations for one that the plan does not sweep."""
+        return tuple(self._mode(label, hz) for label, hz in self.targets)
+
+    @property
+    def worst_relative_damping_std(self) -> float:
+        """The criterion: std(ζ)/ζ of the worst target mode."""
+        return max(mode.relative_damping_std for mode in self.modes)
+
+    def _mode(self, label: str, frequency_hz: float) -> ModePrediction:
+        near = [m for m in self.prediction.modes if abs(m.frequency_hz / frequency_hz - 1) < _NEAR]
+        named = [m for m in near if m.label == label]
+        if named or near:
+            return min(named or near, key=lambda m: abs(m.frequency_hz - frequency_hz))
+        return ModePrediction(label, frequency_hz, 0.01, np.inf, np.inf, np.nan)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The plan with the keys of the JSON contract."""
+        scenario, e = self.scenario, self.scenario.excitation
+        return {
+            "name": self.name,
+            "minutes": self.minutes,
+            "shaker_m": list(scenario.shaker.position_m),
+            "shaker_on": scenario.shaker.attached_to,
+            "mount": self.mount.name,
+            "runs": [list(run) for run in scenario.acquisition.runs],
+            "repeats": scenario.acquisition.repeats,
+            "excitation": {
+                "kind": e.kind,
+                "start_hz": e.start_hz,
+                "stop_hz": e.stop_hz,
+                "duration_s": e.duration_s,
+                "amplitude_v": e.amplitude_v,
+            },
+            "worst_relative_damping_std": self.worst_relative_damping_std,
+            "modes": [mode.as_dict() for mode in self.modes],
+            "peak_force_n": self.prediction.peak_force_n,
+            "peak_acceleration_m_per_s2": self.prediction.peak_acceleration_m_per_s2,
+            "peak_drive_mm": self.prediction.peak_drive_mm,
+        }
+
+
+def proposal(
+    name: str,
+    scenario: Scenario,
+    budget: Budget,
+    targets: tuple[tuple[str, float], ...],
+    mount: Mount = AS_DESCRIBED,
+    prediction: Prediction | None = None,
+) -> Proposal:
+    """A scenario as a plan, with its costs and its prediction, made unless it is given."""
+    return Proposal(name, scenario, mount, budget.minutes_of(scenario, mount), prediction or predict(scenario), targets)
+
+
+def elastic(prediction: Prediction) -> tuple[tuple[str, float], ...]:
+    """Labels and frequencies of the modes in the band that are no rigid-body motions."""
+    return tuple((m.label, m.frequency_hz) for m in prediction.modes if m.label not in RIGID)

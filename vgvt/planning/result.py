@@ -1,0 +1,77 @@
+"""What planning came to: the plans in order, the scenario as it is, and whether there is anything to gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from vgvt.planning.confirmation import Confirmation
+from vgvt.planning.proposal import Proposal
+
+LEAST_GAIN = 1.05
+"""A plan that knows the worst mode better by less than this factor is not worth changing a test for."""
+
+
+class Verdict(StrEnum):
+    """Whether another plan is better than the scenario as it is."""
+
+    BETTER = "better"
+    NOTHING_TO_GAIN = "nothing_to_gain"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanningResult:
+    """The ``plans``, best first, beside the scenario ``as_described`` and the same with the ``budget`` used up.
+
+    ``confirmed`` holds, by a plan's name, what simulated campaigns say of it.
+    """
+
+    as_described: Proposal
+    with_budget: Proposal | None
+    plans: tuple[Proposal, ...]
+    confirmed: dict[str, Confirmation]
+
+    @property
+    def gain(self) -> float:
+        """Predicted std(ζ)/ζ of the worst mode as described over that of the best plan."""
+        return self._over(self.as_described)
+
+    @property
+    def gain_at_equal_means(self) -> float | None:
+        """The same against the scenario with all accelerometers at once and all of the time; None without one."""
+        return None if self.with_budget is None else self._over(self.with_budget)
+
+    @property
+    def confirmed_gain(self) -> float | None:
+        """The factor that the simulated campaigns show; None where they were not made."""
+        if not self.plans or any(name not in self.confirmed for name in (self.as_described.name, self.plans[0].name)):
+            return None
+        before, after = (self.confirmed[p.name].worst_relative_damping_std for p in (self.as_described, self.plans[0]))
+        return before / after if after > 0 else None
+
+    @property
+    def verdict(self) -> Verdict:
+        """Better only where the prediction says so and no simulation contradicts it."""
+        seen = self.confirmed_gain
+        better = self.gain >= LEAST_GAIN and (seen is None or not seen < 1)
+        return Verdict.BETTER if better else Verdict.NOTHING_TO_GAIN
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result with the keys of the JSON contract."""
+        return {
+            "verdict": self.verdict,
+            "gain": self.gain,
+            "gain_at_equal_means": self.gain_at_equal_means,
+            "confirmed_gain": self.confirmed_gain,
+            "as_described": self._with_confirmation(self.as_described),
+            "with_budget": None if self.with_budget is None else self._with_confirmation(self.with_budget),
+            "plans": [self._with_confirmation(plan) for plan in self.plans],
+        }
+
+    def _over(self, other: Proposal) -> float:
+        return other.worst_relative_damping_std / self.plans[0].worst_relative_damping_std if self.plans else 1.0
+
+    def _with_confirmation(self, plan: Proposal) -> dict[str, Any]:
+        seen = self.confirmed.get(plan.name)
+        return {**plan.as_dict(), "confirmed": None if seen is None else seen.as_dict()}

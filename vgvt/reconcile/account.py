@@ -1,0 +1,196 @@
+"""A verdict as the arrays and labels that its page shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vgvt.data import Geometry
+from vgvt.reconcile.augment import posterior_of
+from vgvt.reconcile.figures_of_merit import Comparison
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.mode_errors import mode_rows
+from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.verdict import Kind, Verdict
+from vgvt.scenario.planform import outlines_m
+from vgvt.view.reconcile_account import (
+    Account,
+    CandidateRow,
+    ChannelRow,
+    EffectRow,
+    ModelState,
+    PlaceRow,
+    PosteriorRow,
+    PowerRow,
+    Standing,
+    SuggestionRow,
+)
+
+if TYPE_CHECKING:
+    from vgvt.reconcile.attribute import Attribution, Rival
+    from vgvt.reconcile.power import Power
+    from vgvt.reconcile.problem import Problem
+
+
+def account_of(
+    verdict: Verdict, *, title: str, facts: Mapping[str, str] | None = None, power: tuple[Power, ...] = ()
+) -> Account:
+    """What the page of a verdict shows; ``facts`` head it, ``power`` is what ``power`` says of the calibrated model."""
+    found = verdict.attribution
+    problem = found.null.problem
+    split, measured, limits = problem.split, problem.measured, verdict.thresholds
+    held = np.where(split.held_runs, "run", np.where(split.held_channels, "channel", ""))
+    places = verdict.localisation.places if verdict.localisation else ()
+    at_null = verdict.kind in (Kind.EXPLAINED, Kind.AMBIGUOUS) or not found.rounds
+    return Account(
+        title=title,
+        kind=verdict.kind.value,
+        reasons=verdict.reasons,
+        unexplained=verdict.unexplained,
+        facts=dict(facts or {}),
+        geometry=_geometry(problem),
+        channels=tuple(ChannelRow(c.label, h) for c, h in zip(measured.channels, held.tolist(), strict=True)),
+        frequency_hz=measured.frequency_hz,
+        measured=measured.values,
+        sigma=measured.sigma,
+        bands_hz=found.null_residual.bands_hz,
+        before=_state(found.null, found.null_residual, verdict.before),
+        after=_state(found.final, found.final_residual, verdict.after),
+        limits={
+            "chi2_per_dof": limits.chi2_per_dof,
+            "smooth_per_dof": limits.smooth_per_dof,
+            "held_out_chi2_per_dof": limits.held_out_per_dof,
+            "evidence_nats": limits.evidence_nats,
+            "set_nats": limits.set_nats,
+        },
+        provenance=limits.provenance,
+        effects=_effects(verdict),
+        candidates=_candidates(found, limits.evidence_nats),
+        places=tuple(
+            PlaceRow(p.label, p.kind, p.position_m, p.explained, p.type, p.size, p.unit, p.dynamic_stiffness)
+            for p in places
+        ),
+        located="the calibrated scenario" if at_null else "the scenario with what was named",
+        posterior=_posterior(found.final),
+        modes=mode_rows(found.null, found.final),
+        power=power_rows(power),
+        tests=tuple(SuggestionRow(s.test, s.rivals, s.nats, s.minutes) for s in verdict.suggested_tests),
+        remarks=measured.remarks,
+    )
+
+
+def power_rows(power: tuple[Power, ...]) -> tuple[PowerRow, ...]:
+    """Detectability with the best variant of each effect's parameter, those that show soonest first."""
+    best: dict[tuple[str, str], Power] = {}
+    for p in power:
+        key = (p.effect, p.parameter)
+        if key not in best or p.smallest < best[key].smallest:
+            best[key] = p
+    rows = [PowerRow(p.effect, p.label, p.parameter, p.unit, p.smallest, p.low, p.high, p.alike) for p in best.values()]
+    return tuple(sorted(rows, key=lambda r: (not r.visible, r.effect, r.parameter)))
+
+
+def _geometry(problem: Problem) -> Geometry:
+    grid = problem.layouts.first.grid
+    nodes = {point.dof.node: np.asarray(point.position_m, dtype=float) for point in grid}
+    return Geometry(tuple(nodes), np.array(list(nodes.values())), (), outlines_m(problem.scenario.airframe))
+
+
+def _state(fit: Fit, left: Residual, comparison: Comparison) -> ModelState:
+    figures = {
+        "chi2_per_dof": left.train_chi2_per_dof,
+        "smooth_per_dof": left.smooth_per_dof,
+        "held_out_chi2_per_dof": left.held_out_chi2_per_dof,
+        "lag_one": left.lag_one,
+        "between_channels": left.between_channels,
+        "share_beyond_three": left.share_beyond_three,
+    }
+    merits = {
+        name: None if part is None else asdict(part)
+        for name, part in (
+            ("train", comparison.train),
+            ("held_out", comparison.held_out),
+            ("held_runs", comparison.held_runs),
+            ("held_channels", comparison.held_channels),
+        )
+    }
+    return ModelState(fit.predicted, left.table, figures, merits, left.adequate)
+
+
+def _effects(verdict: Verdict) -> tuple[EffectRow, ...]:
+    rows = []
+    for effect, addition in zip(verdict.effects, verdict.attribution.rounds, strict=True):
+        cls = addition.winner.hypothesis.cls
+        rows.append(
+            EffectRow(
+                effect.name, effect.summary, effect.parameters, effect.settings, effect.evidence_nats,
+                effect.equivalent, effect.held_out_before, effect.held_out_after,
+                str(getattr(cls, "signature", "")), str(getattr(cls, "separating_test", "")),
+            )
+        )  # fmt: skip
+    return tuple(rows)
+
+
+def _candidates(found: Attribution, needed: float) -> tuple[CandidateRow, ...]:
+    rows = []
+    before = found.null_residual.held_out_chi2_per_dof
+    for k, addition in enumerate(found.rounds, start=1):
+        rows += [
+            _candidate(k, rival, addition.held_out_before, _standing(rival, addition, found, needed))
+            for rival in addition.rivals
+        ]
+    tried = {id(r) for addition in found.rounds for r in addition.rivals}
+    if found.rounds:
+        before = found.final_residual.held_out_chi2_per_dof
+    last = [rival for rival in found.last_rivals if id(rival) not in tried]
+    rows += [_candidate(len(found.rounds) + 1, r, before, _standing(r, None, found, needed)) for r in last]
+    return tuple(rows)
+
+
+def _candidate(k: int, rival: Rival, before: float | None, standing: Standing) -> CandidateRow:
+    values = rival.fit.values(len(rival.fit.hypotheses) - 1)
+    fitted = ", ".join(f"{name} {value:.4g} {unit}".rstrip() for name, (value, _, unit) in values.items())
+    label = rival.hypothesis.label
+    return CandidateRow(k, label, rival.gain_nats, rival.raw_nats, before, rival.held_out, standing, fitted)
+
+
+def _standing(rival: Rival, addition: object, found: Attribution, needed: float) -> Standing:
+    winner, equivalent = getattr(addition, "winner", None), getattr(addition, "equivalent", ())
+    if rival is winner:
+        return "named"
+    if any(rival is r for r in equivalent):
+        return "equivalent"
+    if any(rival is r for r in found.vetoed):
+        return "refused by held-out data"
+    return "too little evidence" if rival.gain_nats < needed else "beaten"
+
+
+def _posterior(fit: Fit) -> tuple[PosteriorRow, ...]:
+    rows = []
+    for r in posterior_of(fit):
+        if "factor" in r:
+            change = f"× {_number(r['factor'], 4)} ± {_number(r['factor_std'], 2)}"
+        else:
+            change = f"{_number(r['shift'], 3, '+')} ± {_number(r['shift_std'], 2)} {r.get('unit', '')}".rstrip()
+        unit = str(r.get("unit", ""))
+        stated = f"{_number(r['stated'], 4)} {unit}".strip() if "stated" in r else ""
+        calibrated = f"{_number(r['calibrated'], 4)} {unit}".strip() if "calibrated" in r else ""
+        rows.append(
+            PosteriorRow(
+                str(r["name"]),
+                str(r["what"]),
+                float(str(r["score"])),
+                float(str(r["std_score"])),
+                change,
+                stated,
+                calibrated,
+            )
+        )
+    return tuple(rows)
+
+
+def _number(value: object, digits: int, sign: str = "") -> str:
+    return format(float(str(value)), f"{sign}.{digits}g")

@@ -1,0 +1,127 @@
+"""Every variant of every installed effect that a campaign could show: choices enumerated, places laid out in a grid.
+
+Settings are enumerated by their type and, for the catalogue's common words, by name: ``node``, ``channels``,
+``sensors``, ``side``, ``from_run``, ``item``, and places ``x_m``, ``y_m``. Others keep their defaults.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import typing
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from vgvt.effects.beams import plain_name
+from vgvt.effects.parameter import parameters_of
+from vgvt.effects.registry import available_effects
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem
+from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.planform import edge_lines_m
+
+_FROM_RUNS = 4
+_STATIONS = 4
+_MOST = 64
+
+
+def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
+    """All variants, each with its share of its effect's prior; ``effects`` by name (default: all installed ones).
+
+    Places (``x_m``, ``y_m``) are settings here: a fit may free them.
+    """
+    found: list[Hypothesis] = []
+    declared = {table.name for table in problem.scenario.effect}
+    for name, cls in (available_effects() if effects is None else effects).items():
+        if name in declared:
+            continue
+        variants = list(itertools.islice(_variants(problem, cls), _MOST))
+        found += [Hypothesis(cls, settings, 1.0 / len(variants)) for settings in variants]
+    return tuple(found)
+
+
+def freed(hypothesis: Hypothesis) -> Hypothesis:
+    """The same variant with its place, if it has one, free to be fitted."""
+    kept = {k: v for k, v in hypothesis.settings.items() if k not in {p.name for p in parameters_of(hypothesis.cls)}}
+    return dataclasses.replace(hypothesis, settings=kept)
+
+
+def places(problem: Problem) -> tuple[tuple[float, float], ...]:
+    """Points (x, y) over the aircraft: along the centre line, and along each beam at its middle."""
+    airframe = problem.scenario.airframe
+    x = [p[0] for p in airframe.body.outline_m] or [airframe.body.centre_of_gravity_m[0]]
+    points = [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
+    for beam in expanded_beams(airframe):
+        forward, aft = edge_lines_m(beam)
+        middle = (forward + aft) / 2
+        arc = np.linspace(0, 1, len(middle))
+        for share in (np.arange(_STATIONS) + 0.75) / _STATIONS:
+            share = min(float(share), 0.97)
+            points.append((float(np.interp(share, arc, middle[:, 0])), float(np.interp(share, arc, middle[:, 1]))))
+    return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
+
+
+def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
+    """Settings of every variant of an effect."""
+    hints = typing.get_type_hints(cls)
+    numbers = {p.name for p in parameters_of(cls)}
+    choices: dict[str, tuple[Any, ...]] = {}
+    for f in dataclasses.fields(cls):
+        if f.name in numbers:
+            continue
+        options = _options(problem, f.name, hints[f.name])
+        if options is not None:
+            choices[f.name] = options
+    at = places(problem) if {"x_m", "y_m"} <= numbers else (None,)
+    if {"node", "other_node"} <= set(choices):
+        nodes = choices.pop("node")
+        choices.pop("other_node")
+        pairs = [(a, b) for a, b in itertools.combinations(nodes, 2) if _near(problem, a, b)]
+        for a, b in pairs:
+            yield {"node": a, "other_node": b}
+        return
+    if "shape" in choices and "from_run" in choices:
+        steps = [("step", k) for k in choices.pop("from_run")]
+        shapes = [(s, None) for s in choices.pop("shape") if s != "step"]
+        for values in itertools.product(*choices.values()):
+            for shape, run in (*shapes, *steps):
+                yield dict(zip(choices, values, strict=True)) | {"shape": shape} | ({"from_run": run} if run else {})
+        return
+    for values in itertools.product(*choices.values()):
+        for place in at:
+            found = dict(zip(choices, values, strict=True))
+            yield found if place is None else found | {"x_m": place[0], "y_m": place[1]}
+
+
+def _options(problem: Problem, name: str, hint: Any) -> tuple[Any, ...] | None:
+    """What a setting can be in this campaign; None keeps its default."""
+    runs = problem.measured.runs
+    literal = typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else None
+    if literal is not None:
+        return tuple(literal)
+    if name in ("node", "other_node"):
+        return tuple(dict.fromkeys(n for run in runs for n in run))
+    if name == "from_run":
+        count = len(runs)
+        steps = np.unique(np.linspace(2, max(count, 2), min(_FROM_RUNS, max(count - 1, 1))).round().astype(int))
+        return tuple(int(k) for k in steps)
+    if name in ("channels", "sensors"):
+        instruments = [f"sensor-{k + 1}" for k in range(max(len(r) for r in runs))] if len(runs) > 1 else []
+        labels = [str(p.dof) for p in problem.layouts.first.grid if any(p.dof.node in r for r in runs)]
+        force = ["force"] if name == "channels" else []
+        return ("response", *force, *(instruments or ["odd", "even"]), *labels)
+    if name == "item":
+        held = dict.fromkeys(plain_name(i.name) for i in problem.scenario.airframe.item if i.attached_to != "body")
+        return tuple(held) or None
+    return None
+
+
+def _near(problem: Problem, one: int, other: int) -> bool:
+    """Whether two sensors are likely to be taken for one another: in one run, or mirror images."""
+    if any(one in run and other in run for run in problem.measured.runs):
+        return True
+    grid = {p.dof.node: p.position_m for p in problem.layouts.first.grid}
+    a, b = grid[one], grid[other]
+    return bool(np.hypot(a[0] - b[0], a[1] + b[1]) < 0.02)

@@ -1,0 +1,189 @@
+"""Runs that an effect treats alike share a structure: from a scenario, scores and hypotheses to assembled groups."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.effects.action import Action
+from vgvt.effects.protocol import Effect
+from vgvt.effects.registry import effects_of
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import CELLS, Problem
+from vgvt.reconcile.uncertain import edited
+from vgvt.scenario.model import Scenario
+from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.attached import attach
+from vgvt.simulation.reduced import Structure, structure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """Runs of one structure: its plan and matrices at the anchor, rows of its channels, their sensors' masses.
+
+    ``channels`` (C_g,) index the campaign's; ``rows`` (C_g,) the structure's places; ``masses_kg`` (C_g,).
+    """
+
+    plan: Plan
+    structure: Structure
+    channels: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    masses_kg: Array
+
+
+class NoStructureError(ValueError):
+    """The parameters describe no aircraft that hangs."""
+
+
+def effects_at(problem: Problem, hypotheses: Sequence[Hypothesis], e: Array) -> tuple[Effect, ...] | None:
+    """The scenario's own effects, then the hypotheses' at scores e; None where one refuses its values."""
+    made: list[Effect] = list(effects_of(problem.scenario))
+    start = 0
+    for hypothesis in hypotheses:
+        count = len(hypothesis.parameters)
+        effect = hypothesis.effect(hypothesis.values(e[start : start + count]))
+        start += count
+        if effect is None:
+            return None
+        made.append(effect)
+    return tuple(made)
+
+
+def run_actions(
+    scenario: Scenario, effects: tuple[Effect, ...], problem: Problem
+) -> list[tuple[Scenario, tuple[Action, ...]]]:
+    """What effects make of every run: the edited scenario and the actions, in the order of the runs."""
+    found = []
+    for run in range(len(problem.measured.runs)):
+        changed, actions = scenario, []
+        for effect in effects:
+            action = effect.act(changed, run)
+            changed = action.scenario if action.scenario is not None else changed
+            actions.append(action)
+        found.append((changed, tuple(actions)))
+    return found
+
+
+def refined(s: Structure, problem: Problem, cells: float) -> Structure:
+    """The structure with what makes up for its cells: for none of it at 0, for all at 1."""
+    stiffness, axis, finer = s.stiffness.copy(), s.axis.copy(), problem.refinement
+    index = np.array([s.joints.index(j) for j in problem.nominal.joints])
+    stiffness[np.ix_(index, index)] += cells * finer.stiffness
+    for k, place in enumerate(s.places):
+        axis[k, index] += cells * finer.axis[finer.places.index(home(place))]
+    return replace(s, stiffness=stiffness, axis=axis)
+
+
+def assembled(
+    problem: Problem,
+    u: Array,
+    hypotheses: tuple[Hypothesis, ...],
+    e: Array,
+    without: tuple[Group, ...] | None = None,
+) -> tuple[Group, ...] | None:
+    """The groups of runs that share a structure, each assembled; None where the parameters are impossible."""
+    made = effects_at(problem, hypotheses, e)
+    if made is None:
+        return None
+    base = _base(problem, u.tobytes())[0]
+    try:
+        per_run = run_actions(base, made, problem)
+        kinds: list[tuple[Scenario, tuple[Action, ...], list[int]]] = []
+        for run, (scenario, actions) in enumerate(per_run):
+            for known_scenario, known_actions, runs in kinds:
+                if _same(scenario, known_scenario, actions, known_actions):
+                    runs.append(run)
+                    break
+            else:
+                kinds.append((scenario, actions, [run]))
+        return tuple(_group(problem, u, s, a, runs, without) for s, a, runs in kinds)
+    except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
+        return None
+
+
+@lru_cache(maxsize=8)
+def _base(problem: Problem, scores: bytes) -> tuple[Scenario, Plan]:
+    """The scenario at some scores, and its plan: what thousands of candidates are added to."""
+    base = edited(problem.scenario, problem.unknowns, np.frombuffer(scores)[: len(problem.unknowns)])
+    return base, problem.layouts.plan(base)
+
+
+def _same(one: Scenario, other: Scenario, actions: tuple[Action, ...], others: tuple[Action, ...]) -> bool:
+    if [a.elements for a in actions] != [a.elements for a in others]:
+        return False
+    if [a.points for a in actions] != [a.points for a in others]:
+        return False
+    return one is other or one == other
+
+
+@lru_cache(maxsize=16)
+def _bare(problem: Problem, scores: bytes, scenario: Scenario) -> Group:
+    """An edited scenario without any element: a scan of what hangs on it assembles it once."""
+    u = np.frombuffer(scores)
+    cells = 1.0 + CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
+    plan = problem.layouts.plan(scenario)
+    found = refined(structure(plan, plan.grid, problem.nominal), problem, cells)
+    return Group(plan, found, np.arange(0), np.arange(0), np.zeros(0))
+
+
+def _onto(problem: Problem, scores: bytes, near: Group, plan: Plan, channels: NDArray[np.intp]) -> Structure | None:
+    """A group's structure with the elements that a plan adds to it, where elements are all that it adds."""
+    before = len(near.plan.actions)
+    points = [p for a in plan.actions[before:] for p in a.points]
+    if points or not np.isin(channels, near.channels).all():
+        return None
+    if plan.scenario != near.plan.scenario:
+        if before or not plan.elements:
+            return None
+        bare = _bare(problem, scores, plan.scenario)
+        return attach(bare.structure, bare.plan, plan.elements)
+    names = {f"effect-{i}-{k}" for i in range(before) for k in range(len(plan.actions[i].elements))}
+    if [e for n, e in plan.elements if n in names] != [e for _, e in near.plan.elements]:
+        return None
+    return attach(near.structure, near.plan, [(n, e) for n, e in plan.elements if n not in names])
+
+
+def _group(
+    problem: Problem,
+    u: Array,
+    scenario: Scenario,
+    actions: tuple[Action, ...],
+    runs: list[int],
+    without: tuple[Group, ...] | None,
+) -> Group:
+    cells = 1.0 + CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
+    known, base_plan = _base(problem, u.tobytes())
+    leans = any(p.node == base_plan.drive.dof.node for a in actions for p in a.points)
+    if scenario is known and not leans:
+        plan = replace(base_plan, actions=actions)
+    else:
+        plan = problem.layouts.plan(scenario, actions)
+    points: dict[str, MeasurementPoint] = {p.site: p for p in plan.grid}
+    channels, sites = [], []
+    seated = {run: {p.dof.node: p for p in plan.run_points(run)} for run in runs}
+    for i, channel in enumerate(problem.measured.channels):
+        if channel.run in seated:
+            point = seated[channel.run][channel.dof.node]
+            points[point.site] = point
+            channels.append(i)
+            sites.append(point.site)
+    found = None
+    for near in without or ():
+        found = _onto(problem, u.tobytes(), near, plan, np.array(channels)) if found is None else found
+    if found is None:
+        found = refined(structure(plan, tuple(points.values()), problem.nominal), problem, cells)
+    rows = np.array([found.places.index(site) for site in sites])
+    masses = np.full(len(rows), scenario.accelerometers.mass_kg)
+    return Group(plan, found, np.array(channels), rows, masses)
+
+
+def home(site: str) -> str:
+    """The grid point whose slopes a misplaced sensor borrows."""
+    return site.replace("misplaced-", "node-")

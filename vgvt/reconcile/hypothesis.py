@@ -1,0 +1,102 @@
+"""A hypothesis: one effect of the catalogue with its settings chosen and priors on its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.parameter import Parameter, parameters_of
+from vgvt.effects.protocol import Effect
+
+Array = NDArray[np.float64]
+# A plausible range is taken as plus and minus this many standard deviations of the prior.
+_RANGE_SD = 2.0
+_BEYOND = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hypothesis:
+    """An effect with settings (choices of channels, sides, …) fixed; scores e of unit normal prior for its parameters.
+
+    Log-normal where the parameter's scale is 'log', normal otherwise, with the plausible range as ±2 standard
+    deviations around its middle, or around the neutral value where that lies inside.
+    ``share`` is the prior probability that this variant gets of its effect's (the look-elsewhere factor).
+    """
+
+    cls: type
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    share: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """The effect's name as scenarios write it."""
+        return str(self.cls.name)  # type: ignore[attr-defined]
+
+    @property
+    def family(self) -> str:
+        """Where the effect acts."""
+        return str(self.cls.family)  # type: ignore[attr-defined]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The parameters to fit, in the order of their scores."""
+        return tuple(p for p in parameters_of(self.cls) if p.name not in self.settings)
+
+    @property
+    def size(self) -> Parameter | None:
+        """The parameter that says how big the effect is; None for one that is switched by a choice."""
+        return next((p for p in self.parameters if p.neutral is not None), None)
+
+    @property
+    def label(self) -> str:
+        """``channel-gain (channels = odd)``."""
+        chosen = ", ".join(f"{k} = {v:.4g}" if isinstance(v, float) else f"{k} = {v}" for k, v in self.settings.items())
+        return f"{self.name} ({chosen})" if chosen else self.name
+
+    def values(self, scores: Array) -> dict[str, float]:
+        """Parameter values at scores (parameters,), kept within half a range beyond what is plausible."""
+        found = {}
+        for p, e in zip(self.parameters, scores, strict=True):
+            mean, sd = prior(p)
+            value = mean + sd * float(e)
+            low, high = (math.log(p.low), math.log(p.high)) if p.scale == "log" else (p.low, p.high)
+            margin = _BEYOND * (high - low)
+            value = min(max(value, low - margin), high + margin)
+            found[p.name] = math.exp(value) if p.scale == "log" else value
+        return found
+
+    def scores(self, values: Mapping[str, float]) -> Array:
+        """Scores (parameters,) of parameter values; left out ones at their prior's middle."""
+        found = []
+        for p in self.parameters:
+            mean, sd = prior(p)
+            if p.name not in values:
+                found.append(0.0)
+                continue
+            value = values[p.name]
+            found.append(((math.log(value) if p.scale == "log" else value) - mean) / sd)
+        return np.array(found)
+
+    def effect(self, values: Mapping[str, float]) -> Effect | None:
+        """The effect itself; None where it refuses the values."""
+        try:
+            made: Effect = self.cls(**{**self.settings, **values})
+        except ValueError:
+            return None
+        return made
+
+
+def prior(p: Parameter) -> tuple[float, float]:
+    """Mean and standard deviation of a parameter, of its logarithm for a logarithmic scale."""
+    if p.scale == "log":
+        low, high = math.log(p.low), math.log(p.high)
+    else:
+        low, high = p.low, p.high
+        if p.neutral is not None and low < p.neutral < high:
+            return p.neutral, max(high - p.neutral, p.neutral - low) / _RANGE_SD
+    return (low + high) / 2, (high - low) / (2 * _RANGE_SD)

@@ -1,0 +1,89 @@
+"""The nine steps in order: from a measured campaign and a nominal scenario to a verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from vgvt.data import Campaign
+from vgvt.reconcile.attribute import attribute
+from vgvt.reconcile.augment import augment, write_reconciled
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.figures_of_merit import compare
+from vgvt.reconcile.fit import calibrate
+from vgvt.reconcile.localise import localise
+from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.suggest import Suggestion, suggest
+from vgvt.reconcile.thresholds import Thresholds, stored_thresholds
+from vgvt.reconcile.verdict import Kind, Verdict, kind_of, named_effects, reasons_of
+from vgvt.scenario.model import Scenario
+
+Progress = Callable[[float, str, float | None], None]
+_CALIBRATED, _ATTRIBUTED, _LOCALISED = 0.15, 0.85, 0.95
+
+
+def reconcile(
+    campaign: Campaign,
+    scenario: Scenario,
+    *,
+    effects: Mapping[str, type] | None = None,
+    thresholds: Thresholds | None = None,
+    floor: float | None = None,
+    lines: int = 500,
+    folder: Path | None = None,
+    most: int = 3,
+    progress: Progress | None = None,
+) -> Verdict:
+    """Trace what a scenario does not explain of a campaign to effects of the catalogue, or say that none does.
+
+    ``effects`` by name are the hypotheses (default: all that are installed); ``floor`` the relative model-form
+    error (default: the scenario's tolerance); ``folder`` takes ``reconciled.toml`` and the derivatives that a
+    second call can use again. ``progress(fraction, message, seconds_left)``. Nothing here is random but the
+    hold-out split, which follows from the scenario's seed: the same call gives the same verdict.
+    """
+    limits = stored_thresholds() if thresholds is None else thresholds
+    tell = _Clock(progress)
+    tell(0.0, "read the campaign")
+    problem = make_problem(
+        campaign, scenario, floor=floor, lines=lines, cache=None if folder is None else folder / "cache"
+    )
+    null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
+    span = _ATTRIBUTED - _CALIBRATED
+    found = attribute(
+        null, candidates(problem, effects), limits, most=most,
+        progress=lambda f, m: tell(_CALIBRATED + span * f, m),
+    )  # fmt: skip
+    kind = kind_of(found)
+    places = None
+    if kind is not Kind.ADEQUATE:
+        at = found.final if kind is not Kind.EXPLAINED else found.null
+        places = localise(at, lambda f, m: tell(_ATTRIBUTED + (_LOCALISED - _ATTRIBUTED) * f, m))
+    tests: tuple[Suggestion, ...] = ()
+    if kind is Kind.AMBIGUOUS:
+        tell(_LOCALISED, "compare tests")
+        tests = suggest([r.fit for r in found.rounds[-1].equivalent])
+    verdict = Verdict(
+        kind, reasons_of(kind, found, limits, places), named_effects(found), found.final_residual.reasons,
+        compare(found.null.predicted, problem.measured, problem.split),
+        compare(found.final.predicted, problem.measured, problem.split),
+        tests, found, places, limits, augment(scenario, found),
+    )  # fmt: skip
+    if folder is not None:
+        write_reconciled(folder / "reconciled.toml", verdict, {"campaign": campaign.name, "scenario": scenario.name})
+    tell(1.0, kind.value)
+    return verdict
+
+
+class _Clock:
+    """Passes progress on with the seconds that are left at the pace so far."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress, self._start = progress, time.perf_counter()
+
+    def __call__(self, fraction: float, message: str) -> None:
+        """Report a fraction done."""
+        if self._progress is None:
+            return
+        spent = time.perf_counter() - self._start
+        self._progress(fraction, message, spent * (1 - fraction) / fraction if fraction > 0.02 else None)

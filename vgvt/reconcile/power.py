@@ -1,0 +1,82 @@
+"""What a campaign could see at all: the smallest size of each effect beyond the tolerances, and what looks alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.screen import Screen, start_values, step_from_neutral
+
+_SIGMA = 5.0
+_ALIKE = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    """One size parameter of one variant: the smallest size seen at five standard deviations, in ``unit``.
+
+    ``low`` and ``high`` bound what is plausible; ``alike`` are variants whose signature, after what the unknowns
+    can imitate, has a cosine above 0.6 with it. ``smallest`` is infinite for what A/F does not show.
+    """
+
+    effect: str
+    label: str
+    parameter: str
+    unit: str
+    smallest: float
+    low: float
+    high: float
+    alike: tuple[tuple[str, float], ...]
+
+    @property
+    def visible(self) -> bool:
+        """Whether a plausible size could be seen."""
+        return self.smallest <= max(abs(self.low), abs(self.high))
+
+    def document(self) -> dict[str, object]:
+        """Plain values; an infinite size is None."""
+        return asdict(self) | {"smallest": self.smallest if np.isfinite(self.smallest) else None}
+
+
+def power(
+    null: Fit, hypotheses: Sequence[Hypothesis], progress: Callable[[float, str], None] | None = None
+) -> tuple[Power, ...]:
+    """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|)."""
+    stand = Screen.of(null)
+    rows, signatures = [], []
+    for k, hypothesis in enumerate(hypotheses):
+        if progress is not None:
+            progress(k / len(hypotheses), f"power {hypothesis.name}")
+        switches = [p for p in hypothesis.parameters if p.neutral is not None]
+        neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
+        for p in switches:
+            step = step_from_neutral(p)
+            moved = stand.change(hypothesis, {**start_values(hypothesis), **neutral, p.name: neutral[p.name] + step})
+            seen = None if moved is None else stand.projected(moved[:, None])[:, 0] / step
+            length = 0.0 if seen is None else float(np.linalg.norm(seen))
+            rows.append((hypothesis, p, _SIGMA / length if length > 1e-9 else float("inf")))
+            signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
+    return tuple(
+        Power(h.name, h.label, p.name, p.unit, smallest, p.low, p.high, _alike(k, rows, signatures))
+        for k, (h, p, smallest) in enumerate(rows)
+    )
+
+
+def _alike(
+    k: int, rows: list[tuple[Hypothesis, Parameter, float]], signatures: list[np.ndarray | None]
+) -> tuple[tuple[str, float], ...]:
+    own = signatures[k]
+    if own is None:
+        return ()
+    best: dict[str, float] = {}
+    for j, other in enumerate(signatures):
+        name = rows[j][0].name
+        if other is not None and name != rows[k][0].name:
+            best[name] = max(best.get(name, 0.0), abs(float(own @ other)))
+    found = [(name, cosine) for name, cosine in best.items() if cosine > _ALIKE]
+    return tuple(sorted(found, key=lambda pair: -pair[1]))

@@ -1,0 +1,164 @@
+"""One reconciliation: the scenario lined up with a campaign, what is open, and how the matrices depend on it."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import Campaign, InputError
+from vgvt.files.atomically import replacing
+from vgvt.reconcile.data import Measured, measured_frfs
+from vgvt.reconcile.holdout import Split, split
+from vgvt.reconcile.refinement import Refinement, refinement
+from vgvt.reconcile.uncertain import Unknown, prepared, unknowns
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.write import to_toml
+from vgvt.simulation.reduced import Layouts, Structure, structure
+
+Array = NDArray[np.float64]
+
+# In units of the prior's standard deviation: linear within it to round-off of the differences.
+_STEP = 0.1
+_SLOPES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+_VERSION = "3"
+# A campaign may come from a coarse chain too: 0 is the chain as stated, 1 the continuum that it stands for.
+CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "linear", lambda scenario, _: scenario)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nuisance:
+    """A gain or corner of the measuring chain with a unit normal prior; ``rows`` (C,) are the channels it scales."""
+
+    name: str
+    sd: float
+    kind: str
+    rows: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """Everything that fits share. Scores u: first the ``unknowns``, then the ``nuisances``.
+
+    ``slopes`` maps 'mass', … to the change per unit of each unknown's factor or shift, (unknowns, …);
+    ``refinement`` makes up for the chain's cells.
+    """
+
+    scenario: Scenario
+    measured: Measured
+    split: Split
+    unknowns: tuple[Unknown, ...]
+    nuisances: tuple[Nuisance, ...]
+    layouts: Layouts
+    nominal: Structure
+    slopes: dict[str, Array]
+    refinement: Refinement
+
+    @property
+    def size(self) -> int:
+        """Number of scores."""
+        return len(self.unknowns) + len(self.nuisances)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the scores."""
+        return (*(u.name for u in self.unknowns), *(n.name for n in self.nuisances))
+
+
+def make_problem(
+    campaign: Campaign,
+    scenario: Scenario,
+    *,
+    floor: float | None = None,
+    lines: int = 500,
+    cache: Path | None = None,
+) -> Problem:
+    """Line a scenario up with a campaign; derivatives are kept in ``cache`` (default: the user's temporary folder).
+
+    ``floor`` is the relative model-form error, by default that of the scenario's tolerances. InputError where the
+    scenario has no point for a measured channel.
+    """
+    measured = measured_frfs(campaign, lines=lines, floor=scenario.tolerances.model_form if floor is None else floor)
+    return problem_of(measured, scenario, cache=cache)
+
+
+def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = None) -> Problem:
+    """The problem for data that are there already."""
+    lined_up = aligned(scenario, measured)
+    known = unknowns(lined_up)
+    start = prepared(lined_up)
+    layouts = Layouts.of(start)
+    layout = layouts.plan(start)
+    nominal = structure(layout, layout.grid)
+    slopes = _slopes(start, known, layouts, nominal, cache)
+    finer = refinement(start, layouts, nominal, 3 * float(measured.frequency_hz[-1]))
+    for name in _SLOPES:
+        own = getattr(finer, name, None)
+        row = np.zeros((1, *slopes[name].shape[1:])) if own is None else own[None]
+        slopes[name] = np.concatenate([slopes[name], row])
+    return Problem(
+        lined_up, measured, split(lined_up, measured), (*known, CELLS), _nuisances(lined_up, measured), layouts,
+        nominal, slopes, finer,
+    )  # fmt: skip
+
+
+def aligned(scenario: Scenario, measured: Measured) -> Scenario:
+    """The scenario with the campaign's runs; InputError for a channel that it has no point for."""
+    nodes = scenario.accelerometers.grid.node
+    for channel in measured.channels:
+        if channel.dof.node not in nodes:
+            raise InputError(
+                f"scenario {scenario.name}: accelerometers.grid",
+                f"has no node {channel.dof.node}, which {channel.label} measured",
+                "Give the scenario a point for every channel of the campaign.",
+            )
+    acquisition = scenario.acquisition.model_copy(update={"runs": measured.runs, "repeats": 1})
+    return scenario.model_copy(update={"acquisition": acquisition})
+
+
+def _nuisances(scenario: Scenario, measured: Measured) -> tuple[Nuisance, ...]:
+    t, count = scenario.tolerances, len(measured.channels)
+    everything = np.ones(count, dtype=bool)
+    found = [Nuisance("gain force", t.gain, "gain", everything)]
+    instruments = np.array([c.instrument for c in measured.channels])
+    found += [Nuisance(f"gain sensor-{k + 1}", t.gain, "gain", instruments == k) for k in np.unique(instruments)]
+    # With every sensor in one place only its own gain and its channel's are the same thing.
+    if len(measured.runs) > 1:
+        found += [
+            Nuisance(f"gain {channel.label}", t.channel_gain, "gain", np.arange(count) == i)
+            for i, channel in enumerate(measured.channels)
+        ]
+    if scenario.transducer.high_pass_hz > 0:
+        found.append(Nuisance("corner force", t.high_pass, "corner force", everything))
+    if scenario.accelerometers.high_pass_hz > 0:
+        found.append(Nuisance("corner sensors", t.high_pass, "corner sensors", everything))
+    return tuple(n for n in found if n.sd > 0)
+
+
+def _slopes(
+    start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nominal: Structure, cache: Path | None
+) -> dict[str, Array]:
+    folder = cache or Path(tempfile.gettempdir()) / "vgvt-reconcile"
+    text = "\n".join((_VERSION, to_toml(start.model_copy(update={"seed": 0})), *nominal.joints))
+    file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
+    if file.is_file():
+        with np.load(file, allow_pickle=False) as stored:
+            if all(name in stored for name in _SLOPES):
+                return {name: stored[name] for name in _SLOPES}
+    found: dict[str, list[Array]] = {name: [] for name in _SLOPES}
+    for unknown in known:
+        sides = []
+        for u in (_STEP, -_STEP):
+            layout = layouts.plan(unknown.edit(start, unknown.amount(u)))
+            sides.append(structure(layout, layout.grid, nominal))
+        span = unknown.change(_STEP) - unknown.change(-_STEP)
+        for name in _SLOPES:
+            found[name].append((getattr(sides[0], name) - getattr(sides[1], name)) / span)
+    slopes = {name: np.array(rows) for name, rows in found.items()}
+    with replacing(file) as part, part.open("wb") as stream:
+        np.savez(stream, **slopes)  # type: ignore[arg-type]
+    return slopes

@@ -1,0 +1,131 @@
+"""Do a campaign and a scenario speak of the same test? Said before anything is computed, with what to write."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vgvt.data import Campaign, Dof, InputError
+from vgvt.scenario.model import Scenario
+
+# Further apart than this is another point, not a badly placed sensor.
+_ANOTHER_POINT_M = 0.10
+_DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
+
+
+def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
+    """InputError unless points, directions, drive point and kind of excitation of both are the same."""
+    _check_excitation(campaign, scenario)
+    _check_points(campaign, scenario)
+    _check_drive(campaign, scenario)
+
+
+def banded(campaign: Campaign, band_hz: tuple[float, float] | None) -> Campaign:
+    """The campaign with another band to judge by; InputError for one that it was not excited in."""
+    from dataclasses import replace
+
+    if band_hz is None:
+        return campaign
+    low, high = band_hz
+    if not 0 <= low < high:
+        raise InputError("--band", f"{low:g} {high:g} is not a band", "write LOW and HIGH in Hz")
+    excited = campaign.band_hz
+    if high <= excited[0] or low >= excited[1]:
+        raise InputError(
+            "--band",
+            f"{low:g} to {high:g} Hz lies outside the {excited[0]:g} to {excited[1]:g} Hz that {campaign.name} excites",
+            f"write a band within {excited[0]:g} and {excited[1]:g}",
+        )
+    return replace(campaign, band_hz=(max(low, excited[0]), min(high, excited[1])))
+
+
+def _check_excitation(campaign: Campaign, scenario: Scenario) -> None:
+    if scenario.further_shaker or scenario.excitation.kind == "impact":
+        raise InputError(
+            f"scenario {scenario.name}",
+            "has several shakers or a hammer, and reconcile takes one shaker at a fixed point",
+            "write a scenario with a single [shaker], and give the runs that it drove",
+        )
+    references = set(campaign.reference_dofs)
+    if not references:
+        raise InputError(
+            campaign.name,
+            "has no force channel",
+            "give a campaign with measured forces, or mark the force as reference",
+        )
+    if len(references) > 1:
+        raise InputError(
+            campaign.name,
+            f"was driven at {len(references)} points: {_listed(references)}",
+            "reconcile the runs of each drive point on their own, with a scenario for each",
+        )
+
+
+def _check_points(campaign: Campaign, scenario: Scenario) -> None:
+    grid = scenario.accelerometers.grid
+    nodes = set(grid.node)
+    measured = campaign.response_dofs
+    shared = [d for d in measured if d.node in nodes]
+    where = f"scenario {scenario.name}: accelerometers.grid"
+    if not shared:
+        raise InputError(
+            where,
+            f"shares no response point with {campaign.name}: that measured {_listed(measured)}, this has nodes "
+            f"{', '.join(map(str, grid.node[:8]))}{', …' if len(grid.node) > 8 else ''}",
+            "write the campaign's nodes into node, with their places in x_m and y_m",
+        )
+    missing = [d for d in measured if d.node not in nodes]
+    if missing:
+        raise InputError(
+            where,
+            f"has no node {', '.join(str(d.node) for d in missing[:8])}, which {campaign.name} measured",
+            "give the scenario a point for every channel of the campaign",
+        )
+    stated = dict(zip(grid.node, grid.direction or ("+Z",) * len(grid.node), strict=True))
+    for d in measured:
+        direction = stated[d.node].upper()
+        # The sign may differ: that is a channel read the other way round, not another motion.
+        if str(d)[-1] != direction[-1]:
+            raise InputError(
+                where,
+                f"measures node {d.node} along {direction}, but the campaign measured {d}",
+                f"write the campaign's direction for node {d.node} in direction",
+            )
+    _check_places(campaign, scenario, measured)
+
+
+def _check_places(campaign: Campaign, scenario: Scenario, measured: tuple[Dof, ...]) -> None:
+    grid, geometry = scenario.accelerometers.grid, campaign.geometry
+    place = {n: (x, y) for n, x, y in zip(grid.node, grid.x_m, grid.y_m, strict=True)}
+    for d in measured:
+        if d.node not in geometry.nodes:
+            continue
+        there = geometry.position_m(d.node)
+        away = float(np.hypot(there[0] - place[d.node][0], there[1] - place[d.node][1]))
+        if away > _ANOTHER_POINT_M:
+            x, y = place[d.node]
+            raise InputError(
+                f"scenario {scenario.name}: accelerometers.grid",
+                f"puts node {d.node} at x = {x:.3f}, y = {y:.3f} m, {away:.2f} m from where {campaign.name} has it "
+                f"({there[0]:.3f}, {there[1]:.3f})",
+                "write the same places, in metres aft of the nose and to the right",
+            )
+
+
+def _check_drive(campaign: Campaign, scenario: Scenario) -> None:
+    drive = campaign.reference_dofs[0]
+    if drive.node not in campaign.geometry.nodes:
+        return
+    there, here = campaign.geometry.position_m(drive.node), np.array(scenario.shaker.position_m)
+    away = float(np.hypot(*(there - here)[:2]))
+    if away > max(_DRIVE_AT_LEAST_M, _DRIVE_SD * scenario.tolerances.drive_point_m):
+        x, y, z = (float(v) for v in there)
+        raise InputError(
+            f"scenario {scenario.name}: shaker.position_m",
+            f"is {away:.3f} m from the drive point of {campaign.name}",
+            f"write position_m = [{x:.4g}, {y:.4g}, {z:.4g}], or a larger tolerances.drive_point_m if it is uncertain",
+        )
+
+
+def _listed(dofs: set[Dof] | tuple[Dof, ...]) -> str:
+    names = [str(d) for d in dofs]
+    return ", ".join(names[:8]) + (", …" if len(names) > 8 else "")

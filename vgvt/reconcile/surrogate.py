@@ -1,0 +1,233 @@
+"""The fast prediction of every A/F of a campaign: assembled once at an anchor, linear in its parameters around it.
+
+Effects act as they do in the simulation, through what their ``act`` returns for each run, so that any installed
+effect is predicted without a line of code about it. Runs that an effect treats alike share a structure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.action import Action
+from vgvt.reconcile.chain import chain_factor
+from vgvt.reconcile.grouping import Group, NoStructureError, assembled, effects_at, home, run_actions
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.response import Matrices, accelerances, reduction
+from vgvt.simulation.reduced import Structure
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+# Modes up to this many times the top of the band; the rest is a static flexibility.
+_MODES_PER_BAND = 6.0
+_EFFECT_STEP = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reduced:
+    """A group in reduced coordinates, ``basis`` (n, m), with its slopes (parameters, …) by name of the matrix."""
+
+    basis: Array
+    matrices: Matrices
+    slopes: dict[str, Array]
+    runs: tuple[NDArray[np.intp], ...]
+    channels: NDArray[np.intp]
+    masses_kg: Array
+    mass_slopes: Array
+    roving: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Anchor:
+    """The linearisation at scores ``u0`` (problem.size,) and ``e0`` (all parameters of the hypotheses, joined)."""
+
+    problem: Problem
+    hypotheses: tuple[Hypothesis, ...]
+    u0: Array
+    e0: Array
+    groups: tuple[Reduced, ...]
+    assembled: tuple[Group, ...]
+    filtered: bool
+
+    @property
+    def size(self) -> int:
+        """Number of parameters, those of the hypotheses included."""
+        return self.u0.size + self.e0.size
+
+    def predict(self, u: Array, e: Array) -> ComplexArray:
+        """A/F (C, L) of every channel at scores u and e."""
+        return self.mechanical(u, e) * self.chain(u, e)
+
+    def chain(self, u: Array, e: Array) -> ComplexArray:
+        """The measuring chain's factor (C, L)."""
+        return chain_factor(self.problem, u[len(self.problem.unknowns) :], self._actions(e))
+
+    def mechanical(self, u: Array, e: Array) -> ComplexArray:
+        """Accelerance (C, L) of the structure alone."""
+        problem = self.problem
+        omega = 2 * np.pi * problem.measured.frequency_hz
+        count = len(problem.unknowns)
+        moved = [k.change(float(a)) - k.change(float(b)) for k, a, b in zip(problem.unknowns, u, self.u0, strict=False)]
+        x = np.concatenate([moved, e - self.e0])
+        still = not x.any()
+        sensor = _sensor_mass_factor(problem, u) / _sensor_mass_factor(problem, self.u0)
+        out = np.empty(problem.measured.values.shape, dtype=complex)
+        for group in self.groups:
+            matrices = group.matrices if still else _at(group, x)
+            masses = tuple(
+                (group.masses_kg[rows] + (0.0 if still else x[count:] @ group.mass_slopes[:, rows])) * sensor
+                if group.roving
+                else np.zeros(rows.size)
+                for rows in group.runs
+            )
+            out[group.channels] = accelerances(matrices, omega, group.runs, masses)
+        return out
+
+    def _actions(self, e: Array) -> list[tuple[Action, ...]] | None:
+        if not self.filtered:
+            return None
+        made = effects_at(self.problem, self.hypotheses, e)
+        return None if made is None else [a for _, a in run_actions(self.problem.scenario, made, self.problem)]
+
+
+def anchor(
+    problem: Problem,
+    u: Array,
+    hypotheses: tuple[Hypothesis, ...] = (),
+    e: Array | None = None,
+    *,
+    slopes: bool = True,
+    fast: tuple[Group, ...] | None = None,
+    groups: tuple[Group, ...] | None = None,
+) -> Anchor:
+    """Assemble the structure at scores u and e; without ``slopes`` it predicts there and nowhere else.
+
+    ``fast`` are the groups at the same u without the hypotheses: elements are then added to them by their rows
+    where that is enough. ``groups`` are those at u and e, where they are known. NoStructureError where there is none.
+    """
+    scores = np.zeros(0) if e is None else e
+    groups = assembled(problem, u, hypotheses, scores, fast) if groups is None else groups
+    if groups is None:
+        raise NoStructureError("no such structure")
+    sides = []
+    if slopes:
+        for j in range(scores.size):
+            step = np.zeros(scores.size)
+            step[j] = _EFFECT_STEP
+            near = assembled(problem, u, hypotheses, scores + step, fast)
+            sign = 1.0
+            if near is None or not _alike(groups, near):
+                near, sign = assembled(problem, u, hypotheses, scores - step, fast), -1.0
+            sides.append((sign, near if near is not None and _alike(groups, near) else groups))
+    reduced = tuple(_reduced(problem, u, groups, g, sides if slopes else None, scores.size) for g in range(len(groups)))
+    # Not from the groups' plans: those are of their first runs, and a filter may be in another one.
+    made = effects_at(problem, hypotheses, scores)
+    acting = [] if made is None else run_actions(problem.scenario, made, problem)
+    filtered = any(action.channels for _, actions in acting for action in actions)
+    return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered)
+
+
+def _alike(one: tuple[Group, ...], other: tuple[Group, ...]) -> bool:
+    return len(one) == len(other) and all(
+        a.structure.joints == b.structure.joints and np.array_equal(a.channels, b.channels)
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _reduced(
+    problem: Problem,
+    u: Array,
+    groups: tuple[Group, ...],
+    index: int,
+    sides: list[tuple[float, tuple[Group, ...]]] | None,
+    effects: int,
+) -> Reduced:
+    group = groups[index]
+    s = group.structure
+    run_of = np.array([problem.measured.channels[i].run for i in group.channels])
+    runs = tuple(np.flatnonzero(run_of == r) for r in np.unique(run_of))
+    roving = len({tuple(group.rows[r]) for r in runs}) > 1
+    carried = _carried(s, group.rows, group.masses_kg, runs, roving)
+    full = replace(s, mass=s.mass + carried)
+    limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
+    basis = reduction(full.mass, full.stiffness, limit, np.zeros(s.drive.size, dtype=bool))
+    matrices = _project(full, basis, group.rows)
+    slopes: dict[str, Array] = {}
+    if sides is None:
+        return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, np.zeros((0, 0)), roving)
+    count, known = len(problem.unknowns), problem.nominal.joints
+    part = basis[[s.joints.index(j) for j in known]]
+    sensor = _sensor_mass_index(problem)
+    grid_rows = [problem.nominal.places.index(home(s.places[r])) for r in group.rows]
+    extra: list[dict[str, Array]] = []
+    mass_slopes = np.zeros((effects, group.rows.size))
+    for j, (sign, near) in enumerate(sides):
+        other = near[index]
+        step = sign * _EFFECT_STEP
+        moved = _carried(other.structure, other.rows, other.masses_kg, runs, roving)
+        there = _project(replace(other.structure, mass=other.structure.mass + moved), basis, other.rows)
+        extra.append({n: (getattr(there, n) - getattr(matrices, n)) / step for n in _NAMES})
+        mass_slopes[j] = (other.masses_kg - group.masses_kg) / step
+    for name in _NAMES:
+        values = problem.slopes[name]
+        if name in ("mass", "damping", "stiffness"):
+            rows = np.einsum("am,pab,bn->pmn", part, values, part, optimize=True)
+        elif name == "drive":
+            rows = values @ part
+        else:
+            rows = values[:, grid_rows] @ part
+        if name == "mass" and sensor is not None and not roving:
+            rows[sensor] += basis.T @ carried @ basis / _sensor_mass_factor(problem, u)
+        added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])
+        if not extra and effects:
+            added = np.zeros((effects, *rows.shape[1:]))
+        slopes[name] = np.concatenate([rows, added])
+    assert slopes["mass"].shape[0] == count + effects
+    return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving)
+
+
+_NAMES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+
+
+def _carried(
+    s: Structure, rows: NDArray[np.intp], masses: Array, runs: tuple[NDArray[np.intp], ...], roving: bool
+) -> Array:
+    """Inertia (n, n) of the sensors: all of it where they stay, the mean across their axes where they rove."""
+    n = s.drive.size
+    total = np.zeros((n, n))
+    for run in runs if roving else runs[:1]:
+        for k in run:
+            moved = s.jacobian[rows[k]]
+            total += masses[k] * moved.T @ moved
+            if roving:
+                total -= masses[k] * np.outer(s.axis[rows[k]], s.axis[rows[k]])
+    return total / len(runs) if roving else total
+
+
+def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
+    stiffness = basis.T @ s.stiffness @ basis
+    drive, axis = basis.T @ s.drive, s.axis[rows] @ basis
+    spare = s.axis[rows] @ np.linalg.solve(s.stiffness, s.drive) - axis @ np.linalg.solve(stiffness, drive)
+    return Matrices(
+        basis.T @ s.mass @ basis, basis.T @ s.damping @ basis, stiffness, drive, axis, s.tilt[rows] @ basis, spare
+    )
+
+
+def _at(group: Reduced, x: Array) -> Matrices:
+    changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in _NAMES}
+    return Matrices(**changed, spare=group.matrices.spare)
+
+
+def _sensor_mass_index(problem: Problem) -> int | None:
+    names = [k.name for k in problem.unknowns]
+    return names.index("sensor mass") if "sensor mass" in names else None
+
+
+def _sensor_mass_factor(problem: Problem, u: Array) -> float:
+    """The factor that u puts on every sensor's mass."""
+    index = _sensor_mass_index(problem)
+    return 1.0 if index is None else problem.unknowns[index].amount(float(u[index]))

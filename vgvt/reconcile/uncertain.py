@@ -1,0 +1,255 @@
+"""What the scenario declares as uncertain, as parameters of unit normal prior with edits of the scenario.
+
+Parameter u stands for the factor exp(s u) of a positive quantity, or the shift s u of a signed one, with s the
+standard deviation from the scenario's tolerances.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from vgvt.effects.beams import plain_name, with_airframe, with_beams, with_columns, written_out
+from vgvt.scenario.airframe import Beam
+from vgvt.scenario.axis import beam_axis
+from vgvt.scenario.model import Scenario
+
+# Shorter beams bend too little for their segments to be told apart: only their common scale varies.
+_LONG = 0.5
+Edit = Callable[[Scenario, float], Scenario]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unknown:
+    """One declared uncertainty; ``edit(scenario, amount)`` applies the factor ('log') or the shift ('linear').
+
+    ``what`` says it in words; ``nominal`` is the stated value where there is a single one.
+    """
+
+    name: str
+    what: str
+    unit: str
+    sd: float
+    scale: Literal["log", "linear"]
+    edit: Edit
+    nominal: float | None = None
+
+    def amount(self, u: float) -> float:
+        """The factor or shift that a score u stands for."""
+        return math.exp(self.sd * u) if self.scale == "log" else self.sd * u
+
+    def change(self, u: float) -> float:
+        """The amount's distance from the stated value: factor - 1, or the shift."""
+        return self.amount(u) - (1.0 if self.scale == "log" else 0.0)
+
+
+def unknowns(scenario: Scenario) -> tuple[Unknown, ...]:
+    """Every structural quantity that the scenario's tolerances leave open; gains are not among them."""
+    found = [*_beams(scenario), *_body(scenario), *_items(scenario), *_damping(scenario), *_rig(scenario)]
+    return tuple(u for u in found if u.sd > 0)
+
+
+def edited(scenario: Scenario, known: tuple[Unknown, ...], scores: np.ndarray) -> Scenario:
+    """The scenario, sides written out, with every unknown at its score, (unknowns,)."""
+    changed = prepared(scenario)
+    for unknown, u in zip(known, scores, strict=True):
+        if u != 0:
+            changed = unknown.edit(changed, unknown.amount(float(u)))
+    return changed
+
+
+def prepared(scenario: Scenario) -> Scenario:
+    """The same aircraft with both sides written out and stations where segments meet."""
+    split = written_out(scenario)
+    names = _segmented(split)
+    count = scenario.tolerances.segments
+    return with_beams(split, names, lambda beam: _with_stations(beam, count)) if count else split
+
+
+def _segmented(scenario: Scenario) -> tuple[str, ...]:
+    """Names of the beams long enough to have segments of their own, in a scenario written out."""
+    length = {b.name: float(beam_axis(b).arc_length_m[-1]) for b in scenario.airframe.beam}
+    return tuple(n for n in length if length[n] >= _LONG * max(length.values()))
+
+
+def _with_stations(beam: Beam, count: int) -> Beam:
+    axis, stations = beam_axis(beam), beam.stations
+    arcs = np.union1d(axis.arc_length_m, np.linspace(0.0, axis.arc_length_m[-1], count))
+    arcs = arcs[np.concatenate([[True], np.diff(arcs) > 1e-6 * axis.arc_length_m[-1]])]
+    columns: dict[str, object] = {}
+    for name in type(stations).model_fields:
+        values = getattr(stations, name)
+        if name == "position_m":
+            points = np.stack([np.interp(arcs, axis.arc_length_m, axis.position_m[:, k]) for k in range(3)], axis=1)
+            columns[name] = tuple((float(x), float(y), float(z)) for x, y, z in points)
+        elif values is not None:
+            columns[name] = tuple(float(v) for v in np.interp(arcs, axis.arc_length_m, values))
+    return beam.model_copy(update={"stations": stations.model_copy(update=columns)})
+
+
+def _beams(scenario: Scenario) -> list[Unknown]:
+    t = scenario.tolerances
+    split = prepared(scenario)
+    long = _segmented(split)
+    found: list[Unknown] = []
+    for plain in dict.fromkeys(plain_name(b.name) for b in split.airframe.beam):
+        names = tuple(b.name for b in split.airframe.beam if plain_name(b.name) == plain)
+        for column, what in (("bending_stiffness_n_m2", "EI"), ("torsional_stiffness_n_m2", "GJ")):
+            words = f"{what} of the {plain}"
+            found.append(_log(f"{what} {plain}", words, t.stiffness_scale, _column_edit(names, column, None)))
+        words = f"pitch inertia of the {plain}"
+        found.append(_log(f"inertia {plain}", words, t.inertia, _column_edit(names, "pitch_inertia_kg_m", None)))
+    for name in long:
+        for column, what, sd in (
+            ("bending_stiffness_n_m2", "EI", t.stiffness_segment),
+            ("torsional_stiffness_n_m2", "GJ", t.stiffness_segment),
+            ("mass_kg_per_m", "mass", t.mass_segment),
+        ):
+            for k in range(t.segments):
+                words = f"{what} of the {name}, around station {k + 1} of {t.segments} from the root"
+                edit = _column_edit((name,), column, (k, t.segments))
+                found.append(_log(f"{what} {name} {k + 1}", words, sd, edit))
+    return found
+
+
+def _column_edit(names: tuple[str, ...], column: str, segment: tuple[int, int] | None) -> Edit:
+    """Scale a column by a factor everywhere, or around one of n stations with a tent between its neighbours."""
+
+    def edit(scenario: Scenario, factor: float) -> Scenario:
+        def change(beam: Beam) -> Beam:
+            weight: np.ndarray = np.ones(len(beam.stations.position_m))
+            if segment is not None:
+                k, count = segment
+                arc = beam_axis(beam).arc_length_m
+                knots = np.linspace(0.0, arc[-1], count)
+                weight = np.interp(arc, knots, np.eye(count)[k]) if count > 1 else weight
+            return with_columns(
+                beam, **{column: np.array(getattr(beam.stations, column)) * (1 + weight * (factor - 1))}
+            )
+
+        return with_beams(scenario, names, change)
+
+    return edit
+
+
+def _body(scenario: Scenario) -> list[Unknown]:
+    t, body = scenario.tolerances, scenario.airframe.body
+
+    def with_body(s: Scenario, **values: object) -> Scenario:
+        return with_airframe(s, body=s.airframe.body.model_copy(update=values))
+
+    def inertia(axis: int) -> Edit:
+        def edit(s: Scenario, factor: float) -> Scenario:
+            values = list(s.airframe.body.inertia_kg_m2)
+            # Mass further out in the plane of a flat body raises Izz as much.
+            values[2] += values[axis] * (factor - 1)
+            values[axis] *= factor
+            return with_body(s, inertia_kg_m2=tuple(values))
+
+        return edit
+
+    def shifted(s: Scenario, shift: float) -> Scenario:
+        x, y, z = s.airframe.body.centre_of_gravity_m
+        return with_body(s, centre_of_gravity_m=(x + shift, y, z))
+
+    return [
+        _log("mass body", "mass of the centre body", t.body_mass,
+             lambda s, f: with_body(s, mass_kg=s.airframe.body.mass_kg * f), "kg", body.mass_kg),
+        _log("Ixx body", "roll inertia of the centre body", t.inertia, inertia(0), "kg m^2", body.inertia_kg_m2[0]),
+        _log("Iyy body", "pitch inertia of the centre body", t.inertia, inertia(1), "kg m^2", body.inertia_kg_m2[1]),
+        Unknown("cg body", "centre of gravity of the centre body, aft", "m", t.body_centre_of_gravity_m, "linear",
+                shifted, body.centre_of_gravity_m[0]),
+    ]  # fmt: skip
+
+
+def _items(scenario: Scenario) -> list[Unknown]:
+    def scaled(plain: str) -> Edit:
+        def edit(s: Scenario, factor: float) -> Scenario:
+            items = tuple(
+                i.model_copy(update={"mass_kg": i.mass_kg * factor}) if plain_name(i.name) == plain else i
+                for i in s.airframe.item
+            )
+            return with_airframe(s, item=items)
+
+        return edit
+
+    names = dict.fromkeys(plain_name(i.name) for i in scenario.airframe.item)
+    sd = scenario.tolerances.item_mass
+    return [_log(f"mass {name}", f"mass of the {name}", sd, scaled(name)) for name in names]
+
+
+def _damping(scenario: Scenario) -> list[Unknown]:
+    def with_damping(s: Scenario, **values: object) -> Scenario:
+        return with_airframe(s, damping=s.airframe.damping.model_copy(update=values))
+
+    def rest(s: Scenario, factor: float) -> Scenario:
+        return with_damping(s, damping_ratio=s.airframe.damping.damping_ratio * factor)
+
+    def mode(k: int) -> Edit:
+        def edit(s: Scenario, factor: float) -> Scenario:
+            ratios = list(s.airframe.damping.modal)
+            ratios[k] *= factor
+            return with_damping(s, modal=tuple(ratios))
+
+        return edit
+
+    sd, damping = scenario.tolerances.damping, scenario.airframe.damping
+    found = [_log("damping rest", "damping ratio of the modes not listed", sd, rest, "", damping.damping_ratio)]
+    for k, ratio in enumerate(damping.modal):
+        found.append(_log(f"damping {k + 1}", f"damping ratio of elastic mode {k + 1}", sd, mode(k), "", ratio))
+    return found
+
+
+def _rig(scenario: Scenario) -> list[Unknown]:
+    t = scenario.tolerances
+
+    def table(name: str, key: str) -> Edit:
+        def edit(s: Scenario, factor: float) -> Scenario:
+            part = getattr(s, name)
+            return s.model_copy(update={name: part.model_copy(update={key: getattr(part, key) * factor})})
+
+        return edit
+
+    def place(name: str, key: str, axis: int) -> Edit:
+        def edit(s: Scenario, shift: float) -> Scenario:
+            part = getattr(s, name)
+            values = list(getattr(part, key))
+            values[axis] += shift
+            return s.model_copy(update={name: part.model_copy(update={key: tuple(values)})})
+
+        return edit
+
+    def dampers(s: Scenario, factor: float) -> Scenario:
+        keys = ("damping_n_s_per_m", "rotation_damping_n_m_s_per_rad", "pendulum_damping_n_s_per_m")
+        update = {key: getattr(s.suspension, key) * factor for key in keys}
+        return s.model_copy(update={"suspension": s.suspension.model_copy(update=update)})
+
+    found = [
+        _log("spring", "stiffness of the suspension", t.suspension_stiffness, table("suspension", "stiffness_n_per_m"),
+             "N/m", scenario.suspension.stiffness_n_per_m),
+        _log("suspension dampers", "all dampers of the suspension", t.suspension_damping, dampers),
+    ]  # fmt: skip
+    for axis, letter in enumerate("xyz"):
+        edit = place("suspension", "hook_m", axis)
+        words = f"hook, {letter}"
+        found.append(Unknown(f"hook {letter}", words, "m", t.hook_m, "linear", edit, scenario.suspension.hook_m[axis]))
+    for axis, letter in enumerate("xy"):
+        edit = place("shaker", "position_m", axis)
+        at = scenario.shaker.position_m[axis]
+        found.append(Unknown(f"drive {letter}", f"drive point, {letter}", "m", t.drive_point_m, "linear", edit, at))
+    if scenario.transducer.end_mass_kg > 0:
+        edit, kg = table("transducer", "end_mass_kg"), scenario.transducer.end_mass_kg
+        words = "transducer's mass below the sensing element"
+        found.append(_log("transducer end mass", words, t.transducer_end_mass, edit, "kg", kg))
+    if scenario.accelerometers.mass_kg > 0:
+        edit, kg = table("accelerometers", "mass_kg"), scenario.accelerometers.mass_kg
+        found.append(_log("sensor mass", "mass of every accelerometer", t.sensor_mass, edit, "kg", kg))
+    return found
+
+
+def _log(name: str, what: str, sd: float, edit: Edit, unit: str = "", nominal: float | None = None) -> Unknown:
+    return Unknown(name, what, unit, sd, "log", edit, nominal)

@@ -1,0 +1,184 @@
+"""The verdict: adequate, explained, ambiguous, partly explained or unknown, with its reasons in plain words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.figures_of_merit import Comparison
+from vgvt.reconcile.localise import Localisation
+from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.suggest import Suggestion
+from vgvt.reconcile.thresholds import Thresholds
+from vgvt.scenario.model import Scenario
+
+
+class Kind(StrEnum):
+    """What a reconciliation can come to."""
+
+    ADEQUATE = "adequate"
+    EXPLAINED = "explained"
+    AMBIGUOUS = "ambiguous"
+    PARTLY_EXPLAINED = "partly_explained"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class NamedEffect:
+    """An effect that the data name: parameters {name: (value, standard deviation, unit)}, its settings, its evidence.
+
+    ``equivalent`` are the names of effects that explain the data as well.
+    """
+
+    name: str
+    summary: str
+    parameters: dict[str, tuple[float, float, str]]
+    settings: dict[str, object]
+    evidence_nats: float
+    equivalent: tuple[str, ...]
+    held_out_before: float | None
+    held_out_after: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """What a campaign says about a scenario, and everything that the saying rests on."""
+
+    kind: Kind
+    reasons: tuple[str, ...]
+    effects: tuple[NamedEffect, ...]
+    unexplained: tuple[str, ...]
+    before: Comparison
+    after: Comparison
+    suggested_tests: tuple[Suggestion, ...]
+    attribution: Attribution
+    localisation: Localisation | None
+    thresholds: Thresholds
+    scenario: Scenario
+
+    def document(self) -> dict[str, object]:
+        """Plain values by the keys of the JSON contract."""
+        return {
+            "verdict": self.kind.value,
+            "reasons": list(self.reasons),
+            "effects": [_effect_document(e) for e in self.effects],
+            "unexplained": list(self.unexplained),
+            "before": self.before.document(),
+            "after": self.after.document(),
+            "suggested_tests": [s.document() for s in self.suggested_tests],
+            "scenario": self.scenario.name,
+            "residual": _residual_document(self.attribution.null_residual),
+            "residual_after": _residual_document(self.attribution.final_residual),
+            "localisation": [
+                {"place": p.label, "explained": p.explained, "type": p.type, "size": p.size, "unit": p.unit}
+                for p in (self.localisation.places[:5] if self.localisation else ())
+            ],
+            "candidates": [
+                {"effect": r.hypothesis.label, "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out}
+                for r in (
+                    self.attribution.rounds[0].rivals if self.attribution.rounds else self.attribution.last_rivals
+                )
+            ],
+            "thresholds": {
+                "chi2_per_dof": self.thresholds.chi2_per_dof,
+                "evidence_nats": self.thresholds.evidence_nats,
+                "provenance": self.thresholds.provenance,
+            },
+        }
+
+
+def kind_of(found: Attribution) -> Kind:
+    """The verdict that an attribution amounts to."""
+    if not found.rounds:
+        return Kind.ADEQUATE if found.null_residual.adequate else Kind.UNKNOWN
+    if not found.final_residual.adequate:
+        return Kind.PARTLY_EXPLAINED
+    several = any(len({r.name for r in addition.equivalent}) > 1 for addition in found.rounds)
+    return Kind.AMBIGUOUS if several else Kind.EXPLAINED
+
+
+def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
+    """The effects of the final model with their posterior."""
+    names = []
+    for k, addition in enumerate(found.rounds):
+        winner = addition.winner
+        others = tuple(dict.fromkeys(r.name for r in addition.equivalent if r.name != winner.name))
+        cls = winner.hypothesis.cls
+        names.append(
+            NamedEffect(
+                winner.name,
+                str(cls.summary),  # type: ignore[attr-defined]
+                found.final.values(k),
+                dict(winner.hypothesis.settings),
+                winner.gain_nats,
+                others,
+                addition.held_out_before,
+                winner.held_out,
+            )
+        )
+    return tuple(names)
+
+
+def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Localisation | None) -> tuple[str, ...]:
+    """Why, in plain words."""
+    before, after = found.null_residual, found.final_residual
+    said = []
+    if kind is Kind.ADEQUATE:
+        said.append(
+            f"The calibrated scenario leaves {before.train_chi2_per_dof:.2f} per degree of freedom, no more than "
+            f"campaigns without any missing effect ({limits.chi2_per_dof:.2f})"
+        )
+        said.append(f"No effect of the catalogue gains {limits.evidence_nats:.0f} nats of evidence on held-out data")
+    else:
+        said += [f"Without another effect {text}" for text in before.reasons]
+    for addition in found.rounds:
+        winner = addition.winner
+        said.append(
+            f"Adding {winner.hypothesis.label} gains {winner.gain_nats:.0f} nats (a name needs "
+            f"{limits.evidence_nats:.0f}); held-out error falls "
+            f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
+        )
+        others = sorted({r.name for r in addition.equivalent} - {winner.name})
+        if others:
+            said.append(f"{', '.join(others)} explain the data as well, within {limits.set_nats:.0f} nats")
+    if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and found.rounds:
+        said += [f"With it {text}" for text in after.reasons]
+    if kind is Kind.UNKNOWN:
+        said.append("No effect of the catalogue explains it and holds on data that no fit has seen")
+        said += [
+            f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data do not confirm it"
+            for r in found.vetoed[:3]
+        ]
+    if places is not None and places.places:
+        best = places.places[0]
+        said.append(
+            f"A free {best.label} would explain {100 * max(best.explained, 0):.0f} % of the residual"
+            + (f"; it looks like a {best.type}" if best.type and best.type != "unclear" else "")
+        )
+    return tuple(said)
+
+
+def _effect_document(e: NamedEffect) -> dict[str, object]:
+    return {
+        "name": e.name,
+        "summary": e.summary,
+        "parameters": {k: {"value": v, "std": sd, "unit": unit} for k, (v, sd, unit) in e.parameters.items()},
+        "settings": e.settings,
+        "evidence_nats": e.evidence_nats,
+        "equivalent": list(e.equivalent),
+        "held_out_before": e.held_out_before,
+        "held_out_after": e.held_out_after,
+    }
+
+
+def _residual_document(r: Residual) -> dict[str, object]:
+    return {
+        "chi2_per_dof": r.train_chi2_per_dof,
+        "held_out_chi2_per_dof": r.held_out_chi2_per_dof,
+        "smooth_per_dof": r.smooth_per_dof,
+        "lag_one": r.lag_one,
+        "between_channels": r.between_channels,
+        "share_beyond_three": r.share_beyond_three,
+        "adequate": r.adequate,
+    }

@@ -1,0 +1,316 @@
+"""The tables and texts of a reconciliation's page as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from vgvt.view.html_page import escaped
+from vgvt.view.reconcile_account import Account, CandidateRow, ModelState, PowerRow
+from vgvt.view.reconcile_wording import (
+    DATA_SETS,
+    KINDS,
+    disproofs,
+    next_steps,
+    parameter_text,
+    verdict_sentence,
+    warnings_of,
+)
+
+_FIGURES = (
+    ("chi2_per_dof", "χ² per degree of freedom, fitted data"),
+    ("held_out_chi2_per_dof", "χ² per degree of freedom, held-out data"),
+    ("smooth_per_dof", "the same of sums over neighbouring lines"),
+    ("lag_one", "correlation of neighbouring lines"),
+    ("between_channels", "correlation between channels of a run"),
+    ("share_beyond_three", "share of lines beyond 3 sd"),
+)
+_MERITS = (
+    ("chi2_per_dof", "χ² per dof", ".2f"),
+    ("nrmse_percent", "NRMSE fit, %", ".2f"),
+    ("mean_abs_db", "mean error, dB", ".3f"),
+    ("frac", "FRAC", ".5f"),
+)
+_WORST = 8
+
+
+def verdict_section(account: Account) -> str:
+    """The verdict, why, and the figures that it rests on."""
+    facts = "".join(
+        f"<div><dt>{escaped(key)}</dt><dd>{escaped(value)}</dd></div>" for key, value in account.facts.items()
+    )
+    return (
+        f'<p class="verdict verdict-{account.kind.replace("_", "-")}"><b>{escaped(KINDS[account.kind])}.</b> '
+        f"{escaped(verdict_sentence(account))}</p>"
+        f"<h3>Why</h3>{_list(account.reasons)}<h3>What to do</h3>{_list(next_steps(account))}"
+        f'<dl class="facts">{facts}</dl>'
+    )
+
+
+def named_section(account: Account) -> str:
+    """What was named, with its parameters and everything that explains the data as well."""
+    if not account.effects:
+        return ""
+    heads = ("effect", "parameters", "evidence, nats", "held-out χ² before", "after", "explains it as well")
+    rows = [
+        (
+            f"<b>{escaped(e.name)}</b><br>{escaped(e.summary)}", escaped(parameter_text(e)), f"{e.evidence_nats:.1f}",
+            _number(e.held_out_before, ".2f"), _number(e.held_out_after, ".2f"),
+            escaped(", ".join(e.equivalent) or "nothing else in the catalogue"),
+        )
+        for e in account.effects
+    ]  # fmt: skip
+    note = (
+        f"Effects within {account.limits['set_nats']:g} nats of the best form a set that this campaign cannot tell "
+        "apart. ± is one standard deviation with everything else free."
+    )
+    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 1, 5))}'
+
+
+def residual_table(account: Account) -> str:
+    """The residual in single numbers, before and after, with the limits."""
+    states = _states(account)
+    heads = ("", *(name for name, _ in states), "at most, without a missing effect")
+    rows = []
+    for key, words in _FIGURES:
+        values = [state.figures.get(key) for _, state in states]
+        limit = account.limits.get(key)
+        cells = [_judged(value, limit) for value in values]
+        rows.append((escaped(words), *cells, "" if limit is None else f"{limit:.2f}"))
+    note = (
+        f"1 is what noise and the model's floor explain. Limits: {account.provenance}. "
+        f"{len(account.frequency_hz)} lines, {len(account.channels)} channels; median sigma "
+        f"{100 * float(np.median(account.sigma / np.abs(account.measured))):.2f} % of the response."
+    )
+    return _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note)}</p>'
+
+
+def held_out_note(account: Account) -> str:
+    """Which data no fit has seen."""
+    runs: dict[str, list[str]] = {}
+    for c in account.channels:
+        if c.held == "run":
+            run, _, dof = c.label.partition(", ")
+            runs.setdefault(run, []).append(dof)
+    alone = [c.label for c in account.channels if c.held == "channel"]
+    if not runs and not alone:
+        return '<p class="note">The campaign is too small to hold anything out: no effect can be named from it.</p>'
+    said = []
+    if runs:
+        whole = ", ".join(f"{run} ({', '.join(dofs)})" for run, dofs in runs.items())
+        said.append(f"whole runs (◆): {whole}")
+    if alone:
+        said.append(f"single channels (◇): {' and '.join(alone)}")
+    text = f"Held out of every fit, fixed by the scenario's seed before the first one: {'; '.join(said)}."
+    return f'<p class="note">{escaped(text)}</p>'
+
+
+def error_section(account: Account) -> str:
+    """Error before and after, on the data that were fitted and on those that were not."""
+    heads = ["data", *(name for _, name, _ in _MERITS)]
+    rows = []
+    for key, words in DATA_SETS.items():
+        for name, state in _states(account):
+            merit = state.merits.get(key)
+            if merit is not None:
+                cells = [format(merit[figure], form) for figure, _, form in _MERITS]
+                rows.append((f"{escaped(words)}, {name}", *cells))
+    note = (
+        "NRMSE fit: 100 % is perfect, 70 % is commonly called excellent; FRAC: 1 is perfect; medians over channels. "
+        "The error in dB is the mean over lines and channels."
+    )
+    return _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note)}</p>'
+
+
+def modes_section(account: Account) -> str:
+    """Mode by mode: frequency, damping and the error around it, before and after."""
+    if not account.modes:
+        return ""
+    pair = account.changed
+    heads: tuple[str, ...] = (
+        ("before, Hz", "after, Hz", "ζ before, %", "ζ after, %", "MAC", "error fitted, %", "error held out, %")
+        if pair
+        else ("model, Hz", "ζ, %", "error fitted, %", "error held out, %")
+    )
+    rows: list[tuple[str, ...]] = []
+    for m in account.modes:
+        if pair:
+            held = "" if m.held_out_percent is None else _change(m.held_out_percent)
+            rows.append(
+                (_number(m.before_hz, ".3f"), _number(m.after_hz, ".3f"), _percent(m.before_damping_ratio),
+                 _percent(m.after_damping_ratio), _number(m.mac, ".3f"), _change(m.train_percent), held)
+            )  # fmt: skip
+        else:
+            held = "" if m.held_out_percent is None else f"{m.held_out_percent[0]:.1f}"
+            rows.append(
+                (_number(m.before_hz, ".3f"), _percent(m.before_damping_ratio), f"{m.train_percent[0]:.1f}", held)
+            )
+    note = (
+        "Modes of the models in their first run, paired by shape (MAC between the two). Errors: median over channels "
+        "of |predicted - measured| relative to |measured|, in a window of three half-power widths around the mode."
+    )
+    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows)}'
+
+
+def places_table(account: Account, count: int = 10) -> str:
+    """The places that explain most."""
+    rows = [
+        (
+            escaped(p.label),
+            f"{100 * p.explained:.0f} %",
+            escaped(p.type or ""),
+            f"{p.size:.3g} {escaped(p.unit)}" if p.size else "",
+        )
+        for p in account.places[:count]
+    ]
+    heads = ("place", "explained", "looks like", "size")
+    # Nothing on the structure has a size where no simple law fits.
+    used = 4 if any(row[3] for row in rows) else 3
+    return _table(heads[:used], [row[:used] for row in rows], words=(0, 2)) if rows else ""
+
+
+def candidates_table(account: Account, rows: Sequence[CandidateRow]) -> str:
+    """Every candidate that was fitted in a round, with what held-out data say of it."""
+    heads = ("candidate", "fitted", "evidence, nats", "untempered", "held-out χ² without", "with", "standing")
+    cells = [
+        (
+            escaped(r.label), escaped(r.fitted), f"{r.gain_nats:.1f}", f"{r.raw_nats:.1f}",
+            _number(r.held_out_before, ".2f"), _number(r.held_out_after, ".2f"), escaped(r.standing),
+        )
+        for r in sorted(rows, key=lambda r: -r.gain_nats)
+    ]  # fmt: skip
+    return _table(heads, cells, words=(0, 1, 6))
+
+
+def power_section(power: Sequence[PowerRow]) -> str:
+    """Detectability: the smallest size of each effect that could be seen, and what it would be taken for."""
+    if not power:
+        return ""
+    heads = ("effect", "parameter", "smallest visible", "plausible", "visible", "hard to tell from")
+    rows = []
+    for p in power:
+        smallest = f"{p.smallest:.2g} {escaped(p.unit)}" if np.isfinite(p.smallest) else "never"
+        alike = ", ".join(f"{escaped(name)} ({cosine:.2f})" for name, cosine in p.alike[:4])
+        mark = '<span class="found">yes</span>' if p.visible else '<span class="missed">no</span>'
+        plausible = f"{p.low:g} to {p.high:g} {escaped(p.unit)}"
+        rows.append((escaped(p.effect), escaped(p.parameter), smallest, plausible, mark, alike))
+    note = (
+        "Five standard deviations beyond what the scenario's tolerances can imitate, for the variant of the effect "
+        "that shows soonest. Never: it leaves the ratio of acceleration to force alone. Hard to tell from: cosine of "
+        "the two signatures."
+    )
+    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 1, 5))}'
+
+
+def tests_section(account: Account) -> str:
+    """The suggested tests, best first."""
+    rows = [
+        (
+            escaped(t.test),
+            escaped(" against ".join(t.rivals)),
+            f"{t.nats:.0f}",
+            f"{t.minutes:.0f}",
+            f"{t.nats / t.minutes:.1f}",
+        )
+        for t in account.tests
+    ]
+    if not rows:
+        return ""
+    heads = ("change of procedure", "tells apart", "expected nats", "minutes", "nats a minute")
+    note = "Simulated under both explanations; five nats are enough to choose."
+    return f'<p class="note">{note}</p>{_table(heads, rows, words=(0, 1))}'
+
+
+def unexplained_section(account: Account) -> str:
+    """What is left, and where it is largest: channel and band."""
+    state = account.after
+    rows = []
+    for flat in np.argsort(-state.table, axis=None)[:_WORST]:
+        c, b = np.unravel_index(int(flat), state.table.shape)
+        value = float(state.table[c, b])
+        if value <= account.limits["chi2_per_dof"]:
+            continue
+        low, high = account.bands_hz[b], account.bands_hz[b + 1]
+        held = {"": "fitted", "run": "held-out run", "channel": "held-out channel"}[account.channels[c].held]
+        rows.append((escaped(account.channels[c].label), held, f"{low:.2f} to {high:.2f}", f"{value:.1f}"))
+    intro = _list(account.unexplained) if account.unexplained else (
+        "<p>Nothing beyond what campaigns without a missing effect leave.</p>"
+    )  # fmt: skip
+    table = _table(("channel", "data", "band, Hz", "χ² per dof"), rows, words=(0, 1)) if rows else ""
+    heading = "<h3>Where most is left</h3>" if rows else ""
+    return intro + heading + table
+
+
+def disproof_section(account: Account) -> str:
+    """What would show that the verdict is wrong."""
+    return _list(disproofs(account))
+
+
+def posterior_table(account: Account) -> str:
+    """Warnings first; every calibrated quantity in a table that opens."""
+    warned = warnings_of(account)
+    words = (
+        f"<p><b>Beyond three stated standard deviations</b>: the scenario or its tolerances are wrong there, or the "
+        f"calibration bends them to imitate what is missing.</p>{_list(warned)}"
+        if warned
+        else "<p>No calibrated quantity is further than three standard deviations from what the scenario states.</p>"
+    )
+    rows = [
+        (
+            escaped(r.words),
+            escaped(r.stated),
+            escaped(r.change),
+            escaped(r.calibrated),
+            f"{r.score:+.2f} ± {r.score_std:.2f}",
+        )
+        for r in account.posterior
+    ]
+    heads = ("quantity", "stated", "change", "calibrated", "score, stated sd")
+    table = _table(heads, rows, words=(0,))
+    return (
+        f"{words}<details><summary>All {len(rows)} calibrated quantities</summary>{table}</details>" if rows else words
+    )
+
+
+def _states(account: Account) -> list[tuple[str, ModelState]]:
+    return (
+        [("before", account.before), ("after", account.after)] if account.changed else [("calibrated", account.before)]
+    )
+
+
+def _judged(value: float | None, limit: float | None) -> str:
+    if value is None:
+        return ""
+    text = f"{value:.2f}" if abs(value) >= 0.1 or value == 0 else f"{value:.4f}"
+    if limit is None:
+        return text
+    return f'<span class="{"missed" if value > limit else "found"}">{text} {"✕" if value > limit else "✓"}</span>'
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
+    """Cells are HTML already; columns in ``words`` are text, and fold."""
+    kinds = ["remark ink" if k in words else "" for k in range(len(heads))]
+    head = "".join(f'<th class="{kind}">{escaped(text)}</th>' for kind, text in zip(kinds, heads, strict=True))
+    body = "".join(
+        "<tr>" + "".join(f'<td class="{kind}">{cell}</td>' for kind, cell in zip(kinds, row, strict=True)) + "</tr>"
+        for row in rows
+    )
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _list(lines: Iterable[str]) -> str:
+    return '<ul class="plain">' + "".join(f"<li>{escaped(line)}</li>" for line in lines) + "</ul>"
+
+
+def _number(value: float | None, form: str) -> str:
+    return "" if value is None or not np.isfinite(value) else format(value, form)
+
+
+def _percent(value: float | None) -> str:
+    return "" if value is None else f"{100 * value:.2f}"
+
+
+def _change(pair: tuple[float, float]) -> str:
+    kind = "found" if pair[1] < pair[0] - 0.05 else "missed" if pair[1] > pair[0] + 0.05 else ""
+    return f'<span class="{kind}">{pair[0]:.1f} → {pair[1]:.1f}</span>'
