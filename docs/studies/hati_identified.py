@@ -1,4 +1,4 @@
-"""Who finds what in the measured campaign: every registered identifier on the raw records, all runs together and run by run.
+"""Who finds what in the measured campaign: every identifier on the raw records, all runs together and run by run.
 
 All runs together go through the bench's umpire, in a process of their own for each method; the single runs of a
 method share one process. What is there already is not done again:
@@ -102,7 +102,13 @@ def find_alone(method: str, campaign: Campaign) -> None:
 
 
 def _kept(
-    method: str, part: str, claim: ModalModel | None, reason: str, wall_s: float | None, used: float, memory: float | None
+    method: str,
+    part: str,
+    claim: ModalModel | None,
+    reason: str,
+    wall_s: float | None,
+    used: float,
+    memory: float | None,
 ) -> Finding:
     modes = 0 if claim is None else len(claim)
     found = Finding(
@@ -126,7 +132,7 @@ def _stated(claim: ModalModel | None, name: str, modes: int) -> tuple[float | No
     values = None if claim is None else getattr(claim, name)
     if values is None:
         return (None,) * modes
-    return tuple(float(v) if v == v else None for v in values)  # noqa: PLR0124  NaN means not stated
+    return tuple(float(v) if v == v else None for v in values)
 
 
 _TIMED = """
@@ -167,7 +173,11 @@ def main(arguments: list[str]) -> None:
     methods = [a for a in arguments if not a.startswith("--")] or sorted(available_identifiers())
     if "--again" in arguments:
         for method in methods:
-            for path in (*FOLDER.glob(f"{method}-all.json"), *FOLDER.glob(f"{method}-run-*.json"), *FOLDER.glob(f"timed-{method}.json")):
+            for path in (
+                *FOLDER.glob(f"{method}-all.json"),
+                *FOLDER.glob(f"{method}-run-*.json"),
+                *FOLDER.glob(f"timed-{method}.json"),
+            ):
                 path.unlink()
     if "--worker" in arguments:
         find_alone(methods[0], open_campaign(RAW))

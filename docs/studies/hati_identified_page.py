@@ -16,7 +16,13 @@ from vgvt.signals import estimate_frf
 PAGE, TABLE = PAGES / "hati-identified.md", PAGES / "hati-identified.csv"
 GAP = 0.012
 """Claims further apart than this part of their frequency start a new row; it orders the table and decides nothing."""
-PAPER = ((7.95, "7.95 / 7.96"), (13.83, "– / 13.83"), (15.96, "15.96 / 15.97"), (19.07, "19.22 / 19.07"), (31.9, "32.0 / 31.9"))
+PAPER = (
+    (7.95, "7.95 / 7.96"),
+    (13.83, "– / 13.83"),
+    (15.96, "15.96 / 15.97"),
+    (19.07, "19.22 / 19.07"),
+    (31.9, "32.0 / 31.9"),
+)
 """Table 3 of the paper: frequency to look near, and its columns quadrature / CFDD as printed."""
 LOG = (7.797, 19.058, 23.819, 31.784)
 RUNS = range(1, 11)
@@ -47,11 +53,15 @@ def groups(frequency_hz: list[float]) -> list[tuple[float, float]]:
 def _write_csv(findings: list[Finding]) -> None:
     with TABLE.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(("method", "runs", "frequency_hz", "frequency_std_hz", "damping_ratio", "damping_ratio_std", "flags"))
+        writer.writerow(
+            ("method", "runs", "frequency_hz", "frequency_std_hz", "damping_ratio", "damping_ratio_std", "flags")
+        )
         for f in findings:
             for k, hertz in enumerate(f.frequency_hz):
                 values = (hertz, f.frequency_std_hz[k], f.damping_ratio[k], f.damping_ratio_std[k])
-                writer.writerow((f.method, f.part, *("" if v is None else f"{v:.6g}" for v in values), "; ".join(f.flags[k])))
+                writer.writerow(
+                    (f.method, f.part, *("" if v is None else f"{v:.6g}" for v in values), "; ".join(f.flags[k]))
+                )
 
 
 def _claim(f: Finding, k: int) -> str:
@@ -83,7 +93,9 @@ def _who(merged: dict[str, Finding], rows: list[tuple[float, float]]) -> str:
     for low, high in rows:
         claims = [f"`{m}` {_claim(f, k)}" for m, f in merged.items() for k in _inside(f, low, high)]
         finders = sum(bool(_inside(f, low, high)) for f in merged.values())
-        lines.append((f"{low:.2f}" if high - low < 0.005 else f"{low:.2f}–{high:.2f}", str(finders), "<br>".join(claims)))
+        lines.append(
+            (f"{low:.2f}" if high - low < 0.005 else f"{low:.2f}–{high:.2f}", str(finders), "<br>".join(claims))
+        )
     head = ("Hz", "methods", "claims: Hz ± stated standard deviation (damping in %)")
     return f"**All runs together: {len(merged)} methods**\n\n" + table(head, lines)
 
@@ -99,7 +111,9 @@ def _runs(alone: dict[str, list[Finding]], rows: list[tuple[float, float]]) -> s
             cells.append("–" if not values else f"{hits}/{len(found)}: {min(values):.2f}–{max(values):.2f}")
         lines.append((f"{low:.2f}–{high:.2f}", *cells))
     head = ("Hz", *(f"`{m}`" for m in alone))
-    return "**Run by run: in how many of the runs a method claims a mode there, and from where to where**\n\n" + table(head, lines)
+    return "**Run by run: in how many of the runs a method claims a mode there, and from where to where**\n\n" + table(
+        head, lines
+    )
 
 
 def _claims(merged: dict[str, Finding], alone: dict[str, list[Finding]]) -> str:
@@ -114,7 +128,12 @@ def _claims(merged: dict[str, Finding], alone: dict[str, list[Finding]]) -> str:
             printed, f"{len(with_it)} of {len(merged)}: {', '.join(with_it) or 'none'}", f"{in_runs} of {total}",
             f"{off[0]:+.2f} to {off[-1]:+.2f} %" if off else "–",
         ))  # fmt: skip
-    head = ("Table 3 (quadrature / CFDD), Hz", "methods with a claim within 2 %, all runs", "method × run with one", "nearest claim of every method")
+    head = (
+        "Table 3 (quadrature / CFDD), Hz",
+        "methods with a claim within 2 %, all runs",
+        "method × run with one",
+        "nearest claim of every method",
+    )
     return "**The paper's claims**\n\n" + table(head, lines)
 
 
@@ -126,8 +145,18 @@ def _times(methods: list[str]) -> str:
         values = timed(m)
         assert values is not None
         modes, wall, own, idle, peak, load = values
-        lines.append((f"`{m}`", f"{modes:.0f}", f"{wall:.2f}", f"{own:.2f}", f"{peak - idle:.0f}", f"{peak:.0f}", f"{load:.1f}"))
-    head = ("method", "modes", "wall, s", "processor, s", "memory beyond start, MiB", "peak of the process, MiB", "load")
+        lines.append(
+            (f"`{m}`", f"{modes:.0f}", f"{wall:.2f}", f"{own:.2f}", f"{peak - idle:.0f}", f"{peak:.0f}", f"{load:.1f}")
+        )
+    head = (
+        "method",
+        "modes",
+        "wall, s",
+        "processor, s",
+        "peak growth while identifying, MiB",
+        "peak of the process, MiB",
+        "load",
+    )
     return "**Time and memory on the copy at 200 Hz (20 channels, ten runs), one thread**\n\n" + table(head, lines)
 
 
@@ -144,7 +173,9 @@ def picture(merged: dict[str, Finding], alone: dict[str, list[Finding]]) -> None
     for row, method in enumerate(names):
         runs = [v for f in alone[method] for v in f.frequency_hz]
         low.plot(runs, [row - 0.2] * len(runs), "|", color="0.6", markersize=6, markeredgewidth=0.6)
-        low.plot(merged[method].frequency_hz, [row] * len(merged[method].frequency_hz), "o", color="tab:blue", markersize=4)
+        low.plot(
+            merged[method].frequency_hz, [row] * len(merged[method].frequency_hz), "o", color="tab:blue", markersize=4
+        )
     low.set_yticks(range(len(names)), names)
     low.set(xlabel="frequency in Hz", xlim=(1.5, 34.5), ylim=(-0.7, len(names) - 0.4))
     for axes in (top, low):

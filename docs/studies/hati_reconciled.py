@@ -2,12 +2,11 @@
 
     python docs/studies/hati_reconciled.py [STAGE ...]
 
-Stages, each kept under docs/_build/hati-reconciled and not done again: null (the nominal model as it stands and calibrated, no
-effect added), main (the whole catalogue), first (the same, at most one
-effect: a quicker look), fine-floor (a model-form
-error of 0.4 %), without (the catalogue without what was named), shuffled (channel labels permuted), wrong-place (what
-was named, offered elsewhere), splits (six more hold-outs). Afterwards the page's tables and figure are written. All of it
-is derived from records under the MIT licence (PAAW/mAEWing1).
+Stages, each kept under docs/_build/hati-reconciled and not done again: null (the nominal model as it stands and
+calibrated, no effect added), main (the whole catalogue), first (the same, at most one effect: a quicker look),
+fine-floor (a model-form error of 0.4 %), without (the catalogue without what was named), shuffled (channel labels
+permuted), wrong-place (what was named, offered elsewhere), splits (six more hold-outs). Afterwards the page's tables and
+figures are written. All of it is derived from records under the MIT licence (PAAW/mAEWing1).
 """
 
 from __future__ import annotations
@@ -56,7 +55,18 @@ Document = dict[str, Any]
 
 def _core() -> str:
     """A hash of the sources that decide, to tell stages of different versions apart."""
-    names = ("attribute", "candidates", "data", "fit", "localise", "misfit", "residual", "screen", "surrogate", "uncertain")
+    names = (
+        "attribute",
+        "candidates",
+        "data",
+        "fit",
+        "localise",
+        "misfit",
+        "residual",
+        "screen",
+        "surrogate",
+        "uncertain",
+    )
     files = [Path(vgvt.reconcile.__file__).with_name(f"{name}.py") for name in names]
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()[:12]
 
@@ -133,7 +143,8 @@ def shuffled(campaign: Campaign, seed: int) -> Campaign:
 
     def relabelled(run: Any) -> Any:
         channels = tuple(
-            replace(c, dof=new[c.dof]) if c.role is ChannelRole.RESPONSE and c.dof is not None else c for c in run.channels
+            replace(c, dof=new[c.dof]) if c.role is ChannelRole.RESPONSE and c.dof is not None else c
+            for c in run.channels
         )
         return replace(run, channels=channels)
 
@@ -199,7 +210,11 @@ def run_wrong_places(main: Document) -> Document:
             continue
         x, y = float(here["x_m"]), float(here["y_m"])
         others = sorted(places(problem), key=lambda p: np.hypot(p[0] - x, p[1] - y))
-        wrong = {"as found": (x, y), "mirrored": (x, -y), "nearest other": next(p for p in others if np.hypot(p[0] - x, p[1] - y) > 0.05)}
+        wrong = {
+            "as found": (x, y),
+            "mirrored": (x, -y),
+            "nearest other": next(p for p in others if np.hypot(p[0] - x, p[1] - y) > 0.05),
+        }
         rest = {k: v for k, v in values.items() if k not in ("x_m", "y_m")}
         kept = {k: v for k, v in hypothesis.settings.items() if k not in ("x_m", "y_m")}
         row: Document = {}
@@ -243,7 +258,8 @@ def run_null() -> Document:
     (FOLDER / "null-without-places.json").write_text(json.dumps(document, default=float), encoding="utf-8")
     found = localise(calibrated)
     document["localisation"] = [
-        {"place": p.label, "explained": p.explained, "type": p.type, "size": p.size, "unit": p.unit} for p in found.places[:8]
+        {"place": p.label, "explained": p.explained, "type": p.type, "size": p.size, "unit": p.unit}
+        for p in found.places[:8]
     ]
     document["localised_s"] = [time.perf_counter() - wall, time.process_time() - own, os.getloadavg()[0]]
     return document
@@ -290,7 +306,7 @@ if __name__ == "__main__":
     chosen = tuple(a for a in sys.argv[1:] if not a.startswith("--"))
     if "--page" not in sys.argv:
         run(chosen or STAGES)
-    if not chosen:
+    if not chosen or "--page" in sys.argv:
         import hati_reconciled_page
 
         hati_reconciled_page.write()

@@ -15,29 +15,56 @@ from virtual_lab import IMAGES, PAGES, table, write_results
 
 PAGE, PARAMETERS = PAGES / "hati-reconciled.md", PAGES / "hati-reconciled-parameters.csv"
 PARTS = {"train": "fitted", "held_out": "held out", "held_runs": "held-out runs", "held_channels": "held-out channels"}
-BANDS = "blocks of lines"
 
 
 def write() -> None:
-    """All tables of the stages that are there, the parameters as CSV, and the figures."""
-    stage = "main" if stored("main") is not None else "first"
-    main = stored(stage)
-    if main is None:
-        raise SystemExit("the stage 'main' comes first")
-    most = "" if stage == "main" else ", stopped after one effect"
-    title = f"The whole catalogue, model-form error 3 %{most}"
-    blocks = [_verdict(main, title), _bands(stage), _parameters(main), _rounds(main), _places(main)]
-    for other, title in (
+    """All tables of the stages that are there, the parameters as CSV, and the figures; what was not run is said."""
+    null = stored("null")
+    if null is None:
+        raise SystemExit("the stage 'null' comes first")
+    blocks = [_null(null), _bands()]
+    for stage, title in (
+        ("main", "The whole catalogue, model-form error 3 %"),
+        ("first", "The same, stopped after one effect"),
         ("fine-floor", "The whole catalogue, model-form error 0.4 %"),
         ("without", "Control: the catalogue without what was named"),
         ("shuffled", "Control: labels permuted"),
     ):
-        found = stored(other)
-        blocks.append(f"**{title}**\n\nNot run." if found is None else _verdict(found, title) + "\n\n" + _rounds(found))
-    blocks += [_wrong(), _splits()]
+        found = stored(stage)
+        said = [f"**{title}**\n\nNot run to its end."] if found is None else [_verdict(found, title), _rounds(found)]
+        blocks += said if found is None or stage not in ("main", "first") else [*said, _places(found)]
+    blocks += [_parameters(null, stored("main") or stored("first")), _wrong(), _splits()]
     write_results(PAGE, "\n\n".join(b for b in blocks if b))
-    _overlays(stage)
-    _maps(stage)
+    _overlays(stored("main") or stored("first"))
+    _maps()
+
+
+def _null(d: Document) -> str:
+    rows = []
+    for label, name in (("stated", "as stated"), ("calibrated", "calibrated")):
+        for key, part in PARTS.items():
+            m = d[label]["errors"][key]
+            rows.append((f"{name}, {part}", *_errors(m)))
+    modes = []
+    for label, name in (("stated", "as stated"), ("calibrated", "calibrated")):
+        pairs = zip(d[label]["frequency_hz"], d[label]["damping_ratio"], strict=True)
+        modes.append(f"{name} " + ", ".join(f"{f:.2f} Hz ({100 * z:.1f} %)" for f, z in pairs))
+    reasons = "\n".join(f"- {r}" for r in d["calibrated"]["reasons"])
+    wall, own, load = d["calibration_s"]
+    state = "converged" if d["converged"] else "did not converge within its iterations"
+    return (
+        f"**The nominal model, no effect added**\n\n{table(HEAD, rows)}\n\nModes of the model within the band (damping): {'; '.join(modes)}.\n\n"
+        f"Is what the calibrated model leaves noise?\n\n{reasons}\n- neighbouring lines of it are correlated by {d['calibrated']['lag_one']:.2f}\n\n"
+        f"The calibration {state}; reading, deriving and calibrating took {own:.0f} s of processor time ({wall:.0f} s on two cores under a "
+        f"load of {load:.0f}).\n\n{_places(d)}"
+    )
+
+
+HEAD = ("channels", "χ² per degree of freedom", "NRMSE fit, % (median)", "mean error, dB", "FRAC (median)")
+
+
+def _errors(m: dict[str, float]) -> tuple[str, ...]:
+    return (f"{m['chi2_per_dof']:.1f}", f"{m['nrmse_percent']:.1f}", f"{m['mean_abs_db']:.2f}", f"{m['frac']:.3f}")
 
 
 def _verdict(d: Document, title: str) -> str:
@@ -48,8 +75,7 @@ def _verdict(d: Document, title: str) -> str:
         for label in ("before", "after"):
             m = d[label][key]
             if m is not None:
-                rows.append((f"{name}, {label}", f"{m['chi2_per_dof']:.1f}", f"{m['nrmse_percent']:.1f}", f"{m['mean_abs_db']:.2f}", f"{m['frac']:.3f}"))
-    head = ("channels", "χ² per degree of freedom", "NRMSE fit, % (median)", "mean error, dB", "FRAC (median)")
+                rows.append((f"{name}, {label}", *_errors(m)))
     state = d["converged"]
     facts = (
         f"{d['wall_s']:.0f} s ({d['processor_s']:.0f} s of processor time, load {d['load']:.0f} on two cores); "
@@ -57,7 +83,7 @@ def _verdict(d: Document, title: str) -> str:
     )
     return (
         f"**{title}: {d['verdict'].replace('_', ' ')}**\n\n{reasons}\n\nWhat stays unexplained:\n\n{left}\n\n"
-        f"{table(head, rows)}\n\n{facts}"
+        f"{table(HEAD, rows)}\n\n{facts}"
     )
 
 
@@ -65,41 +91,44 @@ def _word(converged: bool) -> str:
     return "converged" if converged else "stopped at its limit of iterations"
 
 
-def _bands(stage: str) -> str:
-    with np.load(FOLDER / f"{stage}.npz") as a:
+def _bands() -> str:
+    with np.load(FOLDER / "null.npz") as a:
         edges, rows = a["bands_hz"], []
         train = a["train"]
         for k in range(edges.size - 1):
             cells = [f"{a[t][keep, k].mean():.0f}" for keep in (train, ~train) for t in ("table_before", "table_after")]
             rows.append((f"{edges[k]:.1f}–{edges[k + 1]:.1f}", *cells))
-    head = ("Hz", "fitted, before", "fitted, after", "held out, before", "held out, after")
-    return "**Where the residual lives: χ² per degree of freedom by band, model-form error 3 %**\n\n" + table(head, rows)
+    head = ("Hz", "fitted, as stated", "fitted, calibrated", "held out, as stated", "held out, calibrated")
+    return "**Where the residual lives: χ² per degree of freedom by band, no effect added**\n\n" + table(head, rows)
 
 
 def _value(row: dict[str, Any]) -> str:
     if "calibrated" in row:
         return f"{row['calibrated']:.4g} {row['unit']} (stated {row['stated']:.4g})"
-    return f"× {row['factor']:.3f}" if "factor" in row else f"{1e3 * row['shift']:+.1f} mm"
+    return f"× {row['factor']:.3f}" if "factor" in row else f"{row['shift']:+.2f}"
 
 
-def _parameters(d: Document) -> str:
-    before = {r["name"]: r for r in d["posterior_before"]}
+def _parameters(null: Document, after: Document | None) -> str:
+    later = {} if after is None else {r["name"]: r for r in after["posterior"]}
     with PARAMETERS.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(("name", "score_before", "std_before", "score_after", "std_after", "factor_or_shift_before", "factor_or_shift_after"))
-        for r in d["posterior"]:
-            b = before[r["name"]]
-            cells = (b["score"], b["std_score"], r["score"], r["std_score"], b.get("factor", b.get("shift")), r.get("factor", r.get("shift")))
+        writer.writerow(
+            ("name", "score", "std", "factor_or_shift", "score_after", "std_after", "factor_or_shift_after")
+        )
+        for r in null["posterior"]:
+            cells = [r["score"], r["std_score"], r.get("factor", r.get("shift"))]
+            if (b := later.get(r["name"])) is not None:
+                cells += [b["score"], b["std_score"], b.get("factor", b.get("shift"))]
             writer.writerow((r["name"], *(f"{c:.5g}" for c in cells)))
-    far = [r for r in d["posterior"] if not r["name"].startswith("gain run") and max(abs(r["score"]), abs(before[r["name"]]["score"])) > 3]
-    far.sort(key=lambda r: -abs(before[r["name"]]["score"]))
-    rows = [(r["what"], _score(before[r["name"]]), _value(before[r["name"]]), _score(r), _value(r)) for r in far]
-    count = sum(abs(r["score"]) > 3 for r in d["posterior_before"])
-    head = ("quantity", "score before", "calibrated before", "score after", "calibrated after")
+    far = sorted((r for r in null["posterior"] if abs(r["score"]) > 3), key=lambda r: -abs(r["score"]))
+    rows = []
+    for r in far:
+        b = later.get(r["name"])
+        rows.append((r["what"], _score(r), _value(r), *(("–", "–") if b is None else (_score(b), _value(b)))))
+    head = ("quantity", "score", "calibrated", "score with what was named", "calibrated with it")
     text = (
-        f"{count} of {len(before)} calibrated quantities leave three standard deviations of their tolerance before, "
-        f"{sum(abs(r['score']) > 3 for r in d['posterior'])} after. Those (channel gains of single runs left out; all are in "
-        "[`hati-reconciled-parameters.csv`](hati-reconciled-parameters.csv)); scores in standard deviations of the tolerance:"
+        f"{len(far)} of {len(null['posterior'])} calibrated quantities leave three standard deviations of their tolerance before any effect is "
+        "added; here they are, all are in [`hati-reconciled-parameters.csv`](hati-reconciled-parameters.csv):"
     )
     return f"**Calibrated quantities**\n\n{text}\n\n{table(head, rows)}"
 
@@ -126,7 +155,9 @@ def _rounds(d: Document) -> str:
 
 def _places(d: Document) -> str:
     rows = [(p["place"], f"{100 * p['explained']:.0f} %", p["type"] or "–") for p in d["localisation"]]
-    return "**Where a free force would explain most of what is left**\n\n" + table(("place", "share of the residual", "looks like"), rows)
+    return "**Where a free force would explain most of what is left**\n\n" + table(
+        ("place", "share of the residual", "looks like"), rows
+    )
 
 
 def _wrong() -> str:
@@ -139,7 +170,15 @@ def _wrong() -> str:
             rows.append((name, "has no place", "", "", ""))
             continue
         for label, r in places.items():
-            rows.append((name, label, f"({r['x_m']:.3f}, {r['y_m']:.3f})", f"{r['raw_nats']:.0f}", f"{r['errors']['held_out']['chi2_per_dof']:.2f}"))
+            rows.append(
+                (
+                    name,
+                    label,
+                    f"({r['x_m']:.3f}, {r['y_m']:.3f})",
+                    f"{r['raw_nats']:.0f}",
+                    f"{r['errors']['held_out']['chi2_per_dof']:.2f}",
+                )
+            )
     head = ("effect", "offered", "x, y in m", "nats, raw", "held-out χ² per dof")
     return "**Control: wrong place**\n\n" + (table(head, rows) if rows else "Nothing was named.")
 
@@ -160,30 +199,42 @@ def _splits() -> str:
     return "**Six more hold-outs: χ² per degree of freedom / NRMSE fit, both ways**\n\n" + table(head, rows)
 
 
-def _overlays(stage: str) -> None:
-    with np.load(FOLDER / f"{stage}.npz") as a:
+def _overlays(named: Document | None) -> None:
+    stage = "main" if stored("main") is not None else "first"
+    with np.load(FOLDER / "null.npz") as a:
         f, held = a["frequency_hz"], np.flatnonzero(~a["train"])
+        lines = [("before", "nominal as stated", "tab:orange"), ("after", "calibrated, no effect added", "tab:red")]
+        curves = [(a[key], label, colour) for key, label, colour in lines]
+        if named is not None and named["effects"]:
+            with np.load(FOLDER / f"{stage}.npz") as b:
+                curves.append((b["after"], "with what was named", "tab:blue"))
         figure, axes = plt.subplots(3, 2, figsize=(8.2, 7.6), sharex=True, layout="constrained")
-        for k, i in zip(axes.flat, held, strict=False):
-            k.semilogy(f, np.abs(a["values"][i]), ".", color="0.45", markersize=2, label="measured")
-            k.semilogy(f, np.abs(a["before"][i]), color="tab:red", linewidth=0.9, label="calibrated, no effect added")
-            k.semilogy(f, np.abs(a["after"][i]), color="tab:blue", linewidth=0.9, label="with what was named")
-            k.set_title(f"point {a['node'][i]}, run {a['run'][i]}", fontsize=9)
-            low, high = np.percentile(np.abs(a["values"][i]), [1, 99.8])
-            k.set_ylim(low / 3, 3 * high)
-            k.grid(alpha=0.3)
+        for ax, i in zip(axes.flat, held, strict=False):
+            size = np.abs(a["values"][i])
+            ax.semilogy(f, size, ".", color="0.45", markersize=2, label="measured", rasterized=True)
+            for values, label, colour in curves:
+                ax.semilogy(f, np.abs(values[i]), color=colour, linewidth=0.9, label=label)
+            ax.set_title(f"point {a['node'][i]}, run {a['run'][i]}", fontsize=9)
+            low, high = np.percentile(size, [1, 99.8])
+            ax.set_ylim(low / 5, 5 * high)
+            ax.grid(alpha=0.3)
         figure.supylabel("|A/F| in (m/s²)/N, held-out channels", fontsize=9)
-        figure.supxlabel("frequency in Hz", fontsize=9)
-        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        for ax in axes[-1]:
+            ax.set_xlabel("frequency in Hz")
+        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         _save(figure, "study-hati-reconciled-overlays")
 
 
-def _maps(stage: str) -> None:
-    with np.load(FOLDER / f"{stage}.npz") as a:
+def _maps() -> None:
+    with np.load(FOLDER / "null.npz") as a:
         order = np.argsort(a["node"])
         figure, axes = plt.subplots(1, 2, figsize=(8.2, 4.4), sharey=True, layout="constrained")
-        for ax, key, title in zip(axes, ("table_before", "table_after"), ("before", "after"), strict=True):
-            shown = ax.imshow(a[key][order], aspect="auto", norm=LogNorm(1, 1000), cmap="viridis", interpolation="nearest")
+        for ax, key, title in zip(
+            axes, ("table_before", "table_after"), ("as stated", "calibrated, no effect added"), strict=True
+        ):
+            shown = ax.imshow(
+                a[key][order], aspect="auto", norm=LogNorm(1, 10000), cmap="viridis", interpolation="nearest"
+            )
             labels = [f"{n}{'' if a['train'][i] else ' *'}" for i, n in zip(order, a["node"][order], strict=True)]
             ax.set_yticks(range(len(labels)), labels, fontsize=7)
             edges = a["bands_hz"]
@@ -196,7 +247,7 @@ def _maps(stage: str) -> None:
 
 def _save(figure: Any, name: str) -> None:
     path: Path = IMAGES / f"{name}.svg"
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, metadata={"Date": None}, dpi=130)
     figure.savefig(FOLDER / f"{name}.png", dpi=110)
     plt.close(figure)
     text = path.read_text(encoding="utf-8")

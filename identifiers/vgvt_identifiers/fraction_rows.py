@@ -35,6 +35,7 @@ def fraction_rows(frequency_hz: NDArray[np.float64], runs: tuple[RunSpectra, ...
     values = np.array([[_signed(runs, entry) for entry in row] for row in complete])
     variance = np.array([[_variance(runs, entry) for entry in row] for row in complete])
     inverse = np.array([[_inverse_force(runs[i].force) for i, _ in row] for row in complete])
+    leakage = leakage and not any(run.averaged for run in runs)
     return FractionRows(frequency_hz, values, variance, inverse if leakage else inverse[:, :0])
 
 

@@ -2,10 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from vgvt.data import FrequencyResponseSet, InputError, Quantity
+from vgvt.data import Campaign, FrequencyResponseSet, InputError, Quantity
+from vgvt.signals import estimate_frf
 from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
+
+
+def several_forces_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> CampaignSpectra:
+    """Spectra of runs in which several forces act at once: each run once for every reference, told apart by averages.
+
+    Nothing usable gives no runs and the reason as a remark.
+    """
+    try:
+        frf = estimate_frf(campaign, "auto")
+    except InputError as error:
+        return CampaignSpectra(np.empty(0), (), (str(error).splitlines()[0],))
+    parts = [frf_spectra(_one_reference(frf, k), band_hz) for k in range(len(frf.references))]
+    runs = tuple(run for part in parts for run in part.runs)
+    return CampaignSpectra(frf.band(*band_hz).frequency_hz, runs, frf.remarks)
+
+
+def _one_reference(frf: FrequencyResponseSet, k: int) -> FrequencyResponseSet:
+    return replace(
+        frf,
+        references=(frf.references[k],),
+        values=frf.values[:, [k]],
+        variance=None if frf.variance is None else frf.variance[:, [k]],
+        coherence=None if frf.coherence is None else frf.coherence[:, [k]],
+    )
 
 
 def frf_spectra(frf: FrequencyResponseSet, band_hz: tuple[float, float]) -> CampaignSpectra:

@@ -136,12 +136,13 @@ def upper_roots(a: NDArray[np.float64]) -> Roots:
 
 def hankel_gram(impulse: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
     """H' H (columns, columns) of the Hankel matrix with entries impulse[:, i + j], summed over responses (R, N)."""
-    first, last = impulse[:, :columns], impulse[:, rows : rows + columns]
+    # One row leaves the sum and another enters from a column to the next; the last column hands nothing on.
+    first, last = impulse[:, : columns - 1], impulse[:, rows : rows + columns - 1]
     change = last.T @ last - first.T @ first
     gram = np.empty((columns, columns))
     gram[0] = sum(h[:rows] @ np.lib.stride_tricks.sliding_window_view(h, columns)[:rows] for h in impulse)
     for i in range(1, columns):
-        gram[i, i:] = gram[i - 1, i - 1 : -1] + change[i - 1, i - 1 : -1]
+        gram[i, i:] = gram[i - 1, i - 1 : -1] + change[i - 1, i - 1 :]
     lower = np.tril_indices(columns, -1)
     gram[lower] = gram.T[lower]
     return gram

@@ -47,7 +47,7 @@ def weighted_problem(
             weight, scale = level.shared_weights(run.force)
         else:
             weight, scale = level.weights(run.force), np.ones(len(run.responses))
-        rows.append(FitRows(run.accelerance, weight, scale, inverse))
+        rows.append(FitRows(run.accelerance, weight, scale, None if run.averaged else inverse))
     return PoleProblem(frequency_hz, tuple(rows))
 
 

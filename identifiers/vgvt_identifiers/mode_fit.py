@@ -175,7 +175,7 @@ def _block(run: RunSpectra, window: Window) -> Block:
     size = np.maximum(np.abs(run.force[cut]), 1e-9 * np.abs(run.force).max())
     noise = np.median(run.variance[:, cut] * size**2, axis=1)
     floor = 1e-16 * (np.abs(run.accelerance[:, cut]) ** 2 * size**2).mean(axis=1).max()
-    leakage = run.force[cut].conj() / size**2
+    leakage = None if run.averaged else run.force[cut].conj() / size**2
     return Block(run.accelerance[:, cut], size, 1 / np.sqrt(noise + floor + 1e-300), leakage)
 
 

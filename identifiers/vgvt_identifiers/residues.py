@@ -62,7 +62,8 @@ def fit_residues(
     smooth = _smooth_columns(frequency_hz, poles, lower_terms, upper_terms)
     alive = np.abs(run.force) > 0
     noise = run.variance if variance is None else variance
-    leaked = _transient_columns(frequency_hz, run.force, poles) if transient else np.empty((alive.size, 0), complex)
+    rings = transient and not run.averaged
+    leaked = _transient_columns(frequency_hz, run.force, poles) if rings else np.empty((alive.size, 0), complex)
     design = np.hstack([smooth, leaked])
     if 2 * int(alive.sum()) <= design.shape[1]:
         raise ValueError(f"{int(alive.sum())} lines cannot hold {design.shape[1]} real unknowns a response")

@@ -39,6 +39,11 @@ class RunSpectra:
     local: NDArray[np.complex128]
     local_variance: NDArray[np.float64]
 
+    @property
+    def averaged(self) -> bool:
+        """Whether only ratios are known, the force standing as one: what a record leaks cannot be told from them."""
+        return bool(np.all(self.force == 1.0))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CampaignSpectra:
@@ -63,9 +68,15 @@ def campaign_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> Campai
     """Spectra of the runs that have one sound force and sound responses, on the lines inside ``band_hz``.
 
     Channels with samples that are not finite or all the same are left out with
-    a remark, and so are runs without one usable force. Every run is padded with
+    a remark, and so are runs without one usable force; where several act at once, each run is
+    there once for every force. Every run is padded with
     zeros to the longest record, so that all share their lines. Returns no runs when nothing is usable.
     """
+    if any(len(r.select(ChannelRole.REFERENCE)[0]) > 1 for r in campaign.runs):
+        # Imported here: that module gives its answer as the spectra that are defined in this one.
+        from vgvt_identifiers.frf_spectra import several_forces_spectra
+
+        return several_forces_spectra(campaign, band_hz)
     remarks: list[str] = []
     duration = max(r.duration_s for r in campaign.runs)
     runs = [s for r in campaign.runs if (s := _run_spectra(r, duration, band_hz, remarks)) is not None]

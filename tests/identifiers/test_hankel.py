@@ -97,3 +97,10 @@ def test_too_few_samples_are_refused() -> None:
         realise(decays(1, 30), 10, 29, 4)
     with pytest.raises(ValueError, match="cannot fill"):
         realise_correlated(decays(1, 60), 10, 30, 4)
+
+
+def test_a_matrix_that_takes_every_sample_is_the_same() -> None:
+    """Rows and columns that use the response to its last sample: the recursion reads none beyond."""
+    impulse = np.random.default_rng(8).standard_normal((2, 30))
+    hankel = np.vstack([np.lib.stride_tricks.sliding_window_view(h, 11)[:20] for h in impulse])
+    np.testing.assert_allclose(hankel_gram(impulse, 20, 11), hankel.T @ hankel, atol=1e-12)

@@ -1,4 +1,4 @@
-"""A small campaign with known truth: Hati with six links a wing, solved exactly, drawn from the tolerances."""
+"""A small campaign with known truth: Hati with twelve links a wing, solved exactly, drawn from the tolerances."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from vgvt.simulation import simulate
 def small_scenario() -> Scenario:
     """The bundled quick scenario, smaller still."""
     whole = load_scenario("quick")
-    wing = whole.airframe.beam[0].model_copy(update={"cells": 6})
+    wing = whole.airframe.beam[0].model_copy(update={"cells": 12})
     changes = {
         "airframe": whole.airframe.model_copy(update={"beam": (wing,)}),
         "acquisition": whole.acquisition.model_copy(update={"sample_rate_hz": 200.0}),

@@ -1,4 +1,4 @@
-"""The nominal model of the measured campaign stays as it was written down, and describes the same points as the records do."""
+"""The nominal model of the measured campaign stays as it was written down, at the points of the records."""
 
 import hashlib
 import json
@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+
 from vgvt.files.open import shipped_sidecar
 from vgvt.files.sidecar import Sidecar
 from vgvt.files.strict import load_table

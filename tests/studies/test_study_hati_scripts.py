@@ -8,6 +8,7 @@ import hati_reconciled
 import numpy as np
 import pytest
 from hati_identified_page import GAP, groups
+
 from vgvt.data import ChannelRole
 from vgvt.identification.example import Example
 
@@ -43,7 +44,12 @@ def test_the_two_ways_of_a_hold_out_share_nothing_and_leave_nothing_out(pair: tu
 def test_what_a_stage_named_comes_back_with_its_values() -> None:
     document = {
         "effects": [
-            {"name": "local-absorber", "settings": {}, "equivalent": [], "parameters": {"mass_kg": {"value": 0.05, "std": 0.001, "unit": "kg"}}}
+            {
+                "name": "local-absorber",
+                "settings": {},
+                "equivalent": [],
+                "parameters": {"mass_kg": {"value": 0.05, "std": 0.001, "unit": "kg"}},
+            }
         ]
     }
     ((hypothesis, values),) = hati_reconciled.named(document)

@@ -219,4 +219,5 @@ def _show(document: Mapping[str, Any], folder: ReconcileFolder) -> None:
     for line in document["warnings"]:
         log(f"calibrated far from what the scenario states: {line}")
     show("What to do:", *(f"  - {step}" for step in document["next_steps"]))
+    show("What would disprove it:", *(f"  - {line}" for line in document["would_disprove_it"]))
     show(f"{document['timing_s']:.0f} s; files in {folder.path}; open {folder.report} in a browser")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-
 # More names than this are a wall of text where one of them is meant.
 _MANY = 20
 

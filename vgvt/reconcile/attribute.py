@@ -80,14 +80,22 @@ def attribute(
     *,
     most: int = 3,
     progress: Progress | None = None,
+    begun: tuple[Fit, tuple[Addition, ...]] | None = None,
+    keep: Callable[[Fit, Sequence[Addition]], None] | None = None,
 ) -> Attribution:
-    """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check."""
+    """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
+
+    ``begun`` are the null model and the rounds of a call that was broken off; ``keep`` is told both after each round.
+    """
     tell = progress or (lambda fraction, message: None)
-    rounds: list[Addition] = []
-    current, start = null, null
+    start, done = (null, ()) if begun is None else begun
+    rounds = list(done)
+    current = rounds[-1].winner.fit if rounds else start
     vetoed: list[Rival] = []
-    rivals: tuple[Rival, ...] = ()
-    for k in range(most):
+    rivals: tuple[Rival, ...] = rounds[-1].rivals if rounds else ()
+    for k in range(len(rounds), most):
+        if k > 0 and residual(current, thresholds).adequate:
+            break
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
         before = residual(current, thresholds)
         chosen = _shortened(current, left, before, _part(tell, k / most, (k + 0.5) / most))
@@ -106,8 +114,8 @@ def attribute(
         equal = tuple(r for r in confirmed if r.gain_nats > winner.gain_nats - thresholds.set_nats)
         rounds.append(Addition(winner, equal, rivals, before.held_out_chi2_per_dof))
         current = winner.fit
-        if residual(current, thresholds).adequate:
-            break
+        if keep is not None:
+            keep(start, rounds)
     rounds, current = _backward(rounds, current, thresholds)
     return Attribution(
         start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)

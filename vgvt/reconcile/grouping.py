@@ -72,13 +72,16 @@ def run_actions(
 
 
 def refined(s: Structure, problem: Problem, cells: float) -> Structure:
-    """The structure with what makes up for its cells: for none of it at 0, for all at 1."""
-    stiffness, axis, finer = s.stiffness.copy(), s.axis.copy(), problem.refinement
+    """The structure with what makes up for its cells: at -1 it is the chain as stated, at 0 a continuum."""
+    stiffness, damping, axis, drive = s.stiffness.copy(), s.damping.copy(), s.axis.copy(), s.drive.copy()
     index = np.array([s.joints.index(j) for j in problem.nominal.joints])
-    stiffness[np.ix_(index, index)] += cells * finer.stiffness
-    for k, place in enumerate(s.places):
-        axis[k, index] += cells * finer.axis[finer.places.index(home(place))]
-    return replace(s, stiffness=stiffness, axis=axis)
+    for share, part in ((1.0, problem.refinement), (cells, problem.coarseness)):
+        stiffness[np.ix_(index, index)] += share * part.stiffness
+        damping[np.ix_(index, index)] += share * part.damping
+        drive[index] += share * part.drive
+        for k, place in enumerate(s.places):
+            axis[k, index] += share * part.axis[part.places.index(home(place))]
+    return replace(s, stiffness=stiffness, damping=damping, axis=axis, drive=drive)
 
 
 def assembled(
@@ -127,7 +130,7 @@ def _same(one: Scenario, other: Scenario, actions: tuple[Action, ...], others: t
 def _bare(problem: Problem, scores: bytes, scenario: Scenario) -> Group:
     """An edited scenario without any element: a scan of what hangs on it assembles it once."""
     u = np.frombuffer(scores)
-    cells = 1.0 + CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
+    cells = CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
     plan = problem.layouts.plan(scenario)
     found = refined(structure(plan, plan.grid, problem.nominal), problem, cells)
     return Group(plan, found, np.arange(0), np.arange(0), np.zeros(0))
@@ -158,7 +161,7 @@ def _group(
     runs: list[int],
     without: tuple[Group, ...] | None,
 ) -> Group:
-    cells = 1.0 + CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
+    cells = CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
     known, base_plan = _base(problem, u.tobytes())
     leans = any(p.node == base_plan.drive.dof.node for a in actions for p in a.points)
     if scenario is known and not leans:

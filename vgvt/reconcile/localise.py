@@ -22,6 +22,9 @@ from vgvt.simulation.attached import point_rows
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _UP = np.array([0.0, 0.0, 1.0])
+# The type is read at this many of the best places.
+_TYPED = 8
+_POLES, _RATIOS = 240, (0.003, 0.01, 0.03, 0.08)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,12 +86,17 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
         remaining = _free(rho, tangent, null.scores, scaled)
         chance = lines * (scaled.any(axis=1).any())
         explained = float((left - remaining - chance) / left)
-        z = None if c.row is None else _stiffness(problem, here, c.row, rho, scaled)
-        kind, size, unit = ("", 0.0, "") if z is None else interface_type(2 * np.pi * measured.frequency_hz, *z)
-        ratio = None if z is None else -z[0] / z[1]
-        found.append(Place(c.label, c.kind, c.position_m, explained, kind, size, unit, ratio))
-    ranked = tuple(sorted(found, key=lambda p: -p.explained))
-    return Localisation(ranked, measured.frequency_hz, null.chi2_per_dof)
+        found.append((explained, c, scaled))
+    ranked = []
+    for k, (explained, c, scaled) in enumerate(sorted(found, key=lambda f: -f[0])):
+        kind, size, unit, ratio = "", 0.0, "", None
+        if c.row is not None:
+            z = _stiffness(problem, here, c.row, rho, scaled)
+            ratio = -z[0] / z[1]
+            if k < _TYPED:
+                kind, size, unit = interface_type(2 * np.pi * measured.frequency_hz, *z)
+        ranked.append(Place(c.label, c.kind, c.position_m, explained, kind, size, unit, ratio))
+    return Localisation(tuple(ranked), measured.frequency_hz, null.chi2_per_dof)
 
 
 def _free(rho: ComplexArray, tangent: ComplexArray, scores: Array, direction: ComplexArray | None) -> float:
@@ -191,26 +199,42 @@ def _stiffness(
 def interface_type(omega: Array, force: ComplexArray, motion: ComplexArray, weight: Array) -> tuple[str, float, str]:
     """The simplest law force = -z motion that fits best: its name, its size and unit (translation: N/m, kg, N s/m).
 
-    ``omega`` (L,) rad/s. 'resonant' where spring, mass and damper all leave half of the force unexplained but a
-    single pole in z does better.
+    ``omega`` (L,) rad/s, ``force``, ``motion``, ``weight`` (L,). 'resonant' where a pole in z with what the
+    calibration may have put beside it, a stiffness, mass and damper, does much better than these three alone;
+    then the size is the pole's frequency. 'unclear' where half of the force is left by each law.
     """
-    laws = {"stiffness": (np.ones_like(omega), "N/m"), "mass": (-(omega**2), "kg"), "damper": (1j * omega, "N s/m")}
-    best = ("unclear", 0.0, "")
-    total = float(np.sum(weight * np.abs(force) ** 2))
-    least = 0.5 * total
-    for name, (law, unit) in laws.items():
-        column = -law * motion
-        size = float(np.sum(weight * (column.conj() * force).real) / max(np.sum(weight * np.abs(column) ** 2), 1e-300))
-        left = float(np.sum(weight * np.abs(force - size * column) ** 2))
-        if (left < least and size > 0) or left < 0.9 * least:
-            best, least = (name, size, unit), left
-    for frequency in np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), 120)):
-        for ratio in (0.005, 0.02, 0.06):
+    names = (("stiffness", "N/m"), ("mass", "kg"), ("damper", "N s/m"))
+    laws = np.stack([np.ones_like(omega), -(omega**2), 1j * omega], axis=1)
+    scale = np.sqrt(weight)
+    target = _parts(scale * force)
+    total = float(target @ target)
+    best, least = ("unclear", 0.0, ""), 0.5 * total
+    for k, (name, unit) in enumerate(names):
+        size, left = _least(_parts((-laws[:, k] * motion * scale)[:, None]), target)
+        if (left < least and size[0] > 0) or left < 0.9 * least:
+            best, least = (name, float(size[0]), unit), left
+    plain = _parts(-laws * motion[:, None] * scale[:, None])
+    enough = 0.25 * min(_least(plain, target)[1], total)
+    for frequency in np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), _POLES)):
+        for ratio in _RATIOS:
             pole = frequency**2 + 2j * ratio * frequency * omega
-            law = -(omega**2) * pole / (pole - omega**2)
-            column = -law * motion
-            size = float(np.sum(weight * (column.conj() * force).real) / np.sum(weight * np.abs(column) ** 2))
-            left = float(np.sum(weight * np.abs(force - size * column) ** 2))
-            if size > 0 and left < 0.8 * least:
-                best, least = ("resonant", float(frequency / (2 * np.pi)), "Hz"), left
+            column = omega**2 * pole / (pole - omega**2) * motion * scale
+            size, left = _least(np.column_stack([_parts(column[:, None]), plain]), target)
+            if size[0] > 0 and left < enough:
+                best, enough = ("resonant", float(frequency / (2 * np.pi)), "Hz"), left
     return best
+
+
+def _parts(values: ComplexArray) -> Array:
+    """Real parts, then imaginary ones, along the first axis."""
+    return np.concatenate([values.real, values.imag])
+
+
+def _least(columns: Array, target: Array) -> tuple[Array, float]:
+    """Least-squares amounts (k,) of columns (2 L, k), and the square sum that they leave."""
+    length = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    unit = columns / length
+    normal = unit.T @ unit + 1e-10 * np.eye(length.size)
+    amounts = np.linalg.solve(normal, unit.T @ target)
+    left = target - unit @ amounts
+    return amounts / length, float(left @ left)

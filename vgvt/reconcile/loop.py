@@ -10,6 +10,7 @@ from vgvt.data import Campaign
 from vgvt.reconcile.attribute import attribute
 from vgvt.reconcile.augment import augment, write_reconciled
 from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.figures_of_merit import compare
 from vgvt.reconcile.fit import calibrate
 from vgvt.reconcile.localise import localise
@@ -38,8 +39,8 @@ def reconcile(
     """Trace what a scenario does not explain of a campaign to effects of the catalogue, or say that none does.
 
     ``effects`` by name are the hypotheses (default: all that are installed); ``floor`` the relative model-form
-    error (default: the scenario's tolerance); ``folder`` takes ``reconciled.toml`` and the derivatives that a
-    second call can use again. ``progress(fraction, message, seconds_left)``. Nothing here is random but the
+    error (default: the scenario's tolerance); ``folder`` takes ``reconciled.toml``, the derivatives that a second
+    call can use again, and each round, so that a call that was broken off goes on. ``progress(fraction, message, seconds_left)``. Nothing here is random but the
     hold-out split, which follows from the scenario's seed: the same call gives the same verdict.
     """
     limits = stored_thresholds() if thresholds is None else thresholds
@@ -50,9 +51,13 @@ def reconcile(
     )
     null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
     span = _ATTRIBUTED - _CALIBRATED
+    hypotheses = candidates(problem, effects)
+    origin = provenance_of(campaign, scenario, {h.name for h in hypotheses}, limits, lines)
+    kept = None if folder is None else Checkpoint.of(folder, origin, floor, most)
     found = attribute(
-        null, candidates(problem, effects), limits, most=most,
-        progress=lambda f, m: tell(_CALIBRATED + span * f, m),
+        null, hypotheses, limits, most=most, progress=lambda f, m: tell(_CALIBRATED + span * f, m),
+        begun=None if kept is None else kept.begun(problem, hypotheses),
+        keep=None if kept is None else kept.keep,
     )  # fmt: skip
     kind = kind_of(found)
     places = None
@@ -70,7 +75,7 @@ def reconcile(
         tests, found, places, limits, augment(scenario, found),
     )  # fmt: skip
     if folder is not None:
-        write_reconciled(folder / "reconciled.toml", verdict, {"campaign": campaign.name, "scenario": scenario.name})
+        write_reconciled(folder / "reconciled.toml", verdict, origin)
     tell(1.0, kind.value)
     return verdict
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from vgvt.view.reconcile_account import ModeRow
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-# A window of this many half-power widths each side, at least this share of the frequency and this many lines.
+# A window of this many half-power widths each side, at least this share of the frequency and these many lines.
 _WIDTHS, _SHARE, _FEWEST_LINES = 3.0, 0.01, 5
 _SAME_MAC, _SAME_FREQUENCY = 0.5, 0.15
 _MOST_DAMPED = 0.3
@@ -31,15 +31,20 @@ class ModelModes:
 
 
 def model_modes(fit: Fit) -> ModelModes:
-    """The modes of a fit within the band of its data, as they are in the first run."""
+    """The modes of a fit within the band of its data, as they are in the first run, its accelerometers seated."""
     group = anchor(fit.problem, fit.u, fit.hypotheses, fit.e, slopes=False).groups[0]
     band = fit.problem.measured.frequency_hz
-    found = poles_of(group.matrices, 2 * np.pi * band[:1])
+    matrices = group.matrices
+    if group.roving:
+        rows = group.runs[0]
+        seated = matrices.axis[rows]
+        matrices = replace(matrices, mass=matrices.mass + seated.T @ (group.masses_kg[rows][:, None] * seated))
+    found = poles_of(matrices, 2 * np.pi * band[:1])
     frequency = np.abs(found.poles) / (2 * np.pi)
     damping = -found.poles.real / np.abs(found.poles)
     inside = (found.poles.imag > 0) & (frequency >= band[0]) & (frequency <= band[-1]) & (damping < _MOST_DAMPED)
     index = np.flatnonzero(inside)[np.argsort(frequency[inside])]
-    shapes = (group.matrices.axis @ found.vectors[:, index]).T
+    shapes = (matrices.axis @ found.vectors[:, index]).T
     return ModelModes(frequency[index], damping[index], shapes)
 
 
@@ -53,8 +58,6 @@ def mode_rows(before: Fit, after: Fit) -> tuple[ModeRow, ...]:
         f = second.frequency_hz[j] if j is not None else first.frequency_hz[i]
         damping = second.damping_ratio[j] if j is not None else first.damping_ratio[i]
         errors = _errors(before, after, float(f), float(damping))
-        if errors is None:
-            continue
         mac = None if i is None or j is None else float(_mac(first.shapes[i], second.shapes[j]))
         rows.append(
             ModeRow(
@@ -95,13 +98,12 @@ def _mac(a: ComplexArray, b: ComplexArray) -> float:
 
 def _errors(
     before: Fit, after: Fit, frequency_hz: float, damping_ratio: float
-) -> tuple[tuple[float, float], tuple[float, float] | None] | None:
+) -> tuple[tuple[float, float], tuple[float, float] | None]:
     """Median error, per cent of the responses' size in the window, on train and on held-out channels."""
     measured, split = before.problem.measured, before.problem.split
     half = frequency_hz * max(_SHARE, _WIDTHS * damping_ratio)
-    lines = np.abs(measured.frequency_hz - frequency_hz) <= half
-    if lines.sum() < _FEWEST_LINES:
-        return None
+    away = np.abs(measured.frequency_hz - frequency_hz)
+    lines = away <= max(half, np.sort(away)[min(_FEWEST_LINES, away.size) - 1])
     values = measured.values[:, lines]
     size = np.linalg.norm(values, axis=1)
     share = [100 * np.linalg.norm(fit.predicted[:, lines] - values, axis=1) / size for fit in (before, after)]

@@ -14,7 +14,7 @@ from vgvt.data import Campaign, InputError
 from vgvt.files.atomically import replacing
 from vgvt.reconcile.data import Measured, measured_frfs
 from vgvt.reconcile.holdout import Split, split
-from vgvt.reconcile.refinement import Refinement, refinement
+from vgvt.reconcile.refinement import Refinement, meshed, to_continuum, towards
 from vgvt.reconcile.uncertain import Unknown, prepared, unknowns
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
@@ -45,7 +45,8 @@ class Problem:
     """Everything that fits share. Scores u: first the ``unknowns``, then the ``nuisances``.
 
     ``slopes`` maps 'mass', … to the change per unit of each unknown's factor or shift, (unknowns, …);
-    ``refinement`` makes up for the chain's cells.
+    ``refinement`` is what the chain's cells lack of a continuum, ``coarseness`` the way from the chain as stated
+    to that.
     """
 
     scenario: Scenario
@@ -57,6 +58,7 @@ class Problem:
     nominal: Structure
     slopes: dict[str, Array]
     refinement: Refinement
+    coarseness: Refinement
 
     @property
     def size(self) -> int:
@@ -89,20 +91,23 @@ def make_problem(
 def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = None) -> Problem:
     """The problem for data that are there already."""
     lined_up = aligned(scenario, measured)
+    stated, lined_up = prepared(lined_up), meshed(lined_up)
     known = unknowns(lined_up)
     start = prepared(lined_up)
     layouts = Layouts.of(start)
     layout = layouts.plan(start)
     nominal = structure(layout, layout.grid)
     slopes = _slopes(start, known, layouts, nominal, cache)
-    finer = refinement(start, layouts, nominal, 3 * float(measured.frequency_hz[-1]))
+    limit_hz = 3 * float(measured.frequency_hz[-1])
+    finer = to_continuum(start, layouts, nominal, limit_hz)
+    span = finer if stated == start else finer.less(towards(stated, layouts, nominal, limit_hz))
     for name in _SLOPES:
-        own = getattr(finer, name, None)
+        own = getattr(span, name, None)
         row = np.zeros((1, *slopes[name].shape[1:])) if own is None else own[None]
         slopes[name] = np.concatenate([slopes[name], row])
     return Problem(
         lined_up, measured, split(lined_up, measured), (*known, CELLS), _nuisances(lined_up, measured), layouts,
-        nominal, slopes, finer,
+        nominal, slopes, finer, span,
     )  # fmt: skip
 
 

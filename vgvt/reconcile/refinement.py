@@ -15,51 +15,99 @@ from numpy.typing import NDArray
 
 from vgvt.data.assurance import modal_assurance
 from vgvt.effects.beams import with_beams
+from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, Structure, structure
 
 Array = NDArray[np.float64]
-_FINER, _MOST_CELLS = 4, 60
+_FINER, _MOST_CELLS, _FEWEST_CELLS = 4, 60, 12
+_LONG = 0.5
 _SAME_SHAPE = 0.8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Refinement:
-    """What to add to a coarse structure over its coordinates: ``stiffness`` (n, n) and rows ``axis`` (places, n)."""
+    """What to add to a structure over its coordinates: ``stiffness``, ``damping`` (n, n), rows ``axis`` (places, n),
+    ``drive`` (n,).
+    """
 
     places: tuple[str, ...]
     stiffness: Array
+    damping: Array
     axis: Array
+    drive: Array
+
+    @classmethod
+    def none(cls, own: Structure) -> Refinement:
+        """Nothing to add to a structure."""
+        return cls(
+            own.places,
+            np.zeros_like(own.stiffness),
+            np.zeros_like(own.damping),
+            np.zeros_like(own.axis),
+            np.zeros_like(own.drive),
+        )
+
+    def less(self, other: Refinement) -> Refinement:
+        """The difference of two over the same coordinates."""
+        return Refinement(
+            self.places,
+            self.stiffness - other.stiffness,
+            self.damping - other.damping,
+            self.axis - other.axis,
+            self.drive - other.drive,
+        )
 
 
-def refinement(scenario: Scenario, layouts: Layouts, coarse: Structure, limit_hz: float) -> Refinement:
-    """What makes up for the cells of ``coarse``, the structure of a scenario with its sides written out.
+def meshed(scenario: Scenario) -> Scenario:
+    """The scenario with at least 12 cells on each long beam: with fewer, placebos are given names."""
+    length = {b.name: float(beam_axis(b).arc_length_m[-1]) for b in scenario.airframe.beam}
+    few = {
+        b.name
+        for b in scenario.airframe.beam
+        if b.cells < _FEWEST_CELLS and length[b.name] >= _LONG * max(length.values())
+    }
+    return with_beams(scenario, few, lambda b: b.model_copy(update={"cells": _FEWEST_CELLS})) if few else scenario
 
-    Stiffness Σ M φ (ω² of the fine chain - own ω²) φᵀ M over the modes up to a limit that both chains have, and
-    rows Σ (fine chain's shape - own) φᵀ M: sensors ride on straight links, and the beam between is curved.
-    """
-    beams = [b.name for b in scenario.airframe.beam]
+
+def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz: float) -> Refinement:
+    """What ``own``, the structure of a scenario with its sides written out, lacks of a beam without cells."""
     cells = max((b.cells for b in scenario.airframe.beam), default=0)
     times = min(_FINER, _MOST_CELLS / max(cells, 1))
-    change, rows = np.zeros_like(coarse.stiffness), np.zeros_like(coarse.axis)
     if times <= 1.5:
-        return Refinement(coarse.places, change, rows)
+        return Refinement.none(own)
+    beams = [b.name for b in scenario.airframe.beam]
     finer = with_beams(scenario, beams, lambda b: b.model_copy(update={"cells": round(times * b.cells)}))
-    layout = layouts.plan(finer)
-    fine = structure(layout, layout.grid, None)
-    own, shapes, seen = _modes(coarse, limit_hz)
-    there, _, seen_there = _modes(fine, 1.5 * limit_hz)
-    likeness = modal_assurance(seen, seen_there)
     # What the cells still err by at this refinement, in second order, goes along.
-    rest = 1 / (1 - 1 / times**2)
-    for k, square in enumerate(own):
+    return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2))
+
+
+def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, share: float = 1.0) -> Refinement:
+    """What gives a structure the modes of the same aircraft cut into other cells, up to a limit that both chains have.
+
+    Stiffness Σ M φ (ω² of the other chain - own ω²) φᵀ M, damping alike at equal modal damping, and rows
+    Σ (other chain's shape - own) φᵀ M: sensors and drive ride on straight links, and the beam between is curved.
+    """
+    layout = layouts.plan(other)
+    target = structure(layout, layout.grid, None)
+    squares, shapes, seen = _modes(own, limit_hz)
+    squares_there, shapes_there, seen_there = _modes(target, 1.5 * limit_hz)
+    likeness = modal_assurance(seen, seen_there)
+    found = Refinement.none(own)
+    stiffness, damping, axis, drive = found.stiffness, found.damping, found.axis, found.drive
+    for k, square in enumerate(squares):
         match = int(np.argmax(likeness[k]))
-        if likeness[k, match] > _SAME_SHAPE and int(np.argmax(likeness[:, match])) == k:
-            weight = coarse.mass @ shapes[:, k]
-            change += rest * (there[match] - square) * np.outer(weight, weight)
-            sign = np.sign(seen[k] @ seen_there[match])
-            rows += rest * np.outer(sign * seen_there[match, :-1] - seen[k, :-1], weight)
-    return Refinement(coarse.places, change, rows)
+        if likeness[k, match] <= _SAME_SHAPE or int(np.argmax(likeness[:, match])) != k:
+            continue
+        shape, shape_there = shapes[:, k], shapes_there[:, match]
+        weight = own.mass @ shape
+        lost = float(shape_there @ target.damping @ shape_there - shape @ own.damping @ shape)
+        moved = np.sign(seen[k] @ seen_there[match]) * seen_there[match] - seen[k]
+        stiffness += share * (squares_there[match] - square) * np.outer(weight, weight)
+        damping += share * lost * np.outer(weight, weight)
+        axis += share * np.outer(moved[:-1], weight)
+        drive += share * moved[-1] * weight
+    return found
 
 
 def _modes(s: Structure, limit_hz: float) -> tuple[Array, Array, Array]:

@@ -26,5 +26,10 @@ class Thresholds:
 
 
 def stored_thresholds() -> Thresholds:
-    """The thresholds that are shipped, with the command that made them."""
-    return Thresholds(**tomllib.loads(_STORED.read_text(encoding="utf-8")))
+    """The thresholds that are shipped, with where they come from."""
+    return thresholds_of(_STORED)
+
+
+def thresholds_of(path: Path) -> Thresholds:
+    """Thresholds from a TOML file with a number for every field and the provenance in words."""
+    return Thresholds(**tomllib.loads(path.read_text(encoding="utf-8")))

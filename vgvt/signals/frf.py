@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, FrequencyResponseSet, InputError
+from vgvt.data import Campaign, ChannelRole, FrequencyResponseSet, InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.signals.assemble import Key, ResponseEstimate, assemble
 from vgvt.signals.cross import CrossSpectra
@@ -26,7 +27,7 @@ ESTIMATORS = {
     "hv": "averaged, noise on both; one reference",
     "stepped_sine": "sines fitted to whole cycles of every dwell, after its time to settle",
     "impact": "averaged over a hammer's hits, noise on the response, force and exponential windows",
-    "auto": "stepped_sine or impact where the campaign's notes tell of dwells or hits, else ratio",
+    "auto": "stepped_sine or impact where the notes tell of dwells or hits, h1 for several forces at once, else ratio",
 }
 
 
@@ -69,8 +70,12 @@ def estimate_frf(
         raise InputError("estimator", f"unknown: {estimator!r}", choose_one_of(estimator, ESTIMATORS))
     if estimator not in ("h1", "h2", "hv") and segment_s is not None:
         raise InputError("segment_s", f"the {estimator} estimator takes whole records", "leave it out, or use 'h1'")
+    several = estimator == "auto" and any(len(r.select(ChannelRole.REFERENCE)[0]) > 1 for r in campaign.runs)
     estimator, special = _special(campaign, estimator, dwells, impacts)
     runs, remarks = usable_runs(campaign)
+    if several and estimator == "ratio":
+        # Forces that act at once are told apart by averages alone.
+        estimator, (segment_s, window, overlap) = "h1", _segments(campaign)
     plan, more = make_plan(campaign.name, runs, segment_s, window, overlap, band_hz, special)
     local = (polynomial_order, half_width)
     if estimator == "local_polynomial":
@@ -85,6 +90,15 @@ def estimate_frf(
         if estimator == "stepped_sine":
             estimates = {key: _with_filled_variance(e, sums[key], plan) for key, e in estimates.items()}
     return assemble(campaign.name, estimates, plan, (*remarks, *more))
+
+
+def _segments(campaign: Campaign) -> tuple[float, str, float]:
+    """Length, window and overlap of the averages: the bursts that the notes tell of, else 15 halves that overlap."""
+    shortest = min(record.duration_s for record in campaign.runs)
+    if "blocks" not in campaign.notes:
+        return shortest / 8, "hann", 0.5
+    # A burst starts and ends at rest: nothing leaks, and a window would only cost averages.
+    return float(json.loads(campaign.notes["blocks"])["block_s"]), "boxcar", 0.0
 
 
 def _special(

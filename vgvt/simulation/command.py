@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TypeVar
 
 import numpy as np
@@ -107,6 +108,9 @@ def excitation_notes(scenario: Scenario) -> dict[str, str]:
         before_s = 0.5 * hammer.first_hit_s - 0.5 * hammer.timing_scatter_s
         gate_s = before_s + 3 * hammer.contact_s
         return {"impacts": ImpactWindows(round(free_s, 6), round(before_s, 6), round(gate_s, 6)).note()}
+    if e.kind == "burst-random":
+        # Each block starts and ends at rest, after the lead-in: whole blocks need no window.
+        return {"blocks": json.dumps({"block_s": e.duration_s / _known(e.blocks), "lead_in_s": e.lead_in_s})}
     if e.kind != "stepped-sine":
         return {}
     points = _known(e.points)

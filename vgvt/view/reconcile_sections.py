@@ -57,7 +57,7 @@ def named_section(account: Account) -> str:
         (
             f"<b>{escaped(e.name)}</b><br>{escaped(e.summary)}", escaped(parameter_text(e)), f"{e.evidence_nats:.1f}",
             _number(e.held_out_before, ".2f"), _number(e.held_out_after, ".2f"),
-            escaped(", ".join(e.equivalent) or "nothing else in the catalogue"),
+            escaped(", ".join(e.equivalent) or "nothing else that was tried"),
         )
         for e in account.effects
     ]  # fmt: skip
@@ -226,7 +226,9 @@ def unexplained_section(account: Account) -> str:
     """What is left, and where it is largest: channel and band."""
     state = account.after
     rows = []
-    for flat in np.argsort(-state.table, axis=None)[:_WORST]:
+    # Of many cells a few are large by chance: they are told only where the whole is too large.
+    cells = () if state.adequate else np.argsort(-state.table, axis=None)[:_WORST]
+    for flat in cells:
         c, b = np.unravel_index(int(flat), state.table.shape)
         value = float(state.table[c, b])
         if value <= account.limits["chi2_per_dof"]:

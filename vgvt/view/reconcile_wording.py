@@ -16,7 +16,7 @@ _NEXT = {
         "Use the calibrated scenario; the table of detectability says how large each effect could be, unseen.",
     ),
     "explained": (
-        "Check the named effect on the aircraft or the rig; its separating test below is the quickest way.",
+        "Check the named effect on the aircraft or the rig; its separating test is the quickest way.",
         "Then go on with reconciled.toml, which holds it.",
     ),
     "ambiguous": ("Make the first of the suggested tests and reconcile again with its runs added.",),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vgvt.data import Campaign, ModalModel, Outcome
+from vgvt.data import Campaign, ModalModel, Outcome, PoleCandidate
 from vgvt_identifiers.common_modes import RunModes, common_modes
 from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.non_modes import flag_non_modes
@@ -50,7 +50,8 @@ def claim_of_tables(
     """
     shared = len(tables) == 1
     parts = (spectra.runs,) if shared else tuple((run,) for run in spectra.runs)
-    modes, candidates = [], []
+    modes: list[RunModes] = []
+    candidates: list[PoleCandidate] = []
     for runs, table in zip(parts, tables, strict=True):
         found, stable = _modes(spectra, runs, table, band_hz, largest_damping_ratio)
         modes += found

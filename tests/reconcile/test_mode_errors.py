@@ -1,0 +1,84 @@
+"""Mode by mode: the modes of a fitted model are those of the beam, and errors are those of the responses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile.before_test import expected_fit
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.mode_errors import mode_rows, model_modes
+from vgvt.scenario import load_scenario
+from vgvt.scenario.model import Scenario
+from vgvt.simulation import simulate
+
+# Blevins, Formulas for Natural Frequency and Mode Shape, 1979: free beam, (4.730, 7.853)^2 sqrt(EI / m) / (2 pi L^2).
+BENDING_HZ = np.array([4.730041, 7.853205]) ** 2 * np.sqrt(40.0) / (2 * np.pi * 2.0**2)
+TORSION_HZ = np.array([1, 2]) / (2 * 2.0) * np.sqrt(20.0 / 0.01)
+
+
+def coarse_beam(sensor_kg: float = 0.0) -> Scenario:
+    """The teaching beam with eight cells a side, in four runs of two sensors."""
+    scenario = load_scenario("teaching-beam")
+    parts = tuple(b.model_copy(update={"cells": 8}) for b in scenario.airframe.beam)
+    changes = {
+        "airframe": scenario.airframe.model_copy(update={"beam": parts}),
+        "accelerometers": scenario.accelerometers.model_copy(update={"mass_kg": sensor_kg}),
+        "acquisition": scenario.acquisition.model_copy(
+            update={"sample_rate_hz": 100.0, "runs": ((9, 10), (3, 4), (5, 6), (1, 2))}
+        ),
+        "excitation": scenario.excitation.model_copy(update={"stop_hz": 25.0, "duration_s": 20.0}),
+        "tolerances": scenario.tolerances.model_copy(update={"segments": 0}),
+    }
+    return scenario.model_copy(update=changes)
+
+
+@pytest.fixture(scope="module")
+def beam() -> Fit:
+    return expected_fit(coarse_beam(), lines=120)
+
+
+@pytest.mark.slow
+def test_roving_accelerometers_sit_on_the_model_as_in_the_first_run() -> None:
+    heavy = coarse_beam(0.05)
+    found = model_modes(expected_fit(heavy, lines=60)).frequency_hz
+    as_tested = simulate(heavy, engine="linear").truth.as_tested[0].natural_frequency_hz
+    bare = model_modes(expected_fit(coarse_beam(), lines=60)).frequency_hz
+    for k, frequency in enumerate(found):
+        # A hundred grams at the tip of two kilograms lower every mode by some per cent.
+        assert frequency < 0.98 * bare[k]
+        assert np.abs(as_tested / frequency - 1).min() < 0.01
+
+
+def test_the_modes_of_the_model_are_those_of_the_beam(beam: Fit) -> None:
+    found = model_modes(beam).frequency_hz
+    for frequency in np.concatenate([BENDING_HZ, TORSION_HZ]):
+        # The suspension lifts the first by about 1 %, eight cells a side do the rest.
+        assert np.abs(found / frequency - 1).min() < 0.02
+
+
+def test_a_model_against_itself_has_equal_errors_and_a_mac_of_one(beam: Fit) -> None:
+    rows = mode_rows(beam, beam)
+    assert len(rows) >= 3
+    for row in rows:
+        assert row.mac == pytest.approx(1.0)
+        assert row.before_hz == row.after_hz
+        assert row.train_percent[0] == row.train_percent[1]
+
+
+def test_an_error_at_one_mode_shows_at_that_mode(beam: Fit) -> None:
+    frequency = beam.problem.measured.frequency_hz
+    exact = replace(beam, predicted=beam.problem.measured.values)
+    wrong = replace(beam, predicted=exact.predicted * np.where(np.abs(frequency - BENDING_HZ[1]) < 1.0, 1.2, 1.0))
+    rows = mode_rows(exact, wrong)
+    for row in rows:
+        assert row.after_hz is not None
+        assert row.train_percent[0] == 0.0
+        away = abs(row.after_hz - BENDING_HZ[1])
+        if away < 0.3:
+            assert row.train_percent[1] == pytest.approx(20.0)
+        elif away > 2.0:
+            assert row.train_percent[1] == 0.0
+    assert any(abs((row.after_hz or 0) - BENDING_HZ[1]) < 0.3 for row in rows)

@@ -1,0 +1,46 @@
+"""Thresholds from placebos: they hold for the next one as often as they say, and survive their file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vgvt.data import InputError
+from vgvt.reconcile.placebo import Placebo, calibrated_thresholds, write_thresholds
+from vgvt.reconcile.thresholds import thresholds_of
+
+
+def drawn(count: int, seed: int) -> list[Placebo]:
+    """Placebos whose figures are normal."""
+    g = np.random.default_rng(seed)
+    rows = np.array([0.6, 0.6, 0.7, 0.0]) + np.array([0.03, 0.05, 0.08, 2.0]) * g.standard_normal((count, 4))
+    return [Placebo(*(float(v) for v in row)) for row in rows]
+
+
+@pytest.mark.parametrize("count", [5, 12, 60])
+def test_the_next_placebo_stays_below_as_often_as_stated(count: int) -> None:
+    trials = 1500
+    beyond = sum(
+        drawn(1, 10_000 + k)[0].chi2_per_dof > calibrated_thresholds(drawn(count, k), "a test", level=0.9).chi2_per_dof
+        for k in range(trials)
+    )
+    # Never below the largest seen: the limit may be safer than stated, four binomial deviations less safe.
+    assert beyond / trials < 0.1 + 4 * np.sqrt(0.1 * 0.9 / trials)
+
+
+def test_few_placebos_give_wider_limits_than_many_and_too_few_none() -> None:
+    few = np.mean([calibrated_thresholds(drawn(5, k), "a test").evidence_nats for k in range(100)])
+    many = np.mean([calibrated_thresholds(drawn(80, k), "a test").evidence_nats for k in range(100)])
+    assert few > many
+    with pytest.raises(InputError, match="too few"):
+        calibrated_thresholds(drawn(4, 0), "a test")
+
+
+def test_thresholds_survive_their_file_with_their_provenance(tmp_path: Path) -> None:
+    made = calibrated_thresholds(drawn(20, 3), 'quick, 1 % noise, "version 1"')
+    write_thresholds(tmp_path / "thresholds.toml", made)
+    again = thresholds_of(tmp_path / "thresholds.toml")
+    assert again.chi2_per_dof == pytest.approx(made.chi2_per_dof, rel=1e-3)
+    assert again.provenance.startswith("20 campaigns without any missing effect")

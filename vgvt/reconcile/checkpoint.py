@@ -1,0 +1,107 @@
+"""What a reconciliation has found so far, on disk: a run that was broken off goes on after its last whole round."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import vgvt
+from vgvt.data import Campaign
+from vgvt.files.atomically import replacing
+from vgvt.reconcile.attribute import Addition, Rival
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.thresholds import Thresholds
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.write import to_toml
+
+_FILE = "rounds.json"
+Begun = tuple[Fit, tuple[Addition, ...]]
+
+
+def provenance_of(
+    campaign: Campaign, scenario: Scenario, effects: Iterable[str], thresholds: Thresholds, lines: int
+) -> dict[str, str]:
+    """What a verdict rests on, by name: hashes of the campaign's samples and of the scenario, version, limits."""
+    samples = hashlib.sha256()
+    for run in campaign.runs:
+        labels = [f"{c.dof} {c.role.value} {c.quantity.value}" for c in run.channels]
+        samples.update(json.dumps([labels, run.sample_rate_hz]).encode())
+        samples.update(np.ascontiguousarray(run.samples).tobytes())
+    return {
+        "campaign": f"{campaign.name} ({samples.hexdigest()[:16]}, band {campaign.band_hz[0]:g} to "
+        f"{campaign.band_hz[1]:g} Hz)",
+        "scenario": f"{scenario.name} ({hashlib.sha256(to_toml(scenario).encode()).hexdigest()[:16]})",
+        "version": vgvt.__version__,
+        "hypotheses": " ".join(sorted(effects)),
+        "lines": str(lines),
+        "thresholds": f"{thresholds.evidence_nats:g} nats, {thresholds.chi2_per_dof:g} per degree of freedom; "
+        f"{thresholds.provenance}",
+    }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checkpoint:
+    """Rounds kept in ``folder`` under a key; what was kept under another key is not used."""
+
+    folder: Path
+    key: str
+
+    @classmethod
+    def of(cls, folder: Path, provenance: Mapping[str, str], *settings: object) -> Checkpoint:
+        """The checkpoint of a question: everything in its provenance, and any further settings."""
+        text = json.dumps([sorted(provenance.items()), [str(s) for s in settings]])
+        return cls(folder, hashlib.sha256(text.encode()).hexdigest())
+
+    def keep(self, start: Fit, rounds: Sequence[Addition]) -> None:
+        """Write the rounds so far."""
+        document = {"key": self.key, "start": start.u.tolist(), "rounds": [_round(a) for a in rounds]}
+        with replacing(self.folder / _FILE) as part:
+            part.write_text(json.dumps(document), encoding="utf-8")
+
+    def begun(self, problem: Problem, hypotheses: Sequence[Hypothesis]) -> Begun | None:
+        """The null model and the rounds that were kept, or None where there are none of this question."""
+        try:
+            document = json.loads((self.folder / _FILE).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        if not isinstance(document, dict) or document.get("key") != self.key:
+            return None
+        known = {h.name: h.cls for h in hypotheses}
+        start = fit(problem, (), np.array(document["start"]), np.zeros(0), ())
+        return start, tuple(_addition(problem, known, row) for row in document["rounds"])
+
+
+def _round(addition: Addition) -> dict[str, Any]:
+    return {
+        "rivals": [_rival(r) for r in addition.rivals],
+        "winner": addition.rivals.index(addition.winner),
+        "equivalent": [addition.rivals.index(r) for r in addition.equivalent],
+        "held_out_before": addition.held_out_before,
+    }
+
+
+def _rival(r: Rival) -> dict[str, Any]:
+    return {
+        "effects": [{"name": h.name, "settings": dict(h.settings), "share": h.share} for h in r.fit.hypotheses],
+        "u": r.fit.u.tolist(), "e": r.fit.e.tolist(), "converged": r.fit.converged,
+        "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out,
+    }  # fmt: skip
+
+
+def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any]) -> Addition:
+    rivals = []
+    for r in row["rivals"]:
+        hypotheses = tuple(Hypothesis(known[h["name"]], h["settings"], h["share"]) for h in r["effects"])
+        found = fit(problem, hypotheses, np.array(r["u"]), np.array(r["e"]), ())
+        found = replace(found, converged=r["converged"])
+        rivals.append(Rival(found, r["gain_nats"], r["raw_nats"], r["held_out"]))
+    equivalent = tuple(rivals[k] for k in row["equivalent"])
+    return Addition(rivals[row["winner"]], equivalent, tuple(rivals), row["held_out_before"])
