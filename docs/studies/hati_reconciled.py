@@ -5,8 +5,8 @@
 Stages, each kept under docs/_build/hati-reconciled and not done again: null (the nominal model as it stands and
 calibrated, no effect added), main (the whole catalogue), first (the same, at most one effect: a quicker look),
 fine-floor (a model-form error of 0.4 %), without (the catalogue without what was named), shuffled (channel labels
-permuted), wrong-place (what was named, offered elsewhere), splits (six more hold-outs). Afterwards the page's tables and
-figures are written. All of it is derived from records under the MIT licence (PAAW/mAEWing1).
+permuted), wrong-place (what was named, offered elsewhere), splits (six more hold-outs). Afterwards the page's tables
+and figures are written. All of it is derived from records under the MIT licence (PAAW/mAEWing1).
 """
 
 from __future__ import annotations
@@ -200,7 +200,7 @@ def run_splits(main: Document) -> Document:
 
 
 def run_wrong_places(main: Document) -> Document:
-    """What each named effect with a place would gain elsewhere: mirrored, and at the nearest other place of the grid."""
+    """What each named effect with a place gains elsewhere: mirrored, and at the nearest other place of the grid."""
     problem, rows = problem_as_run(), {}
     before = fit(problem, (), np.array(main["scores"]["before"]), np.zeros(0), NEAR)
     for hypothesis, values in named(main):
@@ -230,7 +230,7 @@ def run_wrong_places(main: Document) -> Document:
 
 
 def run_null() -> Document:
-    """The nominal model as it stands and calibrated, no effect added: errors, modes, and where a free force would help."""
+    """The nominal model as it stands and calibrated, no effect added: errors, modes, where a free force would help."""
     wall, own = time.perf_counter(), time.process_time()
     problem = problem_as_run()
     stated = fit(problem, (), np.zeros(problem.size), np.zeros(0), ())

@@ -53,10 +53,12 @@ def _null(d: Document) -> str:
     wall, own, load = d["calibration_s"]
     state = "converged" if d["converged"] else "did not converge within its iterations"
     return (
-        f"**The nominal model, no effect added**\n\n{table(HEAD, rows)}\n\nModes of the model within the band (damping): {'; '.join(modes)}.\n\n"
-        f"Is what the calibrated model leaves noise?\n\n{reasons}\n- neighbouring lines of it are correlated by {d['calibrated']['lag_one']:.2f}\n\n"
-        f"The calibration {state}; reading, deriving and calibrating took {own:.0f} s of processor time ({wall:.0f} s on two cores under a "
-        f"load of {load:.0f}).\n\n{_places(d)}"
+        f"**The nominal model, no effect added**\n\n{table(HEAD, rows)}\n\n"
+        f"Modes of the model within the band (damping): {'; '.join(modes)}.\n\n"
+        f"Is what the calibrated model leaves noise?\n\n{reasons}\n"
+        f"- neighbouring lines of it are correlated by {d['calibrated']['lag_one']:.2f}\n\n"
+        f"The calibration {state}; reading, deriving and calibrating took {own:.0f} s of processor time "
+        f"({wall:.0f} s on two cores under a load of {load:.0f}).\n\n{_places(d)}"
     )
 
 
@@ -79,7 +81,8 @@ def _verdict(d: Document, title: str) -> str:
     state = d["converged"]
     facts = (
         f"{d['wall_s']:.0f} s ({d['processor_s']:.0f} s of processor time, load {d['load']:.0f} on two cores); "
-        f"calibration {_word(state['before'])} before, {_word(state['after'])} after; thresholds: {d['thresholds']['provenance']}."
+        f"calibration {_word(state['before'])} before, {_word(state['after'])} after; "
+        f"thresholds: {d['thresholds']['provenance']}."
     )
     return (
         f"**{title}: {d['verdict'].replace('_', ' ')}**\n\n{reasons}\n\nWhat stays unexplained:\n\n{left}\n\n"
@@ -127,8 +130,9 @@ def _parameters(null: Document, after: Document | None) -> str:
         rows.append((r["what"], _score(r), _value(r), *(("–", "–") if b is None else (_score(b), _value(b)))))
     head = ("quantity", "score", "calibrated", "score with what was named", "calibrated with it")
     text = (
-        f"{len(far)} of {len(null['posterior'])} calibrated quantities leave three standard deviations of their tolerance before any effect is "
-        "added; here they are, all are in [`hati-reconciled-parameters.csv`](hati-reconciled-parameters.csv):"
+        f"{len(far)} of {len(null['posterior'])} calibrated quantities leave three standard deviations of their "
+        "tolerance before any effect is added; here they are, all are in "
+        "[`hati-reconciled-parameters.csv`](hati-reconciled-parameters.csv):"
     )
     return f"**Calibrated quantities**\n\n{text}\n\n{table(head, rows)}"
 

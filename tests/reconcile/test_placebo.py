@@ -21,7 +21,7 @@ def drawn(count: int, seed: int) -> list[Placebo]:
 
 @pytest.mark.parametrize("count", [5, 12, 60])
 def test_the_next_placebo_stays_below_as_often_as_stated(count: int) -> None:
-    trials = 1500
+    trials = 400
     beyond = sum(
         drawn(1, 10_000 + k)[0].chi2_per_dof > calibrated_thresholds(drawn(count, k), "a test", level=0.9).chi2_per_dof
         for k in range(trials)

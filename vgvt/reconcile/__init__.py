@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 _HOMES = {
@@ -41,3 +43,14 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return [*__all__]
+
+
+class _Package(ModuleType):
+    """Keeps a name for the function where a submodule has the same one: importing it would put the module there."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        known = isinstance(value, ModuleType) and _HOME_OF.get(name) == name
+        super().__setattr__(name, getattr(value, name) if known else value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -11,13 +11,14 @@ from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.localise import localise
 from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.screen import Screened, screen
 from vgvt.reconcile.thresholds import Thresholds
 
 _SHORT_LIST, _A_FAMILY = 6, 2
 _BIASED = 1.5
-_SHORT, _PLACES = ((0.6, 4), (0.1, 5)), 16
+_SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
 _FORGIVING = ((0.6, 4), (0.1, 8))
 _WORTH_A_FIT = 1.0
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
@@ -143,7 +144,8 @@ def _shortened(current: Fit, left: Sequence[Hypothesis], before: Residual, tell:
     nothing = np.zeros(current.u.size)
     coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
     far = screen(coarse, left, _part(tell, 0.5, 1.0))
-    chosen = [_best_place(current, far, s) for s in short_list(far, _SHORT_LIST, forgiving=True)]
+    spot = next((p.position_m for p in localise(coarse).places if p.position_m is not None), None)
+    chosen = [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
     return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
 
 
@@ -190,12 +192,23 @@ def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> 
     return _against(current, Rival(found, 0.0, 0.0, None))
 
 
-def _best_place(current: Fit, screened: Sequence[Screened], chosen: Screened) -> Screened:
-    """The best of a placed effect's variants, by short fits that forgive misplaced peaks, with what they arrived at."""
+def _best_place(
+    current: Fit, screened: Sequence[Screened], chosen: Screened, spot: tuple[float, float, float] | None
+) -> Screened:
+    """The best of a placed effect's variants, by short fits that forgive misplaced peaks, with what they arrived at.
+
+    Tried are the best ones of the screen and those next to ``spot`` (x, y, z), from where a free force explains most.
+    """
     if "x_m" not in chosen.hypothesis.settings:
         return chosen
     best, found = -np.inf, chosen
-    for s in [c for c in screened if c.hypothesis.name == chosen.hypothesis.name][:_PLACES]:
+    same = [c for c in screened if c.hypothesis.name == chosen.hypothesis.name]
+    tried = same[:_BEST] if spot is not None else same[: _BEST + _NEAREST]
+    if spot is not None:
+        x, y, _ = spot
+        rest = same[_BEST:]
+        tried += sorted(rest, key=lambda s: _distance(s, x, y))[:_NEAREST]
+    for s in tried:
         # Its frequency is what the screen knows best; where it sits, a biased calibration has smeared.
         start = np.concatenate([current.e, s.hypothesis.scores(chosen.values)])
         nothing = np.zeros(current.u.size)
@@ -209,6 +222,12 @@ def _best_place(current: Fit, screened: Sequence[Screened], chosen: Screened) ->
             here = {k: v[0] for k, v in near.values(len(current.hypotheses)).items()}
             best, found = near.evidence_nats, replace(s, values=here, start=near.u)
     return found
+
+
+def _distance(s: Screened, x_m: float, y_m: float) -> float:
+    """How far a placed variant is from a point, in metres."""
+    settings = s.hypothesis.settings
+    return float(np.hypot(settings["x_m"] - x_m, settings["y_m"] - y_m))
 
 
 def _against(current: Fit, rival: Rival) -> Rival:

@@ -14,6 +14,7 @@ import numpy as np
 import vgvt
 from vgvt.data import Campaign
 from vgvt.files.atomically import replacing
+from vgvt.files.campaign_file import content_hash
 from vgvt.reconcile.attribute import Addition, Rival
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -30,13 +31,8 @@ def provenance_of(
     campaign: Campaign, scenario: Scenario, effects: Iterable[str], thresholds: Thresholds, lines: int
 ) -> dict[str, str]:
     """What a verdict rests on, by name: hashes of the campaign's samples and of the scenario, version, limits."""
-    samples = hashlib.sha256()
-    for run in campaign.runs:
-        labels = [f"{c.dof} {c.role.value} {c.quantity.value}" for c in run.channels]
-        samples.update(json.dumps([labels, run.sample_rate_hz]).encode())
-        samples.update(np.ascontiguousarray(run.samples).tobytes())
     return {
-        "campaign": f"{campaign.name} ({samples.hexdigest()[:16]}, band {campaign.band_hz[0]:g} to "
+        "campaign": f"{campaign.name} ({content_hash(campaign)[:16]}, band {campaign.band_hz[0]:g} to "
         f"{campaign.band_hz[1]:g} Hz)",
         "scenario": f"{scenario.name} ({hashlib.sha256(to_toml(scenario).encode()).hexdigest()[:16]})",
         "version": vgvt.__version__,

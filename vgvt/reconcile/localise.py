@@ -69,20 +69,21 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     here = anchor(problem, null.u, null.hypotheses, null.e)
     keep = problem.split.train
     measured = problem.measured
-    rho = ((null.predicted - measured.values) / measured.sigma)[keep]
+    sigma = measured.sigma[keep] if null.sigma is None else null.sigma
+    rho = (null.predicted - measured.values)[keep] / sigma
     count, lines = rho.shape
     # The real tangent holds sqrt(2) times real parts, then imaginary ones.
     half = null.tangent.reshape(2, count, lines, -1) / np.sqrt(2)
     tangent = half[0] + 1j * half[1]
     left = _free(rho, tangent, null.scores, None)
-    found = []
+    found: list[tuple[float, _Candidate, ComplexArray]] = []
     trials = _candidates(problem, here, keep)
     chain = here.chain(null.u, null.e)
     for k, c in enumerate(trials):
         if progress is not None:
             progress(k / len(trials), f"localise {c.label}")
         answer = _answer(problem, here, c, null.predicted, chain)
-        scaled = (answer / measured.sigma)[keep]
+        scaled = answer[keep] / sigma
         remaining = _free(rho, tangent, null.scores, scaled)
         chance = lines * (scaled.any(axis=1).any())
         explained = float((left - remaining - chance) / left)

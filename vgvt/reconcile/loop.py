@@ -40,8 +40,9 @@ def reconcile(
 
     ``effects`` by name are the hypotheses (default: all that are installed); ``floor`` the relative model-form
     error (default: the scenario's tolerance); ``folder`` takes ``reconciled.toml``, the derivatives that a second
-    call can use again, and each round, so that a call that was broken off goes on. ``progress(fraction, message, seconds_left)``. Nothing here is random but the
-    hold-out split, which follows from the scenario's seed: the same call gives the same verdict.
+    call can use again, and each round, so that a call that was broken off goes on.
+    ``progress(fraction, message, seconds_left)``. Nothing here is random but the hold-out split, which follows from
+    the scenario's seed: the same call gives the same verdict.
     """
     limits = stored_thresholds() if thresholds is None else thresholds
     tell = _Clock(progress)

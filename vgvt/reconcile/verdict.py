@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.localise import Localisation
@@ -12,6 +14,8 @@ from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
+
+_ANOTHER_LEVEL = 1.3
 
 
 class Kind(StrEnum):
@@ -150,6 +154,10 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data do not confirm it"
             for r in found.vetoed[:3]
         ]
+    if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and _one_level(found):
+        said.append(
+            "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
+        )
     if places is not None and places.places:
         best = places.places[0]
         said.append(
@@ -157,6 +165,12 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             + (f"; it looks like a {best.type}" if best.type and best.type != "unclear" else "")
         )
     return tuple(said)
+
+
+def _one_level(found: Attribution) -> bool:
+    """Whether no run shook harder than another by more than a drive that is left alone."""
+    size = np.sqrt(np.mean(np.abs(found.null.problem.measured.force) ** 2, axis=1))
+    return bool(size.max() < _ANOTHER_LEVEL * size.min())
 
 
 def _effect_document(e: NamedEffect) -> dict[str, object]:

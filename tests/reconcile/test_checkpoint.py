@@ -1,0 +1,71 @@
+"""A reconciliation that was broken off goes on with the same answer; another question does not get that answer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, problem, small_scenario
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.attribute import Addition, Rival
+from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
+from vgvt.reconcile.fit import fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.suggest import suggest
+from vgvt.reconcile.thresholds import stored_thresholds
+
+
+def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) -> None:
+    case = problem(tmp_path, 3)
+    known = available_effects()
+    delay = Hypothesis(known["channel-delay"], {"channels": "response"}, 0.5)
+    gain = Hypothesis(known["channel-gain"], {"channels": "7+Z"}, 0.25)
+    u = 0.3 * np.random.default_rng(0).standard_normal(case.size)
+    start = fit(case, (), u, np.zeros(0), ())
+    rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 0.7) for h in (delay, gain))
+    kept = Checkpoint(tmp_path, "this question")
+    kept.keep(start, [Addition(rivals[1], rivals, rivals, None)])
+    begun = kept.begun(case, (delay, gain))
+    assert begun is not None
+    again, (addition,) = begun
+    np.testing.assert_array_equal(again.predicted, start.predicted)
+    np.testing.assert_array_equal(addition.winner.fit.predicted, rivals[1].fit.predicted)
+    assert addition.winner.hypothesis.label == gain.label
+    assert [r.name for r in addition.equivalent] == ["channel-delay", "channel-gain"]
+    assert addition.winner.fit.evidence_nats == rivals[1].fit.evidence_nats
+    assert Checkpoint(tmp_path, "another question").begun(case, (delay, gain)) is None
+
+
+@pytest.mark.slow
+def test_tests_that_tell_two_rivals_apart_are_ranked_by_nats_a_minute(tmp_path: Path) -> None:
+    case = problem(tmp_path, 3)
+    known = available_effects()
+    mass = Hypothesis(known["added-mass"], {"x_m": 0.8, "y_m": 0.9}, 0.5)
+    gain = Hypothesis(known["channel-gain"], {"channels": "7+Z"}, 0.25)
+    tests = suggest([fit(case, (h,), np.zeros(case.size), np.array([0.2]), ()) for h in (mass, gain)])
+    assert tests
+    assert set(tests[0].rivals) == {"added-mass", "channel-gain"}
+    pace = [t.nats / t.minutes for t in tests]
+    assert pace == sorted(pace, reverse=True)
+    assert all(t.nats > 0 for t in tests)
+
+
+def test_other_samples_or_another_catalogue_are_another_question(tmp_path: Path) -> None:
+    scenario, limits = small_scenario(), stored_thresholds()
+    campaign = campaign_of(scenario, 4)
+    first = provenance_of(campaign, scenario, ["added-mass"], limits, 100)
+    run = campaign.runs[0]
+    other = replace(campaign, runs=(replace(run, samples=run.samples * 1.001), *campaign.runs[1:]))
+    keys = {
+        Checkpoint.of(tmp_path, found).key
+        for found in (
+            first,
+            provenance_of(other, scenario, ["added-mass"], limits, 100),
+            provenance_of(campaign, scenario, ["added-mass", "mains-hum"], limits, 100),
+            provenance_of(campaign, scenario, ["added-mass"], limits, 120),
+        )
+    }
+    assert len(keys) == 4
