@@ -11,7 +11,7 @@ from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.localise import localise
+from vgvt.reconcile.localise import Place, localise
 from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.screen import Screened, screen
 from vgvt.reconcile.thresholds import Thresholds
@@ -24,6 +24,8 @@ _WORTH_A_FIT = 1.0
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
+# What 'much better' means where held-out data are still missed: this share of what was too much.
+_MUCH = 0.25
 
 Progress = Callable[[float, str], None]
 
@@ -107,7 +109,7 @@ def attribute(
                 before = residual(current, thresholds)
                 rivals = tuple(_against(current, r) for r in rivals)
         passed = [r for r in rivals if r.gain_nats >= thresholds.evidence_nats]
-        confirmed = [r for r in passed if _confirmed(r, before)]
+        confirmed = [r for r in passed if _confirmed(r, before, thresholds)]
         vetoed += [r for r in passed if r not in confirmed]
         if not confirmed:
             break
@@ -144,8 +146,11 @@ def _shortened(current: Fit, left: Sequence[Hypothesis], before: Residual, tell:
     nothing = np.zeros(current.u.size)
     coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
     far = screen(coarse, left, _part(tell, 0.5, 1.0))
-    spot = next((p.position_m for p in localise(coarse).places if p.position_m is not None), None)
-    chosen = [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
+    # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
+    place = next((p for p in localise(current).places if p.position_m is not None), None)
+    spot = None if place is None else place.position_m
+    chosen = [] if place is None else _swinging(current, far, place)
+    chosen += [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
     return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
 
 
@@ -224,6 +229,20 @@ def _best_place(
     return found
 
 
+def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[Screened]:
+    """Placed effects that swing, at the place and frequency that the residual itself shows, from the prior's middle."""
+    if place.type != "resonant" or place.position_m is None:
+        return []
+    x, y, _ = place.position_m
+    found: list[Screened] = []
+    for s in sorted((s for s in screened if "x_m" in s.hypothesis.settings), key=lambda s: _distance(s, x, y)):
+        tuned = {p.name: place.size for p in s.hypothesis.parameters if p.unit == "Hz"}
+        if tuned and s.hypothesis.name not in {f.hypothesis.name for f in found}:
+            here = replace(s.hypothesis, settings={**s.hypothesis.settings, "x_m": x, "y_m": y})
+            found.append(replace(s, hypothesis=here, values=tuned, start=np.zeros(current.u.size)))
+    return found
+
+
 def _distance(s: Screened, x_m: float, y_m: float) -> float:
     """How far a placed variant is from a point, in metres."""
     settings = s.hypothesis.settings
@@ -250,15 +269,22 @@ def _against(current: Fit, rival: Rival) -> Rival:
     return replace(rival, gain_nats=tempered, raw_nats=raw, held_out=missed)
 
 
-def _confirmed(rival: Rival, before: Residual) -> bool:
-    """Held-out data must be met better than before; where nothing is held out there is no name."""
+def _confirmed(rival: Rival, before: Residual, thresholds: Thresholds) -> bool:
+    """Held-out data must be met better than before; where nothing is held out there is no name.
+
+    Where they are still missed, much better: a wrong effect often takes a little of what another one leaves.
+    """
     if rival.held_out is None or before.held_out_chi2_per_dof is None:
+        return False
+    excess = before.held_out_chi2_per_dof - 1.0
+    better = before.held_out_chi2_per_dof - rival.held_out
+    if rival.held_out > thresholds.held_out_per_dof and better < _MUCH * excess:
         return False
     split = rival.fit.problem.split
     lines = int(split.held.sum()) * rival.fit.problem.measured.frequency_hz.size
     rho = (rival.fit.predicted - rival.fit.problem.measured.values) / rival.fit.problem.measured.sigma
     worth = min(1.0, independent_values(rho[split.held]) / (2 * lines))
-    return worth * lines * (before.held_out_chi2_per_dof - rival.held_out) > _HELD_OUT_NATS
+    return worth * lines * better > _HELD_OUT_NATS
 
 
 def _restart(null: Fit, winner: Rival) -> Fit:

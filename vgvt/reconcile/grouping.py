@@ -29,6 +29,7 @@ class Group:
     """Runs of one structure: its plan and matrices at the anchor, rows of its channels, their sensors' masses.
 
     ``channels`` (C_g,) index the campaign's; ``rows`` (C_g,) the structure's places; ``masses_kg`` (C_g,).
+    ``filtered`` where any run of the campaign has an effect on its channels.
     """
 
     plan: Plan
@@ -36,6 +37,7 @@ class Group:
     channels: NDArray[np.intp]
     rows: NDArray[np.intp]
     masses_kg: Array
+    filtered: bool = False
 
 
 class NoStructureError(ValueError):
@@ -106,7 +108,10 @@ def assembled(
                     break
             else:
                 kinds.append((scenario, actions, [run]))
-        return tuple(_group(problem, u, s, a, runs, without) for s, a, runs in kinds)
+        # Any run, not a group's first: runs of one structure may differ in what effects do to their channels.
+        filtered = any(action.channels for _, actions in per_run for action in actions)
+        groups = (_group(problem, u, s, a, runs, without) for s, a, runs in kinds)
+        return tuple(replace(g, filtered=filtered) for g in groups)
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
         return None
 
@@ -127,11 +132,17 @@ def _same(one: Scenario, other: Scenario, actions: tuple[Action, ...], others: t
 
 
 @lru_cache(maxsize=16)
+def _planned(problem: Problem, scenario: Scenario) -> Plan:
+    """The plan of an edited scenario: a scan over an effect's sizes often edits it alike."""
+    return problem.layouts.plan(scenario)
+
+
+@lru_cache(maxsize=16)
 def _bare(problem: Problem, scores: bytes, scenario: Scenario) -> Group:
     """An edited scenario without any element: a scan of what hangs on it assembles it once."""
     u = np.frombuffer(scores)
     cells = CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
-    plan = problem.layouts.plan(scenario)
+    plan = _planned(problem, scenario)
     found = refined(structure(plan, plan.grid, problem.nominal), problem, cells)
     return Group(plan, found, np.arange(0), np.arange(0), np.zeros(0))
 
@@ -166,6 +177,8 @@ def _group(
     leans = any(p.node == base_plan.drive.dof.node for a in actions for p in a.points)
     if scenario is known and not leans:
         plan = replace(base_plan, actions=actions)
+    elif not leans:
+        plan = replace(_planned(problem, scenario), actions=actions)
     else:
         plan = problem.layouts.plan(scenario, actions)
     points: dict[str, MeasurementPoint] = {p.site: p for p in plan.grid}

@@ -215,7 +215,7 @@ def interface_type(omega: Array, force: ComplexArray, motion: ComplexArray, weig
         if (left < least and size[0] > 0) or left < 0.9 * least:
             best, least = (name, float(size[0]), unit), left
     plain = _parts(-laws * motion[:, None] * scale[:, None])
-    enough = 0.25 * min(_least(plain, target)[1], total)
+    enough = 0.4 * min(_least(plain, target)[1], total)
     for frequency in np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), _POLES)):
         for ratio in _RATIOS:
             pole = frequency**2 + 2j * ratio * frequency * omega

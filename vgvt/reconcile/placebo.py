@@ -17,6 +17,8 @@ from vgvt.reconcile.verdict import Verdict
 _FEWEST = 5
 _SET_NATS = 5.0
 _UNDER_A_NAME = 1.0
+# Where noise alone is left, and its size is known exactly, 1 is left: no limit may be near that.
+_NOISE_ALONE = 1.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,16 +47,16 @@ def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: f
     """Limits that the next placebo stays below with a probability ``level``, each on its own; none below what was seen.
 
     One-sided prediction limits of the normal distribution (Hahn, Technometrics 11, 1969): wide where placebos are
-    few. ``made_by`` (scenario, noise, version, command) goes into the provenance with their number. InputError for
-    fewer than five.
+    few. Limits on what is left are at least 1.2. ``made_by`` (scenario, noise, version, command) goes into the
+    provenance with their number. InputError for fewer than five.
     """
     if len(placebos) < _FEWEST:
         raise InputError("placebos", f"{len(placebos)} are too few for a threshold", f"Run at least {_FEWEST}.")
     held = [p.held_out_per_dof for p in placebos if p.held_out_per_dof is not None]
     chi2 = _limit([p.chi2_per_dof for p in placebos], level)
     return Thresholds(
-        chi2, _limit([p.smooth_per_dof for p in placebos], level),
-        _limit(held, level) if len(held) >= _FEWEST else chi2,
+        max(_NOISE_ALONE, chi2), max(_NOISE_ALONE, _limit([p.smooth_per_dof for p in placebos], level)),
+        max(_NOISE_ALONE, _limit(held, level) if len(held) >= _FEWEST else chi2),
         # Gains of nothing are often negative: a name needs more than that.
         max(_UNDER_A_NAME, _limit([p.best_nats for p in placebos], level)), _SET_NATS,
         f"{len(placebos)} campaigns without any missing effect, one-sided {level:.0%} prediction limits; {made_by}",

@@ -124,10 +124,7 @@ def anchor(
                 near, sign = assembled(problem, u, hypotheses, scores - step, fast), -1.0
             sides.append((sign, near if near is not None and _alike(groups, near) else groups))
     reduced = tuple(_reduced(problem, u, groups, g, sides if slopes else None, scores.size) for g in range(len(groups)))
-    # Not from the groups' plans: those are of their first runs, and a filter may be in another one.
-    made = effects_at(problem, hypotheses, scores)
-    acting = [] if made is None else run_actions(problem.scenario, made, problem)
-    filtered = any(action.channels for _, actions in acting for action in actions)
+    filtered = any(g.filtered for g in groups)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.figures_of_merit import Comparison
-from vgvt.reconcile.localise import Localisation
+from vgvt.reconcile.localise import Localisation, Place
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
@@ -162,9 +162,18 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         best = places.places[0]
         said.append(
             f"A free {best.label} would explain {100 * max(best.explained, 0):.0f} % of the residual"
-            + (f"; it looks like a {best.type}" if best.type and best.type != "unclear" else "")
+            + _looks_like(best)
         )
     return tuple(said)
+
+
+def _looks_like(place: Place) -> str:
+    """What the dynamic stiffness at a place looks like, in words."""
+    if place.type in ("", "unclear"):
+        return ""
+    if place.type == "resonant":
+        return f"; it looks like something that swings at {place.size:.1f} Hz"
+    return f"; it looks like a {place.type} of {place.size:.3g} {place.unit}"
 
 
 def _one_level(found: Attribution) -> bool:

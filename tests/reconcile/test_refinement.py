@@ -1,0 +1,49 @@
+"""Cells of a chain: too few are made enough, and what is added gives a chain the frequencies of another one."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+from reconciled_case import small_scenario
+
+from vgvt.effects.beams import with_beams
+from vgvt.reconcile.refinement import meshed, towards
+from vgvt.reconcile.uncertain import prepared
+from vgvt.scenario import Scenario
+from vgvt.simulation.reduced import Layouts, structure
+
+TOP_HZ = 60.0
+
+
+def cut_into(cells: int) -> Scenario:
+    """The small scenario with a number of cells a wing."""
+    scenario = small_scenario()
+    return with_beams(scenario, ["wing"], lambda b: b.model_copy(update={"cells": cells}))
+
+
+def below(stiffness: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Natural frequencies up to the top, in Hz."""
+    squares = scipy.linalg.eigvalsh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+    found = np.sqrt(np.abs(squares)) / (2 * np.pi)
+    return found[(found > 2.0) & (found < TOP_HZ)]
+
+
+def test_few_cells_become_twelve_and_enough_stay() -> None:
+    assert [b.cells for b in meshed(cut_into(5)).airframe.beam] == [12]
+    enough = cut_into(14)
+    assert meshed(enough) is enough
+
+
+def test_a_chain_gets_the_frequencies_of_the_other() -> None:
+    coarse, fine = prepared(cut_into(6)), prepared(cut_into(12))
+    layouts = Layouts.of(coarse)
+    plan, other = layouts.plan(coarse), layouts.plan(fine)
+    own, target = structure(plan, plan.grid), structure(other, other.grid)
+    change = towards(fine, layouts, own, 3 * TOP_HZ)
+    wanted = below(target.stiffness, target.mass)
+    before, after = below(own.stiffness, own.mass), below(own.stiffness + change.stiffness, own.mass)
+    count = min(before.size, after.size, wanted.size)
+    assert count >= 6
+    error = np.abs(after[:count] / wanted[:count] - 1).max()
+    # Eigenvectors stay, hence eigenvalues are met exactly; the suspension's damping and weight take no part.
+    assert error < 1e-6 < np.abs(before[:count] / wanted[:count] - 1).max()
