@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import resource
 import pty
 import signal
 import subprocess
@@ -22,12 +23,14 @@ VGVT = (sys.executable, "-m", "vgvt")
 
 @pytest.mark.parametrize("arguments", [("--help",), ("identify", "--help"), ("list", "--help")], ids=" ".join)
 def test_help_answers_at_once(arguments: tuple[str, ...]) -> None:
-    times = []
+    # Processor time: the clock on the wall belongs to whatever else the machine does.
+    spent = []
     for _ in range(3):
-        begin = time.perf_counter()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run([*VGVT, *arguments], check=True, capture_output=True, timeout=60)
-        times.append(time.perf_counter() - begin)
-    assert min(times) < 0.5
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        spent.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    assert min(spent) < 0.5
 
 
 def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, str, str, float]:
