@@ -149,9 +149,7 @@ def _run_document(result: Simulated, judged: Judged, report: bool) -> dict[str, 
 
     return {
         **simulation_document(result),
-        "identifiers": {
-            name: card_document(card, judged.fits.get(name)) for name, card in judged.scorecards.items()
-        },
+        "identifiers": {name: card_document(card, judged.fits.get(name)) for name, card in judged.scorecards.items()},
         "report": result.folder.report if report else None,
         "timing_s": judged.timing_s,
         "peak_memory_mib": peak_memory_mib(),
