@@ -67,10 +67,10 @@ def test_an_honest_method_comes_to_its_claim(enter) -> None:
     ("body", "what"),
     [
         ("import vgvt.simulation", "imports vgvt.simulation"),
-        ("import vgvt_scoreboard", "imports vgvt_scoreboard"),
+        pytest.param("import vgvt_scoreboard", "imports vgvt_scoreboard", marks=pytest.mark.slow),
         ("from vgvt.scenario import load_scenario; load_scenario('quick')", "imports vgvt.scenario"),
-        ("try:\n    import mujoco\nexcept Exception:\n    pass", "imports mujoco"),
-        ("import vgvt.files.truth", "imports vgvt.files.truth"),
+        pytest.param("try:\n    import mujoco\nexcept Exception:\n    pass", "imports mujoco", marks=pytest.mark.slow),
+        pytest.param("import vgvt.files.truth", "imports vgvt.files.truth", marks=pytest.mark.slow),
         ("from vgvt.files.netcdf import read_group\nfrom pathlib import Path\nread_group(Path('{sealed}'))", "reads"),
         ("open('{sealed}', 'rb').read()", "sealed"),
         ("import h5py\nh5py.File('{sealed}')", "sealed"),

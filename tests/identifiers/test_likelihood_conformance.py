@@ -10,7 +10,9 @@ from vgvt_identifiers.maximum_likelihood import MaximumLikelihood
 from vgvt_identifiers.vector_fitting import VectorFitting
 
 
-@pytest.mark.parametrize("method", [Auto(), MaximumLikelihood()], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "method", [Auto(), pytest.param(MaximumLikelihood(), marks=pytest.mark.slow)], ids=["auto", "maximum-likelihood"]
+)
 @pytest.mark.parametrize("check", checks(), ids=str)
 def test_conformance(check: Check, method: Auto | MaximumLikelihood) -> None:
     check(method)
