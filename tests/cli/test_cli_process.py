@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import pty
-import resource
 import signal
 import subprocess
 import sys
@@ -22,15 +21,19 @@ VGVT = (sys.executable, "-m", "vgvt")
 
 
 @pytest.mark.parametrize("arguments", [("--help",), ("identify", "--help"), ("list", "--help")], ids=" ".join)
-def test_help_answers_at_once(arguments: tuple[str, ...]) -> None:
-    # Processor time: the clock on the wall belongs to whatever else the machine does.
-    spent = []
-    for _ in range(3):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([*VGVT, *arguments], check=True, capture_output=True, timeout=60)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        spent.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert min(spent) < 0.5
+def test_help_loads_nothing_heavy(arguments: tuple[str, ...]) -> None:
+    """What it takes to answer at once; the time itself is a benchmark's business, tests/benchmarks."""
+    code = (
+        "import sys, contextlib\n"
+        "from vgvt.cli import main\n"
+        f"sys.argv[1:] = {list(arguments)!r}\n"
+        "with contextlib.suppress(SystemExit):\n    main()\n"
+        "heavy = {'mujoco', 'scipy', 'xarray', 'h5py', 'pandas', 'duckdb', 'matplotlib', 'plotly', 'control'}\n"
+        "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60)
+    assert "Usage" in done.stdout
+    assert done.stderr.strip().splitlines()[-1] == "[]"
 
 
 def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, str, str, float]:
