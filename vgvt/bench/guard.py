@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.files.atomically import replacing
+from vgvt.view.columns import root_mean_square
 
 if TYPE_CHECKING:
     import pandas
@@ -43,8 +44,8 @@ def digest(table: pandas.DataFrame) -> pandas.DataFrame:
                 "failed": int((part["outcome"] == "failed").any()),
                 "missed": int((part["status"] == "missed").sum()),
                 "false": int((part["status"] == "false").sum()),
-                "frequency_error_percent": _rms(found["frequency_error_percent"]),
-                "damping_error_percent": _rms(found["damping_error_percent"]),
+                "frequency_error_percent": root_mean_square(found["frequency_error_percent"]),
+                "damping_error_percent": root_mean_square(found["damping_error_percent"]),
                 "shape_error": 1 - float(found["mac"].min()) if len(found) else np.nan,
             }
         )
@@ -159,9 +160,3 @@ def _verdict(row: pandas.Series, sure: bool) -> str:
     if not (sure and large):
         return "same"
     return "worse" if after > before else "better"
-
-
-def _rms(column: pandas.Series) -> float:
-    values = column.astype("Float64").to_numpy(dtype=float, na_value=np.nan)
-    values = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(values**2))) if values.size else np.nan

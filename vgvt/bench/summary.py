@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from vgvt.view.columns import least, mean, median, root_mean_square
 
 if TYPE_CHECKING:
     import pandas
@@ -38,37 +38,12 @@ def _numbers(part: pandas.DataFrame) -> dict[str, Any]:
         "found": len(found) / campaigns,
         "missed": int((part["status"] == "missed").sum()) / campaigns,
         "false": int((part["status"] == "false").sum()) / campaigns,
-        "rms_frequency_error_percent": _rms(found["frequency_error_percent"]),
-        "rms_damping_error_percent": _rms(found["damping_error_percent"]),
-        "min_mac": _least(found["mac"]),
-        "rms_error_over_bound": _rms(over_bound),
-        "frequency_coverage": _mean(found["frequency_covered"]),
-        "damping_coverage": _mean(found["damping_covered"]),
-        "wall_s": _median(attempts["wall_s"]),
-        "peak_memory_mib": _median(attempts["peak_memory_mib"]),
+        "rms_frequency_error_percent": root_mean_square(found["frequency_error_percent"]),
+        "rms_damping_error_percent": root_mean_square(found["damping_error_percent"]),
+        "min_mac": least(found["mac"]),
+        "rms_error_over_bound": root_mean_square(over_bound),
+        "frequency_coverage": mean(found["frequency_covered"]),
+        "damping_coverage": mean(found["damping_covered"]),
+        "wall_s": median(attempts["wall_s"]),
+        "peak_memory_mib": median(attempts["peak_memory_mib"]),
     }
-
-
-def _stated(column: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
-    values = column.astype("Float64").to_numpy(dtype=float, na_value=np.nan)
-    return np.asarray(values[np.isfinite(values)])
-
-
-def _rms(column: Any) -> float:
-    values = _stated(column)
-    return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
-
-
-def _mean(column: Any) -> float:
-    values = _stated(column)
-    return float(values.mean()) if values.size else float("nan")
-
-
-def _median(column: Any) -> float:
-    values = _stated(column)
-    return float(np.median(values)) if values.size else float("nan")
-
-
-def _least(column: Any) -> float:
-    values = _stated(column)
-    return float(values.min()) if values.size else float("nan")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vgvt.view.columns import least, mean, root_mean_square, stated
 from vgvt.view.html_page import escaped
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def _matrix_cell(part: pandas.DataFrame, scenario: str, entry: str) -> str:
     if failed == campaigns:
         return f'<td class="missed"><a {where}>no claim</a></td>'
     found, missed, false = (int((part["status"] == s).sum()) for s in ("found", "missed", "false"))
-    ratio = _rms(_over_bound(part))
+    ratio = root_mean_square(_over_bound(part))
     kind = "missed" if missed or failed else "false" if false else "found"
     false_text = f" ✕ {_number(false / campaigns)}" if false else ""
     ratio_text = f"<br>÷ {_ratio(ratio)}" if np.isfinite(ratio) else ""
@@ -78,21 +79,21 @@ def _modes_table(rows: pandas.DataFrame) -> str:
     # A mode keeps its label over the seeds; its frequency moves a little where the scenario draws at random.
     for label, part in sorted(true.groupby("label", dropna=False), key=lambda item: float(item[1]["true_hz"].mean())):
         found = part[part["status"] == "found"]
-        error = _values(found["frequency_error_percent"])
+        error = stated(found["frequency_error_percent"])
         body.append(
             "<tr>"
             f'<td class="words">{escaped(label)}</td><td>{float(part["true_hz"].mean()):.3f}</td>'
-            f"<td>{len(found)} of {len(part)}</td><td>{_text(_rms(error), '.4f')}</td>"
-            f"<td>{_ratio(_rms(_over_bound(part)))}</td><td>{_text(_mean(error), '+.4f')}</td>"
-            f"<td>{_text(_rms(_values(found['damping_error_percent'])), '.2f')}</td>"
-            f"<td>{_text(_mean(_values(found['frequency_covered'])), '.2f')}</td>"
-            f"<td>{_text(_mean(_values(found['damping_covered'])), '.2f')}</td>"
-            f"<td>{_text(_least(_values(found['mac'])), '.3f')}</td></tr>"
+            f"<td>{len(found)} of {len(part)}</td><td>{_text(root_mean_square(error), '.4f')}</td>"
+            f"<td>{_ratio(root_mean_square(_over_bound(part)))}</td><td>{_text(mean(error), '+.4f')}</td>"
+            f"<td>{_text(root_mean_square(stated(found['damping_error_percent'])), '.2f')}</td>"
+            f"<td>{_text(mean(stated(found['frequency_covered'])), '.2f')}</td>"
+            f"<td>{_text(mean(stated(found['damping_covered'])), '.2f')}</td>"
+            f"<td>{_text(least(stated(found['mac'])), '.3f')}</td></tr>"
         )
     false = rows[rows["status"] == "false"]
     remark = ""
     if len(false):
-        where = ", ".join(f"{f:.2f}" for f in sorted(_values(false["claimed_hz"]))[:12])
+        where = ", ".join(f"{f:.2f}" for f in sorted(stated(false["claimed_hz"]))[:12])
         many = _more(len(false))
         remark = f'<p class="note">False claims in {campaigns} campaigns: {len(false)}, at {where} Hz{many}.</p>'
     reasons = sorted({str(r) for r in rows["reason"].dropna() if r})
@@ -128,24 +129,7 @@ def _anchor(scenario: str, entry: str) -> str:
 
 def _over_bound(part: pandas.DataFrame) -> np.ndarray[Any, np.dtype[np.float64]]:
     found = part[part["status"] == "found"]
-    return _values((found["claimed_hz"] - found["true_hz"]) / found["frequency_bound_hz"])
-
-
-def _values(column: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
-    values = column.astype("Float64").to_numpy(dtype=float, na_value=np.nan)
-    return np.asarray(values[np.isfinite(values)])
-
-
-def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
-
-
-def _mean(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    return float(values.mean()) if values.size else float("nan")
-
-
-def _least(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    return float(values.min()) if values.size else float("nan")
+    return stated((found["claimed_hz"] - found["true_hz"]) / found["frequency_bound_hz"])
 
 
 def _number(value: float) -> str:
