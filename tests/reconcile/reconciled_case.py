@@ -9,7 +9,7 @@ import numpy as np
 from vgvt.data import Campaign
 from vgvt.effects import Effect
 from vgvt.effects.conformance import table_of
-from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.uncertain import edited, unknowns
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulate
@@ -40,3 +40,12 @@ def problem(cache: Path, seed: int, *effects: Effect) -> Problem:
     """The reconciliation of such a campaign with the scenario as stated."""
     scenario = small_scenario()
     return make_problem(campaign_of(scenario, seed, *effects), scenario, lines=200, cache=cache)
+
+
+def drawn_scores(case: Problem, seed: int) -> np.ndarray:
+    """The scores that a campaign of a seed was drawn with: its chain is as coarse as the scenario says."""
+    count = len(case.unknowns) - 1
+    scores = np.zeros(case.size)
+    scores[:count] = np.random.default_rng(seed).standard_normal(count)
+    scores[case.unknowns.index(CELLS)] = -1 / CELLS.sd
+    return scores

@@ -15,7 +15,7 @@ from vgvt.reconcile.thresholds import thresholds_of
 def drawn(count: int, seed: int) -> list[Placebo]:
     """Placebos whose figures are normal."""
     g = np.random.default_rng(seed)
-    rows = np.array([1.6, 1.6, 1.7, 0.0]) + np.array([0.03, 0.05, 0.08, 2.0]) * g.standard_normal((count, 4))
+    rows = np.array([0.6, 0.6, 0.7, 0.0]) + np.array([0.03, 0.05, 0.08, 2.0]) * g.standard_normal((count, 4))
     return [Placebo(*(float(v) for v in row)) for row in rows]
 
 

@@ -44,7 +44,8 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
     value, sd, _ = effect.parameters["gain_error"]
     assert abs(value - 0.08) < max(4 * sd, 0.015)
     assert found.after.held_out is not None and found.before.held_out is not None
-    assert found.after.train.chi2_per_dof < found.before.train.chi2_per_dof
+    # Without the name the channel's own gain takes the error, far out of its tolerance: the data are met either way.
+    assert found.after.train.chi2_per_dof < 1.01 * found.before.train.chi2_per_dof
     again = load_scenario(folder / "reconciled.toml")
     assert [t.name for t in again.effect] == ["channel-gain"]
     assert found.document()["verdict"] == "explained"

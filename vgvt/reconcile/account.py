@@ -42,6 +42,7 @@ def account_of(
     found = verdict.attribution
     problem = found.null.problem
     split, measured, limits = problem.split, problem.measured, verdict.thresholds
+    own = found.null_residual.limits
     held = np.where(split.held_runs, "run", np.where(split.held_channels, "channel", ""))
     places = verdict.localisation.places if verdict.localisation else ()
     at_null = verdict.kind in (Kind.EXPLAINED, Kind.AMBIGUOUS) or not found.rounds
@@ -60,9 +61,9 @@ def account_of(
         before=_state(found.null, found.null_residual, verdict.before),
         after=_state(found.final, found.final_residual, verdict.after),
         limits={
-            "chi2_per_dof": limits.chi2_per_dof,
-            "smooth_per_dof": limits.smooth_per_dof,
-            "held_out_chi2_per_dof": limits.held_out_per_dof,
+            "chi2_per_dof": own.chi2_per_dof,
+            "smooth_per_dof": own.smooth_per_dof,
+            "held_out_chi2_per_dof": own.held_out_per_dof,
             "evidence_nats": limits.evidence_nats,
             "set_nats": limits.set_nats,
         },

@@ -20,7 +20,9 @@ _SHORT_LIST, _A_FAMILY = 6, 2
 _BIASED = 1.5
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
 _FORGIVING = ((0.6, 4), (0.1, 8))
-_WORTH_A_FIT = 1.0
+# Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
+# a damping may find the rest, one that only settles sizes finds what the closed form says.
+_OPEN, _SETTLED = 0.25, 0.75
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
@@ -101,7 +103,7 @@ def attribute(
             break
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
         before = residual(current, thresholds)
-        chosen = _shortened(current, left, before, _part(tell, k / most, (k + 0.5) / most))
+        chosen = _shortened(current, left, before, thresholds, _part(tell, k / most, (k + 0.5) / most))
         rivals = _fit_all(current, chosen, before, _part(tell, (k + 0.5) / most, (k + 1) / most))
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
@@ -109,7 +111,7 @@ def attribute(
                 before = residual(current, thresholds)
                 rivals = tuple(_against(current, r) for r in rivals)
         passed = [r for r in rivals if r.gain_nats >= thresholds.evidence_nats]
-        confirmed = [r for r in passed if _confirmed(r, before, thresholds)]
+        confirmed = [r for r in passed if _confirmed(r, current, before, thresholds)]
         vetoed += [r for r in passed if r not in confirmed]
         if not confirmed:
             break
@@ -134,14 +136,16 @@ def _part(tell: Progress, start: float, stop: float) -> Progress:
     return inner
 
 
-def _shortened(current: Fit, left: Sequence[Hypothesis], before: Residual, tell: Progress) -> tuple[Screened, ...]:
+def _shortened(
+    current: Fit, left: Sequence[Hypothesis], before: Residual, thresholds: Thresholds, tell: Progress
+) -> tuple[Screened, ...]:
     """The short list of a round. Where much is left, half of it from a stand that still forgives misplaced peaks.
 
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
     """
     if before.train_chi2_per_dof < _BIASED:
-        return short_list(screen(current, left, tell), _SHORT_LIST)
+        return short_list(screen(current, left, tell), _SHORT_LIST, needed=thresholds.evidence_nats)
     near = screen(current, left, _part(tell, 0.0, 0.5))
     nothing = np.zeros(current.u.size)
     coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
@@ -154,14 +158,18 @@ def _shortened(current: Fit, left: Sequence[Hypothesis], before: Residual, tell:
     return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
 
 
-def short_list(screened: Sequence[Screened], count: int, *, forgiving: bool = False) -> tuple[Screened, ...]:
-    """The best variants, at most two of an effect, that could be worth a fit."""
+def short_list(
+    screened: Sequence[Screened], count: int, *, needed: float = 1.0, forgiving: bool = False
+) -> tuple[Screened, ...]:
+    """The best variants, at most two of an effect, that a fit could take to the nats ``needed``."""
     chosen: list[Screened] = []
     for s in screened:
         same = sum(1 for c in chosen if c.hypothesis.name == s.hypothesis.name)
         # Every place of a placed effect is tried where its fit starts from afar: one start is enough.
         most = 1 if forgiving and "x_m" in s.hypothesis.settings else _A_FAMILY
-        if s.visible and s.gain_nats > _WORTH_A_FIT and same < most and len(chosen) < count:
+        settled = all(p.neutral is not None for p in freed(s.hypothesis).parameters)
+        worth = (_SETTLED if settled else _OPEN) * needed
+        if s.visible and s.gain_nats > worth and same < most and len(chosen) < count:
             chosen.append(s)
     return tuple(chosen)
 
@@ -269,22 +277,28 @@ def _against(current: Fit, rival: Rival) -> Rival:
     return replace(rival, gain_nats=tempered, raw_nats=raw, held_out=missed)
 
 
-def _confirmed(rival: Rival, before: Residual, thresholds: Thresholds) -> bool:
+def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
     """Held-out data must be met better than before; where nothing is held out there is no name.
 
-    Where they are still missed, much better: a wrong effect often takes a little of what another one leaves.
+    Where they are still missed, much better: a wrong effect often takes a little of what another one leaves. Where the
+    unknowns had imitated the effect, far out of their tolerances, the data were met already: then the tolerances must
+    speak for the name by as much as a name needs, and the held-out data not against it.
     """
     if rival.held_out is None or before.held_out_chi2_per_dof is None:
         return False
     excess = before.held_out_chi2_per_dof - 1.0
     better = before.held_out_chi2_per_dof - rival.held_out
-    if rival.held_out > thresholds.held_out_per_dof and better < _MUCH * excess:
-        return False
     split = rival.fit.problem.split
     lines = int(split.held.sum()) * rival.fit.problem.measured.frequency_hz.size
     rho = (rival.fit.predicted - rival.fit.problem.measured.values) / rival.fit.problem.measured.sigma
     worth = min(1.0, independent_values(rho[split.held]) / (2 * lines))
-    return worth * lines * better > _HELD_OUT_NATS
+    nats = worth * lines * better
+    tolerances_nats = 0.5 * float(current.scores @ current.scores - rival.fit.scores @ rival.fit.scores)
+    if tolerances_nats >= thresholds.evidence_nats and nats > -_HELD_OUT_NATS:
+        return True
+    if rival.held_out > before.limits.held_out_per_dof and better < _MUCH * excess:
+        return False
+    return nats > _HELD_OUT_NATS
 
 
 def _restart(null: Fit, winner: Rival) -> Fit:

@@ -42,9 +42,10 @@ class MeasuredChannel:
 class Measured:
     """Accelerances A/F of every run and channel at the chosen lines, SI.
 
-    ``frequency_hz`` (L,); ``values`` (C, L); ``noise`` (C, L) is the variance E|G - EG|² of the measurement, the
-    median of those in ``variances``; ``sigma`` (C, L) is the standard deviation to judge a model by, with its floor;
-    ``force`` (R, L) are the force spectra and ``lines`` (L,) their indices at ``resolution_hz``.
+    ``frequency_hz`` (L,); ``values`` (C, L); ``noise`` (C, L) is the variance E|G - EG|² of the measurement, by
+    local rational models; ``variances`` holds it and cruder ones to compare with; ``sigma`` (C, L) is the standard
+    deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
+    indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record.
     """
 
     frequency_hz: Array
@@ -59,6 +60,7 @@ class Measured:
     runs: tuple[tuple[int, ...], ...]
     sample_rate_hz: float
     level_n: Array
+    pushed: Array
     remarks: tuple[str, ...] = ()
 
     def with_floor(self, floor: float) -> Measured:
@@ -84,9 +86,9 @@ def measured_frfs(
     """The accelerances of a campaign, thinned to about ``lines`` lines that are denser where something happens.
 
     Whole-record spectra, zero-padded to the longest record; one that ends ringing is tapered, and the lines that
-    the taper touches are left out. Variance by local polynomials (Schoukens et al., European Journal of
-    Control 15, 2009), local rational models (McKelvey and Guérin, IFAC Proc. 45(16), 2012), the quiet times of each
-    frequency, and repeats where there are any. InputError without a single usable reference.
+    the taper touches are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16), 2012):
+    local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode for
+    noise, repeats take drift for noise. InputError without a single usable reference.
     """
     runs, remarks = usable_runs(campaign)
     for run in runs:
@@ -108,24 +110,32 @@ def measured_frfs(
     chosen = _chosen(spectra, usable, lines)
     values = np.array([spectra.response[i][chosen] / spectra.force[c.run][chosen] for c, i in rows])
     variances = _variances(runs, spectra, rows, chosen, rate)
-    noise = np.median(np.array(list(variances.values())), axis=0)
+    noise = variances["local rational"]
     force = spectra.force[:, chosen]
     level = np.sqrt(np.mean(np.abs(force) ** 2, axis=1)) * 2 / spectra.samples
     return Measured(
         frequency[chosen], channels, values, noise, variances, _sigma(values, noise, floor), force, chosen,
         rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.responses) for run in runs), rate, level,
-        (*remarks, *said),
+        spectra.pushed, (*remarks, *said),
     )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Spectra:
-    """Whole-record spectra: force (R, K), response (all channels in order, K), what the taper touches (R, K)."""
+    """Whole-record spectra: force (R, K), response (all channels in order, K), what the taper touches (R, K).
+
+    ``pushed`` (R, N) is the force that they are of.
+    """
 
     force: ComplexArray
     response: ComplexArray
     touched: ComplexArray | None
-    samples: int
+    pushed: Array
+
+    @property
+    def samples(self) -> int:
+        """Length of the longest record."""
+        return int(self.pushed.shape[1])
 
 
 def _dof(channel: Channel) -> Dof:
@@ -147,8 +157,9 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
     force: list[ComplexArray] = []
     response: list[ComplexArray] = []
     touched: list[ComplexArray] = []
+    pushed = np.zeros((len(runs), samples))
     remarks: list[str] = []
-    for run in runs:
+    for r, run in enumerate(runs):
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
         signals -= signals.mean(axis=1, keepdims=True)
         window = _window(signals, rate)
@@ -158,16 +169,20 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
             signals = signals * window
         else:
             touched.append(np.zeros(samples // 2 + 1, dtype=complex))
+        pushed[r, : signals.shape[1]] = signals[0]
         spectrum = np.fft.rfft(signals, samples, axis=1)
         force.append(spectrum[0])
         response.extend(spectrum[1:])
-    return _Spectra(np.array(force), np.array(response), np.array(touched), samples), tuple(remarks)
+    return _Spectra(np.array(force), np.array(response), np.array(touched), pushed), tuple(remarks)
 
 
 def _window(signals: Array, rate: float) -> Array | None:
     """A taper of the end where the record does not end at rest, else None."""
     tail = signals[:, -max(2, round(0.25 * rate)) :]
-    ringing = np.sqrt((tail**2).mean(axis=1)) > _AT_REST * np.sqrt((signals**2).mean(axis=1))
+    # Ringing fills few of the tail's frequencies; what fills half of them is noise, and rests as it ever does.
+    power = np.abs(np.fft.rfft(tail * np.hanning(tail.shape[1]), axis=1)) ** 2
+    excess = np.clip(1 - 2 * np.median(power, axis=1) / power.mean(axis=1), 0, None)
+    ringing = np.sqrt(excess * (tail**2).mean(axis=1)) > _AT_REST * np.sqrt((signals**2).mean(axis=1))
     if not ringing.any():
         return None
     count = min(round(_TAPER_S * rate), signals.shape[1] // 4)

@@ -18,7 +18,6 @@ from vgvt.reconcile.problem import CELLS, Problem
 from vgvt.reconcile.uncertain import edited
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.assembly import MeasurementPoint, Plan
-from vgvt.simulation.attached import attach
 from vgvt.simulation.reduced import Structure, structure
 
 Array = NDArray[np.float64]
@@ -38,6 +37,11 @@ class Group:
     rows: NDArray[np.intp]
     masses_kg: Array
     filtered: bool = False
+
+
+def cells_at(problem: Problem, u: Array) -> float:
+    """How far the scores u lead from the continuum towards the chain as stated."""
+    return CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
 
 
 class NoStructureError(ValueError):
@@ -73,6 +77,15 @@ def run_actions(
     return found
 
 
+def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Array:
+    """What a sensor's row (n,) of a structure lacks of a continuum's, at its place or its home on the grid."""
+    row = np.zeros(len(s.joints))
+    index = np.array([s.joints.index(j) for j in problem.nominal.joints])
+    for share, part in ((1.0, problem.refinement), (cells, problem.coarseness)):
+        row[index] += share * part.axis[part.places.index(home(site))]
+    return row
+
+
 def refined(s: Structure, problem: Problem, cells: float) -> Structure:
     """The structure with what makes up for its cells: at -1 it is the chain as stated, at 0 a continuum."""
     stiffness, damping, axis, drive = s.stiffness.copy(), s.damping.copy(), s.axis.copy(), s.drive.copy()
@@ -91,7 +104,6 @@ def assembled(
     u: Array,
     hypotheses: tuple[Hypothesis, ...],
     e: Array,
-    without: tuple[Group, ...] | None = None,
 ) -> tuple[Group, ...] | None:
     """The groups of runs that share a structure, each assembled; None where the parameters are impossible."""
     made = effects_at(problem, hypotheses, e)
@@ -110,7 +122,7 @@ def assembled(
                 kinds.append((scenario, actions, [run]))
         # Any run, not a group's first: runs of one structure may differ in what effects do to their channels.
         filtered = any(action.channels for _, actions in per_run for action in actions)
-        groups = (_group(problem, u, s, a, runs, without) for s, a, runs in kinds)
+        groups = (_group(problem, u, s, a, runs) for s, a, runs in kinds)
         return tuple(replace(g, filtered=filtered) for g in groups)
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
         return None
@@ -131,37 +143,10 @@ def _same(one: Scenario, other: Scenario, actions: tuple[Action, ...], others: t
     return one is other or one == other
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=64)
 def _planned(problem: Problem, scenario: Scenario) -> Plan:
     """The plan of an edited scenario: a scan over an effect's sizes often edits it alike."""
     return problem.layouts.plan(scenario)
-
-
-@lru_cache(maxsize=16)
-def _bare(problem: Problem, scores: bytes, scenario: Scenario) -> Group:
-    """An edited scenario without any element: a scan of what hangs on it assembles it once."""
-    u = np.frombuffer(scores)
-    cells = CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
-    plan = _planned(problem, scenario)
-    found = refined(structure(plan, plan.grid, problem.nominal), problem, cells)
-    return Group(plan, found, np.arange(0), np.arange(0), np.zeros(0))
-
-
-def _onto(problem: Problem, scores: bytes, near: Group, plan: Plan, channels: NDArray[np.intp]) -> Structure | None:
-    """A group's structure with the elements that a plan adds to it, where elements are all that it adds."""
-    before = len(near.plan.actions)
-    points = [p for a in plan.actions[before:] for p in a.points]
-    if points or not np.isin(channels, near.channels).all():
-        return None
-    if plan.scenario != near.plan.scenario:
-        if before or not plan.elements:
-            return None
-        bare = _bare(problem, scores, plan.scenario)
-        return attach(bare.structure, bare.plan, plan.elements)
-    names = {f"effect-{i}-{k}" for i in range(before) for k in range(len(plan.actions[i].elements))}
-    if [e for n, e in plan.elements if n in names] != [e for _, e in near.plan.elements]:
-        return None
-    return attach(near.structure, near.plan, [(n, e) for n, e in plan.elements if n not in names])
 
 
 def _group(
@@ -170,9 +155,7 @@ def _group(
     scenario: Scenario,
     actions: tuple[Action, ...],
     runs: list[int],
-    without: tuple[Group, ...] | None,
 ) -> Group:
-    cells = CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
     known, base_plan = _base(problem, u.tobytes())
     leans = any(p.node == base_plan.drive.dof.node for a in actions for p in a.points)
     if scenario is known and not leans:
@@ -190,11 +173,7 @@ def _group(
             points[point.site] = point
             channels.append(i)
             sites.append(point.site)
-    found = None
-    for near in without or ():
-        found = _onto(problem, u.tobytes(), near, plan, np.array(channels)) if found is None else found
-    if found is None:
-        found = refined(structure(plan, tuple(points.values()), problem.nominal), problem, cells)
+    found = refined(structure(plan, tuple(points.values()), problem.nominal), problem, cells_at(problem, u))
     rows = np.array([found.places.index(site) for site in sites])
     masses = np.full(len(rows), scenario.accelerometers.mass_kg)
     return Group(plan, found, np.array(channels), rows, masses)

@@ -27,7 +27,7 @@ def data_misfit(problem: Problem, predicted: ComplexArray, sigma: Array | None =
 
 
 def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None = None) -> Array:
-    """Derivatives (2 N, scores) of :func:`data_misfit` in u, then in e."""
+    """Derivatives (2 N, scores) of :func:`data_misfit` in u, then in e, at the scores that ``anchored`` stands on."""
     problem = anchored.problem
     keep, sigma = problem.split.train, _sigma(problem, sigma)
     columns = []
@@ -38,11 +38,9 @@ def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigm
 
     known = len(problem.unknowns)
     chain = anchored.chain(u, e)
-    here = anchored.mechanical(u, e)
-    for k in range(known):
-        moved = u.copy()
-        moved[k] += _STEP
-        add(chain * (anchored.mechanical(moved, e) - here) / _STEP)
+    slopes = anchored.slopes()
+    for change in slopes[:known]:
+        add(chain * change)
     plain = chain_factor(problem, u[known:], None)
     for k, nuisance in enumerate(problem.nuisances):
         if nuisance.kind == "gain":
@@ -51,15 +49,23 @@ def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigm
             moved = u[known:].copy()
             moved[k] += _STEP
             add(predicted * (chain_factor(problem, moved, None) / plain - 1) / _STEP)
-    for k in range(e.size):
-        moved = e.copy()
-        moved[k] += _STEP
-        try:
-            add((anchored.predict(u, moved) - predicted) / _STEP)
-        except ValueError:
-            moved[k] -= 2 * _STEP
-            add((predicted - anchored.predict(u, moved)) / _STEP)
+    for k, change in enumerate(slopes[known:]):
+        add(chain * change + predicted * _relative_slope(anchored, u, e, k, chain))
     return np.array(columns).T
+
+
+def _relative_slope(anchored: Anchor, u: Array, e: Array, k: int, chain: ComplexArray) -> ComplexArray | float:
+    """What a hypothesis' parameter does to the measuring chain, relative to the chain's factor."""
+    if not anchored.filtered:
+        return 0.0
+    moved = e.copy()
+    for step in (_STEP, -_STEP):
+        moved[k] = e[k] + step
+        try:
+            return np.asarray((anchored.chain(u, moved) / chain - 1) / step)
+        except ValueError:
+            continue
+    return 0.0
 
 
 def coarse_sigma(problem: Problem, coarse: float) -> Array:

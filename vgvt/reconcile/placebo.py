@@ -11,61 +11,93 @@ import scipy.stats
 
 from vgvt.data import InputError
 from vgvt.files.atomically import replacing
-from vgvt.reconcile.thresholds import Thresholds
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.thresholds import PLACEBO_FLOOR, Thresholds, noise_share
 from vgvt.reconcile.verdict import Verdict
 
 _FEWEST = 5
 _SET_NATS = 5.0
 _UNDER_A_NAME = 1.0
-# Where noise alone is left, and its size is known exactly, 1 is left: no limit may be near that.
-_NOISE_ALONE = 1.2
+# Where noise is more of what a campaign is judged by, it hides what the model's form leaves.
+_MOST_NOISE = 0.8
 
 
 @dataclass(frozen=True, slots=True)
 class Placebo:
     """What one campaign without any missing effect came to; ``best_nats`` is the best candidate's tempered gain.
 
-    ``held_out_per_dof`` is None where nothing was held out.
+    ``noise_per_dof`` and ``held_out_noise_per_dof`` are the χ² that its noise alone leaves, ``model_form`` the relative
+    floor it was judged with. What is held out is None where nothing was.
     """
 
     chi2_per_dof: float
     smooth_per_dof: float
     held_out_per_dof: float | None
     best_nats: float
+    noise_per_dof: float = 0.0
+    held_out_noise_per_dof: float | None = 0.0
+    model_form: float = PLACEBO_FLOOR
 
     @classmethod
     def of(cls, verdict: Verdict) -> Placebo:
         """The figures of a verdict on a campaign in which nothing is missing, whatever it says."""
         found = verdict.attribution
         rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
-        null = found.null_residual
         best = max((r.gain_nats for r in rivals), default=0.0)
-        return cls(null.train_chi2_per_dof, null.smooth_per_dof, null.held_out_chi2_per_dof, best)
+        return cls.of_residual(found.null, found.null_residual, best)
+
+    @classmethod
+    def of_residual(cls, null: Fit, left: Residual, best_nats: float = 0.0) -> Placebo:
+        """The figures of a calibration alone, of which no candidate was asked."""
+        measured, parts = null.problem.measured, null.problem.split
+        return cls(
+            left.train_chi2_per_dof, left.smooth_per_dof, left.held_out_chi2_per_dof, best_nats, left.noise_per_dof,
+            left.held_out_noise_per_dof, noise_share(measured, parts.train).floor,
+        )  # fmt: skip
 
 
 def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: float = 0.98) -> Thresholds:
     """Limits that the next placebo stays below with a probability ``level``, each on its own; none below what was seen.
 
     One-sided prediction limits of the normal distribution (Hahn, Technometrics 11, 1969): wide where placebos are
-    few. Limits on what is left are at least 1.2. ``made_by`` (scenario, noise, version, command) goes into the
-    provenance with their number. InputError for fewer than five.
+    few. What is left counts beyond its noise, relative to a model-form floor of 0.4 %, so that campaigns of other noise
+    can use it. ``made_by`` (scenario, noise, version, command) goes into the provenance with the number.
+    InputError for fewer than five placebos whose noise does not hide the rest.
     """
-    if len(placebos) < _FEWEST:
-        raise InputError("placebos", f"{len(placebos)} are too few for a threshold", f"Run at least {_FEWEST}.")
-    held = [p.held_out_per_dof for p in placebos if p.held_out_per_dof is not None]
-    chi2 = _limit([p.chi2_per_dof for p in placebos], level)
+    told = [p for p in placebos if p.noise_per_dof < _MOST_NOISE]
+    if len(told) < _FEWEST:
+        raise InputError(
+            "placebos",
+            f"{len(told)} are too few for a threshold (of {len(placebos)}; noise hides the others)",
+            f"Run at least {_FEWEST} with less noise.",
+        )
+    unit = PLACEBO_FLOOR
+    chi2 = [_beyond(p.chi2_per_dof, p.noise_per_dof, p.model_form / unit) for p in told]
+    smooth = [_beyond(p.smooth_per_dof, p.noise_per_dof, p.model_form / unit) for p in told]
+    held = [
+        _beyond(p.held_out_per_dof, p.held_out_noise_per_dof, p.model_form / unit)
+        for p in told
+        if p.held_out_per_dof is not None and p.held_out_noise_per_dof is not None
+    ]
     return Thresholds(
-        max(_NOISE_ALONE, chi2), max(_NOISE_ALONE, _limit([p.smooth_per_dof for p in placebos], level)),
-        max(_NOISE_ALONE, _limit(held, level) if len(held) >= _FEWEST else chi2),
+        max(0.0, _limit(chi2, level)), max(0.0, _limit(smooth, level)),
+        max(0.0, _limit(held if len(held) >= _FEWEST else chi2, level)),
         # Gains of nothing are often negative: a name needs more than that.
         max(_UNDER_A_NAME, _limit([p.best_nats for p in placebos], level)), _SET_NATS,
         f"{len(placebos)} campaigns without any missing effect, one-sided {level:.0%} prediction limits; {made_by}",
+        unit,
     )  # fmt: skip
+
+
+def _beyond(left: float, noise: float, floors: float) -> float:
+    """What is left beyond noise, over what one floor would leave if it were all; ``floors`` is that of the campaign."""
+    return (left - noise) / (1 - noise) * floors**2
 
 
 def write_thresholds(path: Path, thresholds: Thresholds) -> None:
     """Write thresholds as TOML, as ``thresholds_of`` reads them."""
-    numbers = ("chi2_per_dof", "smooth_per_dof", "held_out_per_dof", "evidence_nats", "set_nats")
+    numbers = ("chi2_per_dof", "smooth_per_dof", "held_out_per_dof", "evidence_nats", "set_nats", "model_form")
     lines = [f"{name} = {getattr(thresholds, name):.4g}" for name in numbers]
     said = thresholds.provenance.replace("\\", "/").replace('"', "'").replace("\n", " ")
     with replacing(path) as part:

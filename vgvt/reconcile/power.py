@@ -10,7 +10,8 @@ import numpy as np
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.screen import Screen, start_values, step_from_neutral
+from vgvt.reconcile.screen import start_values
+from vgvt.reconcile.stand import Stand
 
 _SIGMA = 5.0
 _ALIKE = 0.6
@@ -47,7 +48,7 @@ def power(
     null: Fit, hypotheses: Sequence[Hypothesis], progress: Callable[[float, str], None] | None = None
 ) -> tuple[Power, ...]:
     """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|)."""
-    stand = Screen.of(null)
+    stand = Stand.of(null)
     rows, signatures = [], []
     for k, hypothesis in enumerate(hypotheses):
         if progress is not None:
@@ -55,9 +56,8 @@ def power(
         switches = [p for p in hypothesis.parameters if p.neutral is not None]
         neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
         for p in switches:
-            step = step_from_neutral(p)
-            moved = stand.change(hypothesis, {**start_values(hypothesis), **neutral, p.name: neutral[p.name] + step})
-            seen = None if moved is None else stand.projected(moved[:, None])[:, 0] / step
+            slope = stand.slope(hypothesis, {**start_values(hypothesis), **neutral}, p)
+            seen = None if slope is None else stand.projected(slope)
             length = 0.0 if seen is None else float(np.linalg.norm(seen))
             rows.append((hypothesis, p, _SIGMA / length if length > 1e-9 else float("inf")))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import tempfile
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,15 @@ class Nuisance:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Nominal:
+    """The aircraft as stated, sides written out, before any effect: what the derivatives refer to."""
+
+    scenario: Scenario
+    layouts: Layouts
+    structure: Structure
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Problem:
     """Everything that fits share. Scores u: first the ``unknowns``, then the ``nuisances``.
 
@@ -54,11 +64,20 @@ class Problem:
     split: Split
     unknowns: tuple[Unknown, ...]
     nuisances: tuple[Nuisance, ...]
-    layouts: Layouts
-    nominal: Structure
+    start: Nominal
     slopes: dict[str, Array]
     refinement: Refinement
     coarseness: Refinement
+
+    @property
+    def layouts(self) -> Layouts:
+        """Plans of edits of the nominal aircraft."""
+        return self.start.layouts
+
+    @property
+    def nominal(self) -> Structure:
+        """The nominal aircraft's structure."""
+        return self.start.structure
 
     @property
     def size(self) -> int:
@@ -90,25 +109,33 @@ def make_problem(
 
 def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = None) -> Problem:
     """The problem for data that are there already."""
-    lined_up = aligned(scenario, measured)
-    stated, lined_up = prepared(lined_up), meshed(lined_up)
+    lined_up = meshed(aligned(scenario, measured))
+    # Rounded up: many campaigns of one scenario then share what is assembled once.
+    limit_hz = float(np.ceil(3 * measured.frequency_hz[-1]))
+    known, start, slopes, finer, span = _assembled_once(lined_up, aligned(scenario, measured), limit_hz, cache)
+    return Problem(
+        lined_up, measured, split(lined_up, measured), known, _nuisances(lined_up, measured), start, slopes, finer, span
+    )
+
+
+@lru_cache(maxsize=4)
+def _assembled_once(
+    lined_up: Scenario, as_stated: Scenario, limit_hz: float, cache: Path | None
+) -> tuple[tuple[Unknown, ...], Nominal, dict[str, Array], Refinement, Refinement]:
+    """What does not depend on the campaign's records: unknowns, nominal aircraft, derivatives and refinement."""
+    stated, start = prepared(as_stated), prepared(lined_up)
     known = unknowns(lined_up)
-    start = prepared(lined_up)
     layouts = Layouts.of(start)
     layout = layouts.plan(start)
     nominal = structure(layout, layout.grid)
     slopes = _slopes(start, known, layouts, nominal, cache)
-    limit_hz = 3 * float(measured.frequency_hz[-1])
     finer = to_continuum(start, layouts, nominal, limit_hz)
     span = finer if stated == start else finer.less(towards(stated, layouts, nominal, limit_hz))
     for name in _SLOPES:
         own = getattr(span, name, None)
         row = np.zeros((1, *slopes[name].shape[1:])) if own is None else own[None]
         slopes[name] = np.concatenate([slopes[name], row])
-    return Problem(
-        lined_up, measured, split(lined_up, measured), (*known, CELLS), _nuisances(lined_up, measured), layouts,
-        nominal, slopes, finer, span,
-    )  # fmt: skip
+    return (*known, CELLS), Nominal(start, layouts, nominal), slopes, finer, span
 
 
 def aligned(scenario: Scenario, measured: Measured) -> Scenario:

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from vgvt.reconcile.data import Measured
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.holdout import Split
-from vgvt.reconcile.thresholds import Thresholds
+from vgvt.reconcile.thresholds import SMOOTHED, Limits, Thresholds, limits_for, noise_share
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _BANDS = 12
-_WINDOW = 5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,7 +24,8 @@ class Residual:
     ``standardised`` (C, L) complex; ``bands_hz`` (B + 1,); ``table`` (C, B) χ² per degree of freedom by channel
     and band; ``smooth_per_dof`` the same of sums over neighbouring lines, which noise leaves at its own level and
     a missing effect raises; ``lag_one`` the correlation of neighbouring lines; ``share_beyond_three`` of lines beyond
-    three standard deviations; ``independent`` the number of real values that this correlation leaves.
+    three standard deviations; ``independent`` the number of real values that this correlation leaves. ``noise_per_dof``
+    is what noise alone leaves, ``held_out_noise_per_dof`` of held-out data, ``limits`` are those of this campaign.
     """
 
     labels: tuple[str, ...]
@@ -42,6 +42,9 @@ class Residual:
     independent: float
     adequate: bool
     reasons: tuple[str, ...]
+    limits: Limits
+    noise_per_dof: float
+    held_out_noise_per_dof: float | None
 
 
 def residual(fit: Fit, thresholds: Thresholds) -> Residual:
@@ -53,15 +56,17 @@ def residual(fit: Fit, thresholds: Thresholds) -> Residual:
     chi2 = float(np.mean(np.abs(train) ** 2))
     held_chi2 = float(np.mean(np.abs(held) ** 2)) if held.size else None
     smooth = smooth_part(train)
-    reasons = _reasons(chi2, held_chi2, smooth, thresholds)
+    limits = limits_for(thresholds, measured, parts)
+    reasons = _reasons(chi2, held_chi2, smooth, limits)
     return Residual(
         tuple(c.label for c in measured.channels), measured.frequency_hz, rho, bands, _table(rho, measured, bands),
         chi2, held_chi2, smooth, lag_one(train), _between(rho, measured, parts), float(np.mean(np.abs(rho) > 3)),
-        independent_values(train), not reasons, reasons,
+        independent_values(train), not reasons, reasons, limits, noise_share(measured, parts.train).noise,
+        noise_share(measured, parts.held).noise if held.size else None,
     )  # fmt: skip
 
 
-def smooth_part(standardised: ComplexArray, window: int = _WINDOW) -> float:
+def smooth_part(standardised: ComplexArray, window: int = SMOOTHED) -> float:
     """Mean square of sums over ``window`` neighbouring lines by root of the window; the mean square for white noise."""
     count = standardised.shape[1] // window
     if count == 0:
@@ -113,12 +118,12 @@ def _between(rho: ComplexArray, measured: Measured, parts: Split) -> float:
     return float(np.mean(found)) if found else 0.0
 
 
-def _reasons(chi2: float, held: float | None, smooth: float, t: Thresholds) -> tuple[str, ...]:
+def _reasons(chi2: float, held: float | None, smooth: float, t: Limits) -> tuple[str, ...]:
     found = []
     if chi2 > t.chi2_per_dof:
         found.append(
-            f"the fit leaves {chi2:.2f} per degree of freedom; where nothing is missing it leaves at most "
-            f"{t.chi2_per_dof:.2f}"
+            f"the fit leaves {chi2:.2f} per degree of freedom; where nothing is missing, this campaign's noise and "
+            f"the stated model error leave at most {t.chi2_per_dof:.2f}"
         )
     if smooth > t.smooth_per_dof:
         found.append(

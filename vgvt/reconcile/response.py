@@ -88,6 +88,74 @@ def accelerances(
     return np.asarray(out)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """Derivatives of :class:`Matrices` and of the runs' masses in some parameters, each with a leading axis (k,).
+
+    ``masses_kg`` (k, C) are those of the point masses, by row.
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    drive: Array
+    axis: Array
+    tilt: Array
+    masses_kg: Array
+
+
+def accelerance_slopes(
+    matrices: Matrices,
+    omega: Array,
+    runs: tuple[NDArray[np.intp], ...],
+    masses_kg: tuple[Array, ...],
+    slopes: Slopes,
+) -> ComplexArray:
+    """Derivatives (k, C, L) of :func:`accelerances` by the adjoint: one more solution a row, whatever k is.
+
+    With Z q = h + Aᵀ f the change of a reading b q is p (dh + dAᵀ f + … - dZ q) + db q, where p Z = b.
+    """
+    poles = poles_of(matrices, omega)
+    square = (omega**2)[:, None]
+    inverse = (poles.vectors[None] * poles.reciprocal[:, None, :]) @ poles.left
+    count, m = slopes.mass.shape[0], matrices.drive.size
+    out = np.zeros((count, matrices.axis.shape[0], omega.size), dtype=complex)
+    pushed = inverse @ matrices.drive
+    stacked = np.concatenate([slopes.stiffness, slopes.damping, slopes.mass])
+    # Most parameters change one of the three matrices.
+    active = np.abs(stacked).max(axis=(1, 2)) > 0
+    flat = stacked[active].reshape(-1, m)
+    for rows, mass in zip(runs, masses_kg, strict=True):
+        axis, tilt = matrices.axis[rows], matrices.tilt[rows]
+        towards = -square[:, :, None] * axis + tilt
+        adjoint = towards @ inverse
+        inertia = square * mass
+        answered = inverse @ axis.T
+        flexible = axis @ answered
+        loading = np.linalg.inv(np.eye(rows.size) - flexible * inertia[:, None, :])
+        displaced = np.einsum("lab,lb->la", loading, pushed @ axis.T + matrices.spare[rows])
+        force = inertia * displaced
+        q = pushed + np.einsum("lma,la->lm", answered, force)
+        if mass.any():
+            adjoint = adjoint + (towards @ answered) @ (inertia[:, :, None] * loading) @ (axis @ inverse)
+        # dZ q of every parameter at once, real matrices times real and imaginary part.
+        parts = (flat @ np.concatenate([q.real.T, q.imag.T], axis=1)).reshape(-1, m, 2 * omega.size)
+        moved_by = np.zeros((3 * count, m, omega.size), dtype=complex)
+        moved_by[active] = parts[..., : omega.size] + 1j * parts[..., omega.size :]
+        stiff, damped, heavy = moved_by.reshape(3, count, m, omega.size)
+        right = -(stiff + 1j * omega * damped - omega**2 * heavy)
+        right += slopes.drive[:, :, None]
+        moved = slopes.axis[:, rows] @ q.T
+        if mass.any():
+            right += np.einsum("krm,lr->kml", slopes.axis[:, rows], force)
+            changed = inertia.T * moved + (omega**2 * slopes.masses_kg[:, rows, None]) * displaced.T
+            right += np.einsum("rm,krl->kml", axis, changed)
+        # (lines, k, m) times (lines, m, rows)
+        read = right.transpose(2, 0, 1) @ adjoint.transpose(0, 2, 1)
+        out[:, rows] = read.transpose(1, 2, 0) - omega**2 * moved + slopes.tilt[:, rows] @ q.T
+    return out
+
+
 def reduction(mass: Array, stiffness: Array, limit_rad_per_s: float, always: Array) -> Array:
     """Basis (n, m): undamped modes up to a limit, and the ``always`` coordinates' (n,) bool static shapes are in them.
 

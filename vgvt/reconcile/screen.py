@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
-from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.misfit import data_misfit
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
 _COARSE, _FINE = 0.06, 0.015
-_CHECKED, _WORTH_REFINING = 3, 1.0
-_SMALL_SHARE = 0.2
-_SMALL_SD = 0.02
+_CHECKED, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
+# As many variants as any short list could ask for, and as many again.
+_BEST = 24
+_SIZED = 0.8
+_SHARES = (1.0, 0.5, 0.25, 0.125)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,99 +44,89 @@ class Screened:
     start: Array | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Screen:
-    """The null fit as a place to stand on: its groups, misfit, and the basis of what its scores can imitate."""
-
-    fit: Fit
-    groups: tuple[Group, ...]
-    basis: Array
-    misfit: Array
-    left: Array
-
-    @classmethod
-    def of(cls, null: Fit) -> Screen:
-        """Stand on a fit without hypotheses, or on one whose hypotheses stay."""
-        stacked = np.vstack([null.tangent, np.eye(null.scores.size)])
-        basis, _ = np.linalg.qr(stacked)
-        here = anchor(null.problem, null.u, null.hypotheses, null.e, slopes=False)
-        misfit = np.concatenate([data_misfit(null.problem, null.predicted, null.sigma), null.scores])
-        return cls(null, here.assembled, basis, misfit, misfit - basis @ (basis.T @ misfit))
-
-    def change(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
-        """Change of the misfit vector by an effect added with some values; None where it is impossible."""
-        null = self.fit
-        fixed = _with_values(hypothesis, values)
-        try:
-            there = anchor(
-                null.problem, null.u, (*null.hypotheses, fixed), null.e, slopes=False,
-                fast=self.groups,
-            )  # fmt: skip
-            predicted = there.predict(null.u, null.e)
-        except NoStructureError:
-            return None
-        moved = data_misfit(null.problem, predicted, null.sigma) - self.misfit[: null.points]
-        return np.concatenate([moved, np.zeros(null.scores.size)])
-
-    def projected(self, vectors: Array) -> Array:
-        """What of vectors (2 N + scores, k) no score can imitate."""
-        return np.asarray(vectors - self.basis @ (self.basis.T @ vectors))
-
-
 def screen(
     null: Fit, hypotheses: Sequence[Hypothesis], progress: Callable[[float, str], None] | None = None
 ) -> tuple[Screened, ...]:
-    """All variants by what they could buy, best first; an effect that leaves A/F alone is not ``visible``."""
-    stand = Screen.of(null)
-    found = []
+    """All variants by what they could buy, best first; an effect that leaves A/F alone is not ``visible``.
+
+    Sizes come from a closed form for every variant; the most promising ones are then checked at those sizes.
+    """
+    stand = Stand.of(null)
+    tell = progress or (lambda fraction, message: None)
+    sized: list[Screened] = []
     for k, hypothesis in enumerate(hypotheses):
-        if progress is not None:
-            progress(k / len(hypotheses), f"screen {hypothesis.name}")
-        best = _best(stand, hypothesis)
-        found.append(replace(best, remaining=float(stand.left @ stand.left) - 2 * best.gain_nats, start=null.u))
-    return tuple(sorted(found, key=lambda s: -s.gain_nats))
+        tell(_SIZED * k / len(hypotheses), f"screen {hypothesis.name}")
+        sized += _at_sizes(stand, hypothesis)
+    found = _check_the_best(stand, sized, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising"))
+    done = (
+        replace(s, remaining=stand.cost - 2 * s.gain_nats, start=null.u if s.start is None else s.start) for s in found
+    )
+    return tuple(sorted(done, key=lambda s: -s.gain_nats))
 
 
-def _best(stand: Screen, hypothesis: Hypothesis) -> Screened:
+def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
+    """A variant at the sizes of the closed form; of one that is scanned, its best few, then steps around the best."""
     grid = _grid(stand, hypothesis)
-    sized = [_sized(stand, hypothesis, values) for values in grid]
-    promising = sorted(sized, key=lambda s: -s.gain_nats)[:_CHECKED]
-    best = max((_checked(stand, s) for s in promising), key=lambda s: s.gain_nats)
-    if len(grid) > 1 and best.gain_nats > _WORTH_REFINING:
-        scanned = next(name for name in grid[0] if grid[0][name] != grid[1][name])
-        centre, switches = best.values[scanned], {p.name for p in hypothesis.parameters if p.neutral is not None}
-        others = {k: v for k, v in best.values.items() if k not in switches}
-        steps = math.exp(_FINE) ** np.array([-3, -2, -1, 1, 2, 3])
-        again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}) for s in steps]
-        again = sorted(again, key=lambda s: -s.gain_nats)[:1]
-        best = max([best, *(_checked(stand, s) for s in again)], key=lambda s: s.gain_nats)
-    return best
+    sized = sorted((_sized(stand, hypothesis, values) for values in grid), key=lambda s: -s.gain_nats)
+    if len(grid) == 1 or sized[0].gain_nats <= _WORTH_REFINING:
+        return sized[:1]
+    scanned = next(name for name in grid[0] if grid[0][name] != grid[1][name])
+    switches = {p.name for p in hypothesis.parameters if p.neutral is not None}
+    others = {k: v for k, v in sized[0].values.items() if k not in switches}
+    centre, steps = sized[0].values[scanned], math.exp(_FINE) ** np.array([-3, -2, -1, 1, 2, 3])
+    again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}) for s in steps]
+    return sorted([*sized[:_CHECKED], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
 
 
-def _checked(stand: Screen, s: Screened) -> Screened:
-    """What a variant buys in truth at the sizes that the closed form gave, or at half of them: effects saturate."""
+def _check_the_best(stand: Stand, sized: list[Screened], tell: Callable[[float], None]) -> list[Screened]:
+    """The best of every variant's sizes, checked from the most promising on until the best ones are all checked.
+
+    The closed form seldom promises too little: what it puts far behind those that hold theirs stays unchecked.
+    """
+    waiting = sorted(sized, key=lambda s: -s.gain_nats)
+    best: dict[Hypothesis, Screened] = {}
+    for k, s in enumerate(waiting):
+        tell(k / len(waiting))
+        good = sorted((b.gain_nats for b in best.values()), reverse=True)
+        enough = len(good) >= _BEST and s.gain_nats < good[_BEST - 1]
+        checked = s if enough or s.gain_nats < _WORTH_CHECKING else _checked(stand, s)
+        known = best.get(s.hypothesis)
+        if known is None or checked.gain_nats > known.gain_nats:
+            best[s.hypothesis] = checked
+    return list(best.values())
+
+
+def _checked(stand: Stand, s: Screened) -> Screened:
+    """What a variant buys in truth at the sizes that the closed form gave, or at parts of them.
+
+    Effects saturate, and what the unknowns can imitate they cannot follow far in a few steps: a part that holds what
+    the closed form promises of it is a start from where a fit finds the rest.
+    """
     if not s.visible:
         return s
-    used = [p for p in s.hypothesis.parameters if p.neutral is not None]
-    return max(
-        (_at(stand, s.hypothesis, {**s.values, **v}) for v in _around(used, s.values)), key=lambda c: c.gain_nats
-    )
+    neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
+    best = None
+    for share in _SHARES:
+        part = {k: n + share * (s.values[k] - n) for k, n in neutral.items()}
+        found = _at(stand, s.hypothesis, {**s.values, **part})
+        best = found if best is None or found.gain_nats > best.gain_nats else best
+        if found.gain_nats >= 0.5 * share * (2 - share) * s.gain_nats:
+            break
+    return s if best is None else best
 
 
-def _sized(stand: Screen, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:
+def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:
     """The best sizes of an effect whose other values are given, by the closed form, checked at what it gives."""
     switches = [p for p in hypothesis.parameters if p.neutral is not None and p.name not in start]
     neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
     if not switches:
         return _at(stand, hypothesis, start)
     left = stand.left
-    columns, steps, used = [], [], []
+    columns, used = [], []
     for p in switches:
-        step = step_from_neutral(p)
-        moved = stand.change(hypothesis, {**start, **neutral, p.name: neutral[p.name] + step})
-        if moved is not None and np.abs(moved).max() > 1e-9:
-            columns.append(stand.projected(moved[:, None])[:, 0] / step)
-            steps.append(step)
+        slope = stand.slope(hypothesis, {**start, **neutral}, p)
+        if slope is not None and np.abs(slope).max() * step_from_neutral(p) > 1e-9:
+            columns.append(stand.projected(slope))
             used.append(p)
     if not columns:
         return Screened(hypothesis, {**start, **{p.name: _middle(p) for p in switches}}, 0.0, visible=False)
@@ -150,24 +140,19 @@ def _sized(stand: Screen, hypothesis: Hypothesis, start: dict[str, float]) -> Sc
     return Screened(hypothesis, {**values, **inside}, linear)
 
 
-def _at(stand: Screen, hypothesis: Hypothesis, values: dict[str, float]) -> Screened:
+def _at(stand: Stand, hypothesis: Hypothesis, values: dict[str, float]) -> Screened:
+    """A variant at given sizes, the unknowns following."""
     moved = stand.change(hypothesis, values)
     if moved is None:
         return Screened(hypothesis, values, -math.inf)
     visible = bool(np.abs(moved).max() > 1e-9)
-    before = stand.left
-    after = stand.projected((stand.misfit + moved)[:, None])[:, 0]
-    return Screened(hypothesis, values, 0.5 * float(before @ before - after @ after), visible)
+    reached = stand.followed(hypothesis, values) if visible else None
+    if reached is None:
+        return Screened(hypothesis, values, 0.0 if not visible else -math.inf, visible)
+    return Screened(hypothesis, values, 0.5 * (stand.cost - reached[0]), visible, start=reached[1])
 
 
-def _around(used: list[Parameter], inside: dict[str, float]) -> Iterator[dict[str, float]]:
-    """The closed form's sizes, and half of them where they reach far: an effect saturates."""
-    yield inside
-    if any(abs(inside[p.name] - (p.neutral or 0.0)) > 0.1 * (p.high - p.low) for p in used):
-        yield {p.name: _inside(p, (p.neutral or 0.0) + 0.5 * (inside[p.name] - (p.neutral or 0.0))) for p in used}
-
-
-def _grid(stand: Screen, hypothesis: Hypothesis) -> list[dict[str, float]]:
+def _grid(stand: Stand, hypothesis: Hypothesis) -> list[dict[str, float]]:
     """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance."""
     defaults = start_values(hypothesis)
     scanned = _resonant(stand, hypothesis)
@@ -186,7 +171,7 @@ def start_values(hypothesis: Hypothesis) -> dict[str, float]:
     return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
 
 
-def _resonant(stand: Screen, hypothesis: Hypothesis) -> Parameter | None:
+def _resonant(stand: Stand, hypothesis: Hypothesis) -> Parameter | None:
     """The parameter that moves the resonance of what an effect adds, by comparing its elements."""
     problem = stand.fit.problem
     middle = {p.name: _middle(p) for p in hypothesis.parameters}
@@ -236,19 +221,9 @@ def _non_negative(columns: Array, left: Array, positive: list[bool]) -> Array:
     return amounts
 
 
-def step_from_neutral(p: Parameter) -> float:
-    """A step from the neutral value in which the effect is linear."""
-    return _SMALL_SHARE * p.low if p.scale == "log" else _SMALL_SD * (p.high - p.low) / 4
-
-
 def _middle(p: Parameter) -> float:
     return math.sqrt(p.low * p.high) if p.scale == "log" else (p.low + p.high) / 2
 
 
 def _inside(p: Parameter, value: float) -> float:
     return min(max(value, p.low), p.high)
-
-
-def _with_values(hypothesis: Hypothesis, values: dict[str, float]) -> Hypothesis:
-    """The variant with every value a setting: nothing left to fit."""
-    return Hypothesis(hypothesis.cls, {**hypothesis.settings, **values}, hypothesis.share)

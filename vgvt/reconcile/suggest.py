@@ -15,11 +15,11 @@ from vgvt.reconcile.candidates import places
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.misfit import jacobian
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import Nominal, Problem
 from vgvt.reconcile.surrogate import anchor
 from vgvt.reconcile.uncertain import prepared
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.reduced import Layouts
+from vgvt.simulation.reduced import Layouts, structure
 
 Array = NDArray[np.float64]
 _DUMMY_KG = 0.05
@@ -128,4 +128,8 @@ def procedures(problem: Problem) -> tuple[Procedure, ...]:
 
 def _changed(problem: Problem, procedure: Procedure) -> Problem:
     scenario = procedure.edit(problem.scenario)
-    return replace(problem, scenario=scenario, layouts=Layouts.of(prepared(scenario)))
+    start = prepared(scenario)
+    layouts = Layouts.of(start)
+    layout = layouts.plan(start)
+    nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
+    return replace(problem, scenario=scenario, start=nominal)

@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.action import Action
+from vgvt.reconcile.adjacent import adjacent
 from vgvt.reconcile.chain import chain_factor
-from vgvt.reconcile.grouping import Group, NoStructureError, assembled, effects_at, home, run_actions
+from vgvt.reconcile.grouping import Group, NoStructureError, assembled, cells_at, effects_at, home, run_actions
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.response import Matrices, accelerances, reduction
+from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, reduction
+from vgvt.reconcile.uncertain import Unknown
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
@@ -87,6 +89,27 @@ class Anchor:
             out[group.channels] = accelerances(matrices, omega, group.runs, masses)
         return out
 
+    def slopes(self) -> ComplexArray:
+        """Derivatives (unknowns + e0.size, C, L) of :meth:`mechanical` at the anchor, in unknowns, then e."""
+        problem = self.problem
+        known = problem.unknowns
+        omega = 2 * np.pi * problem.measured.frequency_hz
+        rate = np.array([_rate(k, float(a)) for k, a in zip(known, self.u0, strict=False)] + [1.0] * self.e0.size)
+        index = _sensor_mass_index(problem)
+        out = np.empty((rate.size, *problem.measured.values.shape), dtype=complex)
+        for group in self.groups:
+            masses = tuple(group.masses_kg[rows] * group.roving for rows in group.runs)
+            mass_slopes = np.zeros((rate.size, group.masses_kg.size))
+            if group.roving:
+                mass_slopes[len(known) :] = group.mass_slopes
+                if index is not None:
+                    mass_slopes[index] = group.masses_kg * known[index].sd
+            changes = {n: _by_rate(rate, group.slopes[n]) for n in _NAMES}
+            out[:, group.channels] = accelerance_slopes(
+                group.matrices, omega, group.runs, masses, Slopes(**changes, masses_kg=mass_slopes)
+            )
+        return out
+
     def _actions(self, e: Array) -> list[tuple[Action, ...]] | None:
         if not self.filtered:
             return None
@@ -101,31 +124,77 @@ def anchor(
     e: Array | None = None,
     *,
     slopes: bool = True,
-    fast: tuple[Group, ...] | None = None,
+    beside: tuple[Group, ...] | None = None,
     groups: tuple[Group, ...] | None = None,
 ) -> Anchor:
     """Assemble the structure at scores u and e; without ``slopes`` it predicts there and nowhere else.
 
-    ``fast`` are the groups at the same u without the hypotheses: elements are then added to them by their rows
+    ``beside`` are the groups at the same u without the last hypothesis: what it changes is then added to them
     where that is enough. ``groups`` are those at u and e, where they are known. NoStructureError where there is none.
     """
     scores = np.zeros(0) if e is None else e
-    groups = assembled(problem, u, hypotheses, scores, fast) if groups is None else groups
+    if groups is None and beside is not None:
+        groups = _beside(problem, u, beside, hypotheses, scores)
+    groups = assembled(problem, u, hypotheses, scores) if groups is None else groups
     if groups is None:
         raise NoStructureError("no such structure")
-    sides = []
-    if slopes:
-        for j in range(scores.size):
-            step = np.zeros(scores.size)
-            step[j] = _EFFECT_STEP
-            near = assembled(problem, u, hypotheses, scores + step, fast)
-            sign = 1.0
-            if near is None or not _alike(groups, near):
-                near, sign = assembled(problem, u, hypotheses, scores - step, fast), -1.0
-            sides.append((sign, near if near is not None and _alike(groups, near) else groups))
-    reduced = tuple(_reduced(problem, u, groups, g, sides if slopes else None, scores.size) for g in range(len(groups)))
+    sides = _sides(problem, u, hypotheses, scores, groups) if slopes else None
+    try:
+        reduced = tuple(_reduced(problem, u, groups, g, sides, scores.size) for g in range(len(groups)))
+    except np.linalg.LinAlgError as error:
+        raise NoStructureError("no mass matrix") from error
     filtered = any(g.filtered for g in groups)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered)
+
+
+def _beside(
+    problem: Problem, u: Array, known: tuple[Group, ...], hypotheses: tuple[Hypothesis, ...], e: Array
+) -> tuple[Group, ...] | None:
+    """Groups with the last hypothesis added to those without it; None where only assembling will do."""
+    made = effects_at(problem, hypotheses, e)
+    return None if made is None else adjacent(problem, known, cells_at(problem, u), made[:-1], made[-1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Side:
+    """Groups at e and a step of one parameter away: what their difference is over the step is its slope."""
+
+    here: tuple[Group, ...]
+    there: tuple[Group, ...]
+    step: float
+
+
+def _sides(
+    problem: Problem, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
+) -> list[_Side]:
+    """For every parameter of the hypotheses, groups a step away from those at e."""
+    sides: list[_Side] = []
+    ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
+    for k, hypothesis in enumerate(hypotheses):
+        # Next to the rig without this effect every step is cheap; the others come first.
+        others = (*hypotheses[:k], *hypotheses[k + 1 :])
+        mine, rest = e[ends[k] : ends[k + 1]], np.concatenate([e[: ends[k]], e[ends[k + 1] :]])
+        bare = assembled(problem, u, others, rest) if mine.size else None
+        ordered = (*others, hypothesis)
+        here = None if bare is None else _beside(problem, u, bare, ordered, np.concatenate([rest, mine]))
+        for j in range(mine.size):
+            side = None
+            for step in (_EFFECT_STEP, -_EFFECT_STEP):
+                moved = mine + step * np.eye(mine.size)[j]
+                near = None
+                if bare is not None and here is not None and _alike(groups, here):
+                    near = _beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
+                if near is not None and here is not None and _alike(groups, near):
+                    side = _Side(here, near, step)
+                    break
+                away = e.copy()
+                away[ends[k] + j] += step
+                near = assembled(problem, u, hypotheses, away)
+                if near is not None and _alike(groups, near):
+                    side = _Side(groups, near, step)
+                    break
+            sides.append(side if side is not None else _Side(groups, groups, _EFFECT_STEP))
+    return sides
 
 
 def _alike(one: tuple[Group, ...], other: tuple[Group, ...]) -> bool:
@@ -140,7 +209,7 @@ def _reduced(
     u: Array,
     groups: tuple[Group, ...],
     index: int,
-    sides: list[tuple[float, tuple[Group, ...]]] | None,
+    sides: list[_Side] | None,
     effects: int,
 ) -> Reduced:
     group = groups[index]
@@ -162,13 +231,10 @@ def _reduced(
     grid_rows = [problem.nominal.places.index(home(s.places[r])) for r in group.rows]
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
-    for j, (sign, near) in enumerate(sides):
-        other = near[index]
-        step = sign * _EFFECT_STEP
-        moved = _carried(other.structure, other.rows, other.masses_kg, runs, roving)
-        there = _project(replace(other.structure, mass=other.structure.mass + moved), basis, other.rows)
-        extra.append({n: (getattr(there, n) - getattr(matrices, n)) / step for n in _NAMES})
-        mass_slopes[j] = (other.masses_kg - group.masses_kg) / step
+    for j, side in enumerate(sides):
+        ends = [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)]
+        extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in _NAMES})
+        mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
     for name in _NAMES:
         values = problem.slopes[name]
         if name in ("mass", "damping", "stiffness"):
@@ -185,6 +251,13 @@ def _reduced(
         slopes[name] = np.concatenate([rows, added])
     assert slopes["mass"].shape[0] == count + effects
     return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving)
+
+
+def _loaded(group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool) -> Matrices:
+    """A group in given reduced coordinates, with what its sensors weigh."""
+    s = group.structure
+    carried = _carried(s, group.rows, group.masses_kg, runs, roving)
+    return _project(replace(s, mass=s.mass + carried), basis, group.rows)
 
 
 _NAMES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
@@ -217,6 +290,15 @@ def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
 def _at(group: Reduced, x: Array) -> Matrices:
     changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in _NAMES}
     return Matrices(**changed, spare=group.matrices.spare)
+
+
+def _rate(unknown: Unknown, u: float) -> float:
+    """Change of an unknown's factor or shift with its score."""
+    return unknown.sd * (unknown.amount(u) if unknown.scale == "log" else 1.0)
+
+
+def _by_rate(rate: Array, slopes: Array) -> Array:
+    return np.asarray(rate.reshape(-1, *[1] * (slopes.ndim - 1)) * slopes)
 
 
 def _sensor_mass_index(problem: Problem) -> int | None:

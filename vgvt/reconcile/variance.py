@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _RATIONAL_HALF_WIDTH = 10
+_REWEIGHTED, _OUTLYING = 6, 3.0
 _SEGMENT_S = 1.0
 # Median of a chi-squared variable of two degrees of freedom over its mean: what the median of a periodogram misses.
 _MEDIAN_PER_MEAN = np.log(2.0)
@@ -20,29 +21,78 @@ _SMOOTHED_LINES = 10
 
 
 def local_rational_noise(responses: ComplexArray, force: ComplexArray, lines: NDArray[np.intp]) -> Array:
-    """Noise power (channels, lines) left by a local rational model with transient, orders 2, 2 and 2.
+    """Power (channels, lines), squared units of the spectra, of what noise adds to A - G F at each line.
 
-    McKelvey and Guérin, Non-parametric frequency response estimation using a local rational model, IFAC
-    Proceedings 45(16), 2012. Unlike a polynomial it does not take a sharp mode for noise. ``responses``
-    (channels, K) and ``force`` (K,) are whole-record spectra.
+    A local rational model with transient, orders 2, 2 and 2 (McKelvey and Guérin, Non-parametric frequency response
+    estimation using a local rational model, IFAC Proceedings 45(16), 2012), does not take a sharp mode for noise as a
+    polynomial does. What it leaves is noise times its denominator, which is therefore divided out. ``responses``
+    (channels, K) and ``force`` (K,) are whole-record spectra; ValueError for fewer than 22 lines.
     """
     n, last = _RATIONAL_HALF_WIDTH, force.size - 1
+    if last < 2 * n + 1:
+        raise ValueError(f"{force.size} lines cannot hold a window of {2 * n + 1}")
     centre = np.clip(lines, 1 + n, last - n)
     window = centre[:, None] + np.arange(-n, n + 1)
-    r = ((window - lines[:, None]) / n)[:, :, None]
-    powers = r ** np.arange(3)
-    scale = np.sqrt((np.abs(force[window]) ** 2).mean(axis=1))[:, None]
+    powers = ((window - lines[:, None]) / n)[:, :, None] ** np.arange(3)
+    scale = _rms(force[window])
     pushed = (force[window] / scale)[:, :, None] * powers
-    noise = np.empty((responses.shape[0], lines.size))
+    basis, _ = np.linalg.qr(np.concatenate([pushed, powers.astype(complex)], axis=2))
+    free = 1 - (np.abs(basis) ** 2).sum(axis=2)
+    share = 1 - 2 / (2 * n + 1 - basis.shape[2])
+    # A gap in the force holds no information on |G|; it must not stand for an infinite one.
+    strength = np.maximum(np.abs(force[window]), 1e-3 * scale)
+    noise, around = np.empty((2, responses.shape[0], lines.size))
     for c, response in enumerate(responses):
-        data = response[window]
-        level = np.sqrt((np.abs(data) ** 2).mean(axis=1))[:, None]
-        own = (data / level)[:, :, None] * powers[:, :, 1:]
-        basis, _ = np.linalg.qr(np.concatenate([pushed, powers.astype(complex), own], axis=2))
-        y = data[:, :, None]
-        left = y - basis @ (basis.conj().transpose(0, 2, 1) @ y)
-        noise[c] = (np.abs(left[:, :, 0]) ** 2).sum(axis=1) / (2 * n + 1 - basis.shape[2])
-    return noise
+        left, denominator = _rational(response[window], powers, basis)
+        weight = np.abs(denominator) ** 2 * free
+        noise[c] = (np.abs(left) ** 2).sum(axis=1) / (weight.sum(axis=1) * share)
+        around[c] = (weight * np.abs(response[window] / strength) ** 2).sum(axis=1) / weight.sum(axis=1)
+    here = np.abs(responses[:, lines] / np.maximum(np.abs(force[lines]), 1e-3 * scale[:, 0])) ** 2
+    own, of_force = _shares(noise, around)
+    return np.asarray(noise * (own[:, None] + of_force * here) / (own[:, None] + of_force * around))
+
+
+def _rms(values: ComplexArray) -> Array:
+    """Root mean square of each window (L, W), (L, 1); 1 where all is zero."""
+    size = np.sqrt((np.abs(values) ** 2).mean(axis=1))[:, None]
+    return np.asarray(np.where(size > 0, size, 1.0))
+
+
+def _rational(data: ComplexArray, powers: Array, basis: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """What D A - B F - T leaves of windows of a response (L, W), and the denominator D there, 1 at the line."""
+    level = _rms(data)
+    both = np.concatenate([(data / level)[:, :, None], (data / level)[:, :, None] * powers[:, :, 1:]], axis=2)
+    both = both - basis @ (basis.conj().transpose(0, 2, 1) @ both)
+    own, triangle = np.linalg.qr(both[:, :, 1:])
+    taken = own.conj().transpose(0, 2, 1) @ both[:, :, :1]
+    left = (both[:, :, :1] - own @ taken)[:, :, 0]
+    denominator = 1 - (powers[:, :, 1:] @ (np.linalg.pinv(triangle) @ taken))[:, :, 0]
+    return left * level, denominator
+
+
+def _shares(noise: Array, around: Array) -> tuple[Array, float]:
+    """Each response's own noise power (C,) and that of the force, which all of them see times |G|² (C, L).
+
+    By least squares on relative deviations; lines with three times what that expects, where something else adds
+    to the noise, have no say.
+    """
+    from scipy.optimize import nnls
+
+    count = noise.shape[0]
+    unit = np.maximum(np.median(noise, axis=1), 1e-300)
+    relative = noise / unit[:, None]
+    scale = float(np.median(unit / np.median(around, axis=1)))
+    shares, model = np.zeros(count + 1), np.ones_like(noise)
+    for _ in range(_REWEIGHTED):
+        columns = np.zeros((*noise.shape, count + 1))
+        for c in range(count):
+            columns[c, :, c] = 1 / model[c]
+        columns[:, :, count] = around * scale / unit[:, None] / model
+        keep = relative < _OUTLYING * model
+        shares, _ = nnls(columns[keep], (relative / model)[keep])
+        model = np.maximum(shares[:count, None] + shares[count] * around * scale / unit[:, None], 1e-3)
+    # A response without noise of its own keeps a trace, or nothing would stand for it where it is still.
+    return np.maximum(shares[:count], 1e-3) * unit, float(shares[count]) * scale
 
 
 def quiet_noise(samples: NDArray[np.floating], rate_hz: float, frequency_hz: Array) -> Array:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 
 import numpy as np
 
-from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.attribute import Addition, Attribution
+from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.localise import Localisation, Place
+from vgvt.reconcile.place_control import distinct_places
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
@@ -85,7 +87,7 @@ class Verdict:
                 )
             ],
             "thresholds": {
-                "chi2_per_dof": self.thresholds.chi2_per_dof,
+                **asdict(self.attribution.null_residual.limits),
                 "evidence_nats": self.thresholds.evidence_nats,
                 "provenance": self.thresholds.provenance,
             },
@@ -96,9 +98,9 @@ def kind_of(found: Attribution) -> Kind:
     """The verdict that an attribution amounts to."""
     if not found.rounds:
         return Kind.ADEQUATE if found.null_residual.adequate else Kind.UNKNOWN
-    if not found.final_residual.adequate:
+    if not found.final_residual.adequate or doubts(found):
         return Kind.PARTLY_EXPLAINED
-    several = any(len({r.name for r in addition.equivalent}) > 1 for addition in found.rounds)
+    several = any(len({r.name for r in a.equivalent}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
     return Kind.AMBIGUOUS if several else Kind.EXPLAINED
 
 
@@ -131,7 +133,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if kind is Kind.ADEQUATE:
         said.append(
             f"The calibrated scenario leaves {before.train_chi2_per_dof:.2f} per degree of freedom, no more than "
-            f"campaigns without any missing effect ({limits.chi2_per_dof:.2f})"
+            f"campaigns like it without any missing effect ({before.limits.chi2_per_dof:.2f}; noise alone "
+            f"{before.noise_per_dof:.2f})"
         )
         said.append(f"No effect of the catalogue gains {limits.evidence_nats:.0f} nats of evidence on held-out data")
     else:
@@ -146,8 +149,17 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         others = sorted({r.name for r in addition.equivalent} - {winner.name})
         if others:
             said.append(f"{', '.join(others)} explain the data as well, within {limits.set_nats:.0f} nats")
+        said += [
+            f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
+            for x, y in _other_places(addition)
+        ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and found.rounds:
         said += [f"With it {text}" for text in after.reasons]
+    said += doubts(found)
+    if strained_too_much(found.null):
+        said.append(f"Without any effect the calibration needs {far_scores(found.null)}")
+    if kind is Kind.UNKNOWN and not found.null.converged:
+        said.append("The calibration had not converged: some of what is left may be its own")
     if kind is Kind.UNKNOWN:
         said.append("No effect of the catalogue explains it and holds on data that no fit has seen")
         said += [
@@ -165,6 +177,13 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             + _looks_like(best)
         )
     return tuple(said)
+
+
+def _other_places(addition: Addition) -> tuple[tuple[float, float], ...]:
+    """Where else the winner's effect does as well."""
+    winner = addition.winner
+    same = [r.fit for r in addition.equivalent if r.name == winner.name and r is not winner]
+    return distinct_places([winner.fit, *same])[1:]
 
 
 def _looks_like(place: Place) -> str:
@@ -198,6 +217,7 @@ def _effect_document(e: NamedEffect) -> dict[str, object]:
 def _residual_document(r: Residual) -> dict[str, object]:
     return {
         "chi2_per_dof": r.train_chi2_per_dof,
+        "noise_per_dof": r.noise_per_dof,
         "held_out_chi2_per_dof": r.held_out_chi2_per_dof,
         "smooth_per_dof": r.smooth_per_dof,
         "lag_one": r.lag_one,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +34,24 @@ class Axis:
 
 
 def beam_axis(beam: Beam) -> Axis:
-    """The axis of an expanded beam; ValueError where its normal lies along a segment."""
-    position = np.array(beam.stations.position_m)
+    """The axis of an expanded beam, to be read and not changed; ValueError where its normal lies along a segment."""
+    axis = _axis(beam.stations.position_m, beam.normal)
+    if axis is None:
+        raise ValueError(f"beam {beam.name!r}: normal {beam.normal} lies along the axis; it is the bending direction")
+    return axis
+
+
+# Thousands of variants of one aircraft differ in stiffness and mass, not in where their beams lie.
+@lru_cache(maxsize=128)
+def _axis(stations_m: tuple[tuple[float, float, float], ...], up: tuple[float, float, float]) -> Axis | None:
+    position = np.array(stations_m)
     step = np.diff(position, axis=0)
     length = np.linalg.norm(step, axis=1)
     tangent = step / length[:, None]
-    across = np.array(beam.normal) - (tangent @ np.array(beam.normal))[:, None] * tangent
+    across = np.array(up) - (tangent @ np.array(up))[:, None] * tangent
     size = np.linalg.norm(across, axis=1)
-    if np.any(size < 1e-6 * max(float(np.linalg.norm(beam.normal)), 1e-300)):
-        raise ValueError(f"beam {beam.name!r}: normal {beam.normal} lies along the axis; it is the bending direction")
+    if np.any(size < 1e-6 * max(float(np.linalg.norm(up)), 1e-300)):
+        return None
     normal = across / size[:, None]
     aft = np.cross(normal, tangent)
     middle_y = (position[1:, 1] + position[:-1, 1]) / 2

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Absorber, Element, GroundSpring, HingedFlap, PointMass, RotationSpring
-from vgvt.simulation.assembly import Plan
+from vgvt.simulation.assembly import MeasurementPoint, Plan
 from vgvt.simulation.reduced import Structure
+from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
 Array = NDArray[np.float64]
+_UP = np.array([0.0, 0.0, 1.0])
 _Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
 
 
@@ -27,7 +29,7 @@ def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]
     """
     simple: list[tuple[str, _Simple]] = []
     for name, element in elements:
-        if not isinstance(element, _Simple) or (isinstance(element, RotationSpring) and element.gauge_per_m != 0):
+        if not isinstance(element, _Simple):
             return None
         simple.append((name, element))
     inner = tuple(_own_joint(name, e) for name, e in simple if isinstance(e, Absorber | HingedFlap))
@@ -38,6 +40,10 @@ def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]
             turned = np.zeros(wide.drive.size)
             turned[:6] = wide.root[wide.joints.index(element.axis)]
             _spring(wide, turned, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)
+            # What the gauge feels of the moment is on the force's side of the equation.
+            felt = element.gauge_per_m * np.outer(wide.drive, turned)
+            wide.stiffness[:] -= element.stiffness_n_m_per_rad * felt
+            wide.damping[:] -= element.damping_n_m_s_per_rad * felt
         elif isinstance(element, HingedFlap):
             _flap(wide, layout, wide.joints.index(_own_joint(name, element)), element)
         else:
@@ -55,8 +61,19 @@ def point_rows(structure: Structure, layout: Plan, part: str, position_m: Array)
     return moved + np.cross(turned, arm, axis=0), turn
 
 
+def sensed_at(structure: Structure, layout: Plan, point: MeasurementPoint) -> tuple[Array, Array, Array]:
+    """Rows of a sensor: displacement (3, n) in world axes, along its axis (n,), and the gravity that it feels (n,)."""
+    k = structure.body_names.index(point.carrier)
+    turn = structure.attitude[k]
+    arm = turn @ (point.position_m - layout.parts.origin_m[point.carrier])
+    moved = structure.bodies[k, :3] + np.cross(structure.bodies[k, 3:], arm, axis=0)
+    direction = turn @ point.axis
+    tilt = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ structure.bodies[k, 3:]
+    return moved, direction @ moved, tilt
+
+
 def _own_joint(name: str, element: Absorber | HingedFlap) -> str:
-    return f"{name}/absorber" if isinstance(element, Absorber) else f"{name}/flap"
+    return f"{name}/{element.kind}" if isinstance(element, Absorber) else f"{name}/flap"
 
 
 def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | GroundSpring | Absorber) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.linalg
 
 from vgvt.scenario.airframe import Damping
-from vgvt.simulation.linear import linearise
+from vgvt.simulation.linear import mass_matrix
 
 RIGID_MODES = 6
 MODAL_DAMPING = "modal-damping-"
@@ -24,8 +24,9 @@ _HIGHEST_RATIO = 0.7
 def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
     """Add tendons and joint dampers to the bare airframe's ``spec`` (before rig and instruments are)."""
     model = spec.compile()
-    bare = linearise(model, np.zeros(model.nq))
-    eigenvalues, shapes = scipy.linalg.eigh(bare.stiffness, bare.mass)
+    # In its unloaded shape and without weight the bare airframe has the stiffness of its joints and no other.
+    mass = mass_matrix(model, mujoco.MjData(model))
+    eigenvalues, shapes = scipy.linalg.eigh(np.diag(model.jnt_stiffness), mass)
     omega = np.sqrt(np.maximum(eigenvalues[RIGID_MODES:], 0.0))
     shapes = shapes[:, RIGID_MODES:]
     limit = 2 * np.pi * damping.limit_hz
@@ -47,6 +48,6 @@ def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
     for r in np.flatnonzero(exact):
         coefficient = 2 * ratios[r] * omega[r] - per_stiffness * omega[r] ** 2
         tendon = spec.add_tendon(name=f"{MODAL_DAMPING}{r + 1}", damping=[coefficient, 0.0, 0.0])
-        weights = bare.mass @ shapes[:, r]
+        weights = mass @ shapes[:, r]
         for address, joint in elastic:
             tendon.wrap_joint(joint.name, weights[address])

@@ -39,8 +39,17 @@ class LinearModel:
 
 def joint_force(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
     """The force (nv,) that accelerates the joints: passive and actuator minus bias, at the state in ``data``."""
-    # Not mj_forward: the acceleration of a bad guess is of no use, and MuJoCo would log a warning about it.
-    mujoco.mj_fwdPosition(model, data)
+    # Not mj_forward: the acceleration of a bad guess is of no use, and MuJoCo would log a warning about it. Nor all of
+    # mj_fwdPosition: forces need no inertia matrix, whose factors are half of its work, and nothing here touches.
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_tendon(model, data)
+    mujoco.mj_transmission(model, data)
+    return _force_here(model, data)
+
+
+def _force_here(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
+    """:func:`joint_force` at a position whose kinematics are in ``data`` already, at the velocity in ``data``."""
     mujoco.mj_fwdVelocity(model, data)
     mujoco.mj_fwdActuation(model, data)
     return np.asarray(data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias)
@@ -67,8 +76,9 @@ def linearise(
 
     def force_at_velocity(change: NDArray[np.float64]) -> NDArray[np.float64]:
         data.qvel[:] = change
-        return joint_force(model, data)
+        return _force_here(model, data)
 
+    joint_force(model, data)
     damping = -_central_differences(force_at_velocity, model.nv)
     return LinearModel(mass, damping, stiffness, rows, qpos.copy())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,8 +86,14 @@ class StationTable:
 
     def _gauss(self, start_m: float, stop_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Gauss points and weights between two arc lengths, split at the stations, shapes (G,)."""
-        stations = self.axis.arc_length_m
-        edges = np.concatenate([[start_m], stations[(stations > start_m) & (stations < stop_m)], [stop_m]])
-        half = np.diff(edges)[:, None] / 2
-        middle = (edges[:-1, None] + edges[1:, None]) / 2
-        return (middle + half * _POINTS).ravel(), (half * _WEIGHTS).ravel()
+        return _gauss(self.axis.arc_length_m.tobytes(), start_m, stop_m)
+
+
+# The same for every variant of an aircraft whose stations stay where they are. To be read, not changed.
+@lru_cache(maxsize=4096)
+def _gauss(stations: bytes, start_m: float, stop_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    arcs = np.frombuffer(stations)
+    edges = np.concatenate([[start_m], arcs[(arcs > start_m) & (arcs < stop_m)], [stop_m]])
+    half = np.diff(edges)[:, None] / 2
+    middle = (edges[:-1, None] + edges[1:, None]) / 2
+    return (middle + half * _POINTS).ravel(), (half * _WEIGHTS).ravel()

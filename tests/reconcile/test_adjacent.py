@@ -1,0 +1,77 @@
+"""What the fits and the screen use in place of assembling: slopes by the adjoint, and structures beside known ones."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.misfit import data_misfit, jacobian
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.surrogate import anchor
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    return problem(tmp_path_factory.mktemp("cache"), 1)
+
+
+def scattered(case: Problem) -> np.ndarray:
+    """Scores somewhere within the tolerances."""
+    return np.asarray(0.3 * np.random.default_rng(2).standard_normal(case.size))
+
+
+def fixed(name: str, values: dict[str, Any]) -> Hypothesis:
+    """An effect with nothing left to fit."""
+    cls = available_effects()[name]
+    return Hypothesis(cls, values | {k: v for k, v in _defaults(cls).items() if k not in values})
+
+
+def _defaults(cls: type) -> dict[str, Any]:
+    made = cls()
+    return {p.name: getattr(made, p.name) for p in Hypothesis(cls).parameters}
+
+
+def test_the_adjoint_gives_the_slopes_that_differences_give(case: Problem) -> None:
+    """Every unknown, gain and corner, and the parameters of a hung mass, with sensors that rove."""
+    hypothesis = (Hypothesis(available_effects()["local-absorber"]),)
+    u, e = scattered(case), np.array([0.3, -0.2, 0.1, 0.4, 0.2])[: len(hypothesis[0].parameters)]
+    here = anchor(case, u, hypothesis, e)
+    there = here.predict(u, e)
+    slopes = jacobian(here, u, e, there)
+    for k in range(u.size + e.size):
+        sides = []
+        for step in (1e-5, -1e-5):
+            moved = np.concatenate([u, e])
+            moved[k] += step
+            sides.append(data_misfit(case, here.predict(moved[: u.size], moved[u.size :])))
+        expected = (sides[0] - sides[1]) / 2e-5
+        assert np.linalg.norm(slopes[:, k] - expected) <= 1e-4 * np.linalg.norm(expected) + 1e-6, k
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("added-mass", {"mass_kg": 0.01, "x_m": 0.7, "y_m": 0.9}),
+        ("local-absorber", {"mass_kg": 0.002, "frequency_hz": 14.0, "x_m": 0.75, "y_m": 0.9}),
+        ("stiffness-asymmetry", {"bending": 0.03}),
+        ("sensor-position-error", {"node": 1, "dx_m": 0.02}),
+        ("stinger-moment", {"rotational_stiffness_n_m_per_rad": 5.0}),
+        ("roving-sensor-mass", {"mass_kg": 0.008}),
+        ("root-compliance", {"bending": 0.01}),
+    ],
+)
+def test_beside_a_known_structure_is_what_assembling_gives(case: Problem, name: str, values: dict[str, Any]) -> None:
+    """The change that an effect makes, at scores away from nominal, within what a screen needs."""
+    u = scattered(case)
+    hypothesis = (fixed(name, values),)
+    bare = anchor(case, u, slopes=False)
+    before = bare.predict(u, np.zeros(0))
+    exact = anchor(case, u, hypothesis, np.zeros(0), slopes=False).predict(u, np.zeros(0))
+    fast = anchor(case, u, hypothesis, np.zeros(0), slopes=False, beside=bare.assembled).predict(u, np.zeros(0))
+    assert np.linalg.norm(exact - before) > 1e-6 * np.linalg.norm(before)
+    assert np.linalg.norm(fast - exact) < 0.1 * np.linalg.norm(exact - before)

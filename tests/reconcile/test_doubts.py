@@ -1,0 +1,65 @@
+"""Fits that had not converged, or strain what the scenario states, do not give a whole explanation."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
+from vgvt.reconcile.verdict import Kind, kind_of
+
+NAMES = tuple(f"unknown {k}" for k in range(30))
+
+
+def fitted(*far: float, converged: bool = True) -> Any:
+    """A fit with some far scores."""
+    scores = np.zeros(len(NAMES))
+    scores[: len(far)] = far
+    return SimpleNamespace(scores=scores, converged=converged, problem=SimpleNamespace(names=NAMES), hypotheses=())
+
+
+def found(null: Any, final: Any, rounds: int = 1) -> Any:
+    """What an attribution holds of it, adequate in the end."""
+    effect = SimpleNamespace(hypotheses=(SimpleNamespace(settings={}, parameters=()),), values=lambda k: {})
+    rival = SimpleNamespace(name="local-absorber", fit=effect)
+    addition = SimpleNamespace(winner=rival, equivalent=(rival,))
+    left = SimpleNamespace(adequate=True)
+    return SimpleNamespace(null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left)
+
+
+def test_sound_fits_leave_no_doubt() -> None:
+    sound = found(fitted(2.0), fitted(3.5, -4.5))
+    assert doubts(sound) == ()
+    assert kind_of(sound) is Kind.EXPLAINED
+
+
+@pytest.mark.parametrize(
+    ("null", "final", "word"),
+    [
+        (fitted(converged=False), fitted(), "had not converged"),
+        (fitted(), fitted(converged=False), "not final"),
+        (fitted(), fitted(4.2, -5.0), "unknown 1 at -5.0 sd, unknown 0 at +4.2 sd"),
+        (fitted(), fitted(0.0, 6.5), "unknown 1 at +6.5 sd"),
+    ],
+)
+def test_each_doubt_is_said_and_makes_the_explanation_partial(null: Any, final: Any, word: str) -> None:
+    (said,) = doubts(found(null, final))
+    assert word in said
+    assert kind_of(found(null, final)) is Kind.PARTLY_EXPLAINED
+
+
+def test_without_a_name_there_is_nothing_to_doubt() -> None:
+    assert doubts(found(fitted(converged=False), fitted(9.0, 9.0), rounds=0)) == ()
+
+
+def test_a_calibration_may_strain_as_far_as_a_missing_effect_pulls() -> None:
+    assert strained_too_much(fitted(8.0, 5.0))
+    assert kind_of(found(fitted(8.0, 5.0), fitted())) is Kind.EXPLAINED
+
+
+def test_many_far_scores_are_counted_rather_than_listed() -> None:
+    assert far_scores(fitted(*(4.0 + np.arange(1, 8)))).endswith("and 3 more beyond 4 sd")
+    assert far_scores(fitted(1.0)) == ""

@@ -1,0 +1,71 @@
+"""An effect is also tried where it is not: what does as well there leaves its place open, what does not settles it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import drawn_scores, problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.fit import NEAR, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, place_of
+
+CHANNELS, LINES = 8, 100
+
+
+def leaving(residual: np.ndarray) -> Any:
+    """A fit that leaves (C, L) standard deviations; the first two channels are held out."""
+    shape = (CHANNELS, LINES)
+    held = np.arange(CHANNELS) < 2
+    measured = SimpleNamespace(values=np.zeros(shape, complex), sigma=np.ones(shape))
+    parts = SimpleNamespace(held=held, train=~held)
+    return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), predicted=residual)
+
+
+def noise(seed: int) -> np.ndarray:
+    """White complex residuals of unit variance, (C, L)."""
+    g = np.random.default_rng(seed)
+    return (g.standard_normal((CHANNELS, LINES)) + 1j * g.standard_normal((CHANNELS, LINES))) / np.sqrt(2)
+
+
+def test_held_out_data_decide_and_fitted_ones_do_not() -> None:
+    winner, other = noise(0), noise(0)
+    other[2:] *= 3.0
+    assert as_good(leaving(other), leaving(winner), 5.0)
+    other[:2] += 0.5
+    # 200 held-out values missed by half a standard deviation more: 50 nats.
+    assert not as_good(leaving(other), leaving(winner), 5.0)
+    assert as_good(leaving(other), leaving(winner), 100.0)
+    assert as_good(leaving(winner), leaving(other), 5.0)
+
+
+def at(x_m: float, y_m: float) -> Any:
+    """A fit of something that sits there."""
+    hypothesis = SimpleNamespace(settings={"x_m": x_m}, parameters=())
+    return SimpleNamespace(hypotheses=(hypothesis,), values=lambda k: {"y_m": (y_m, 0.01, "m")})
+
+
+def test_places_nearer_than_a_station_are_one_place() -> None:
+    near, far = at(0.5 + 0.9 * APART_M, 1.0), at(0.5, -1.0)
+    assert distinct_places([at(0.5, 1.0), near, far, at(0.5, 1.0)]) == ((0.5, 1.0), (0.5, -1.0))
+
+
+@pytest.mark.slow
+def test_a_strong_absorber_does_worse_everywhere_else(tmp_path: Path) -> None:
+    known = available_effects()
+    values = {"mass_kg": 0.04, "frequency_hz": 8.0, "x_m": 0.9, "y_m": -1.2}
+    case = problem(tmp_path, 13, known["local-absorber"](**values))
+    hypothesis = Hypothesis(known["local-absorber"])
+    winner = fit(case, (hypothesis,), drawn_scores(case, 13), hypothesis.scores(values), NEAR)
+    place = place_of(winner)
+    assert place is not None
+    assert np.hypot(place[0] - 0.9, place[1] + 1.2) < 0.1
+    trials = elsewhere(winner)
+    assert len(trials) >= 2
+    assert not any(as_good(t.fit, winner, 5.0) for t in trials)
+    assert as_good(winner, winner, 5.0)

@@ -1,0 +1,104 @@
+"""Limits of what a right model leaves follow a campaign's noise and floor; a wrong one does not hide behind them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vgvt.data import Dof, InputError
+from vgvt.reconcile.data import Measured, MeasuredChannel
+from vgvt.reconcile.holdout import Split
+from vgvt.reconcile.placebo import Placebo, calibrated_thresholds
+from vgvt.reconcile.residual import smooth_part
+from vgvt.reconcile.thresholds import Thresholds, limits_for, noise_share
+
+CHANNELS, LINES, HELD = 12, 200, 3
+SPLIT = Split(np.arange(CHANNELS) >= HELD, np.zeros(CHANNELS, dtype=bool), np.arange(CHANNELS) < HELD)
+
+
+def case(noise: float, floor: float, form: float, seed: int) -> tuple[Measured, Placebo]:
+    """Data with noise relative to each channel's median, and what a model with a smooth relative error leaves of them.
+
+    ``form`` is the root mean square of that error.
+    """
+    g = np.random.default_rng(seed)
+    exact = np.exp(_smooth(g).real + 1j * _smooth(g).real)
+    variance = np.repeat((noise * np.median(np.abs(exact), axis=1, keepdims=True)) ** 2, LINES, axis=1)
+    white = g.standard_normal((2, CHANNELS, LINES)) / np.sqrt(2)
+    values = exact + np.sqrt(variance) * (white[0] + 1j * white[1])
+    channels = tuple(MeasuredChannel(0, 1, Dof.from_label(f"{k + 1}+Z"), k) for k in range(CHANNELS))
+    measured = Measured(
+        np.arange(LINES) + 1.0, channels, values, variance, {}, np.sqrt(variance), np.ones((1, LINES), complex),
+        np.arange(LINES), 1.0, (tuple(range(1, CHANNELS + 1)),), 100.0, np.ones(1), np.ones((1, 2)),
+    ).with_floor(floor)  # fmt: skip
+    rho = (exact * (1 + form * _smooth(g)) - values) / measured.sigma
+    train, held = rho[SPLIT.train], rho[SPLIT.held]
+    share, other = noise_share(measured, SPLIT.train), noise_share(measured, SPLIT.held)
+    found = Placebo(
+        float(np.mean(np.abs(train) ** 2)), smooth_part(train), float(np.mean(np.abs(held) ** 2)),
+        0.0, share.noise, other.noise, share.floor,
+    )  # fmt: skip
+    return measured, found
+
+
+def _smooth(g: np.random.Generator) -> np.ndarray:
+    """Complex functions of frequency (C, L) of unit mean square that change over twenty lines."""
+    rough = g.standard_normal((2, CHANNELS, LINES + 60))
+    kernel = np.exp(-0.5 * (np.arange(-30, 31) / 10) ** 2)
+    parts = np.array([[np.convolve(row, kernel, "valid") for row in part] for part in rough])
+    out = parts[0] + 1j * parts[1]
+    return np.asarray(out / np.sqrt(np.mean(np.abs(out) ** 2)))
+
+
+def passes(thresholds: Thresholds, measured: Measured, found: Placebo) -> bool:
+    """Whether what is left is within the limits."""
+    limits = limits_for(thresholds, measured, SPLIT)
+    assert found.held_out_per_dof is not None
+    return (
+        found.chi2_per_dof <= limits.chi2_per_dof
+        and found.smooth_per_dof <= limits.smooth_per_dof
+        and found.held_out_per_dof <= limits.held_out_per_dof
+    )
+
+
+@pytest.fixture(scope="module")
+def thresholds() -> Thresholds:
+    """From placebos of one noise, one floor and a model error of 0.15 %."""
+    return calibrated_thresholds([case(0.003, 0.004, 0.0015, k)[1] for k in range(20)], "a test")
+
+
+@pytest.mark.parametrize("noise", [0.0005, 0.003, 0.01, 0.03, 0.1])
+def test_limits_hold_for_campaigns_of_other_noise(thresholds: Thresholds, noise: float) -> None:
+    trials = [case(noise, 0.004, 0.0015, 1000 + k) for k in range(100)]
+    # Two in a hundred for each of three limits, and four binomial deviations.
+    assert sum(not passes(thresholds, *t) for t in trials) <= 6 + 4 * np.sqrt(6)
+
+
+@pytest.mark.parametrize(("noise", "form"), [(0.003, 0.006), (0.01, 0.008), (0.03, 0.02)])
+def test_an_error_well_below_a_floor_s_worth_of_noise_is_seen(
+    thresholds: Thresholds, noise: float, form: float
+) -> None:
+    trials = [case(noise, 0.004, form, 2000 + k) for k in range(50)]
+    assert sum(passes(thresholds, *t) for t in trials) <= 2
+
+
+def test_a_declared_floor_is_taken_at_its_word_and_no_further(thresholds: Thresholds) -> None:
+    def share(form: float) -> float:
+        return float(np.mean([passes(thresholds, *case(0.003, 0.03, form, 3000 + k)) for k in range(50)]))
+
+    # The floor is that share of |G| and of its median: together 1.4 times as much.
+    assert share(0.025) > 0.9
+    assert share(0.07) < 0.1
+
+
+def test_without_a_floor_noise_is_all_that_may_be_left(thresholds: Thresholds) -> None:
+    measured, found = case(0.01, 0.0, 0.0, 5)
+    assert passes(thresholds, measured, found)
+    limit = limits_for(thresholds, measured, SPLIT).chi2_per_dof
+    # Noise is known within a tenth.
+    assert 1.1 < limit < 1.25
+
+
+def test_placebos_that_drown_in_noise_tell_nothing_of_the_rest() -> None:
+    with pytest.raises(InputError, match="noise hides the others"):
+        calibrated_thresholds([case(0.1, 0.004, 0.0015, k)[1] for k in range(20)], "a test")

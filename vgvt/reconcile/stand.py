@@ -1,0 +1,126 @@
+"""A fitted model as a place to stand on: what an effect would change there, and what the unknowns could make up for.
+
+An effect that the unknowns imitate well is seen in what is left between two large changes. Its derivative is
+therefore extrapolated to no size at all, and at a finite size the unknowns are moved along before χ² is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.grouping import Group, NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.misfit import data_misfit
+from vgvt.reconcile.surrogate import Anchor, anchor
+
+Array = NDArray[np.float64]
+_SMALL_SHARE, _SMALL_SD = 0.2, 0.02
+_FOLLOWED = 8
+# No further at once than the linearised matrices carry.
+_LONGEST = 1.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """A fit with the basis (2 N + scores, scores) of what its scores imitate, and its misfit with and without that.
+
+    ``inverse`` (scores, scores) is of the tangent's normal matrix.
+    """
+
+    fit: Fit
+    groups: tuple[Group, ...]
+    basis: Array
+    misfit: Array
+    left: Array
+    inverse: Array
+
+    @classmethod
+    def of(cls, null: Fit) -> Stand:
+        """Stand on a fit without hypotheses, or on one whose hypotheses stay."""
+        stacked = np.vstack([null.tangent, np.eye(null.scores.size)])
+        basis, _ = np.linalg.qr(stacked)
+        here = anchor(null.problem, null.u, null.hypotheses, null.e, slopes=False)
+        misfit = np.concatenate([data_misfit(null.problem, null.predicted, null.sigma), null.scores])
+        inverse = scipy.linalg.inv(null.tangent.T @ null.tangent + np.eye(null.scores.size))
+        return cls(null, here.assembled, basis, misfit, misfit - basis @ (basis.T @ misfit), inverse)
+
+    @property
+    def cost(self) -> float:
+        """Least square sum of misfit and scores that the linearised unknowns reach alone."""
+        return float(self.left @ self.left)
+
+    def change(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
+        """Change of the misfit vector by an effect added with some values; None where it is impossible."""
+        null = self.fit
+        try:
+            there = anchor(
+                null.problem, null.u, (*null.hypotheses, _with_values(hypothesis, values)), null.e, slopes=False,
+                beside=self.groups,
+            )  # fmt: skip
+            predicted = there.predict(null.u, null.e)
+        except NoStructureError:
+            return None
+        moved = data_misfit(null.problem, predicted, null.sigma) - self.misfit[: null.points]
+        return np.concatenate([moved, np.zeros(null.scores.size)])
+
+    def slope(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> Array | None:
+        """Derivative of the misfit vector in a size at its neutral value, curvature taken off; None if impossible."""
+        neutral = float(p.neutral or 0.0)
+        step = step_from_neutral(p)
+        near = self.change(hypothesis, {**values, p.name: neutral + step})
+        twice = self.change(hypothesis, {**values, p.name: neutral + 2 * step})
+        if near is None:
+            return None
+        return near / step if twice is None else (4 * near - twice) / (2 * step)
+
+    def projected(self, vectors: Array) -> Array:
+        """What of vectors (2 N + scores, …) no score can imitate."""
+        return np.asarray(vectors - self.basis @ (self.basis.T @ vectors))
+
+    def followed(self, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, Array] | None:
+        """Least square sum with an effect at some values, the unknowns following, and their scores; None if impossible.
+
+        Newton's steps with the tangent of this stand, the response itself being computed anew at each.
+        """
+        null = self.fit
+        added = (*null.hypotheses, _with_values(hypothesis, values))
+        try:
+            here = anchor(null.problem, null.u, added, null.e, beside=self.groups)
+        except NoStructureError:
+            return None
+        best, reached = self._cost(here, null.scores)
+        scores, share = null.scores, 1.0
+        for _ in range(_FOLLOWED):
+            move = -self.inverse @ (null.tangent.T @ reached + scores)
+            move *= share * min(1.0, _LONGEST / max(float(np.abs(move).max()), 1e-300))
+            cost, misfit = self._cost(here, scores + move)
+            if cost >= best:
+                share /= 3
+                continue
+            done = best - cost < 1e-3 * cost
+            best, reached, scores, share = cost, misfit, scores + move, min(1.0, 2 * share)
+            if done:
+                break
+        return best, scores[: null.u.size]
+
+    def _cost(self, here: Anchor, scores: Array) -> tuple[float, Array]:
+        """Square sum of misfit and scores, and the misfit."""
+        count = self.fit.u.size
+        misfit = data_misfit(self.fit.problem, here.predict(scores[:count], scores[count:]), self.fit.sigma)
+        return float(misfit @ misfit + scores @ scores), misfit
+
+
+def step_from_neutral(p: Parameter) -> float:
+    """A step from the neutral value in which the effect is nearly linear."""
+    return _SMALL_SHARE * p.low if p.scale == "log" else _SMALL_SD * (p.high - p.low) / 4
+
+
+def _with_values(hypothesis: Hypothesis, values: dict[str, float]) -> Hypothesis:
+    """The variant with every value a setting: nothing left to fit."""
+    return Hypothesis(hypothesis.cls, {**hypothesis.settings, **values}, hypothesis.share)
