@@ -18,7 +18,7 @@ from typing import Any
 
 from loop_cases import NOISE, SECOND, SHORT, SIMULATION, SIZES, Case, linear_effects, second_laboratory_effects
 from loop_results import JUDGED, Row, by_key, confusion, headline, picture, placebo_limits, write_matrix
-from loop_work import work
+from loop_work import core, work
 from rich.console import Console
 from virtual_lab import PAGES, write_results
 
@@ -92,7 +92,7 @@ def results_of(
     cases: Sequence[Case], folder: Path, workers: int, minutes: float, do: Callable[[Case], list[Row]] = work
 ) -> Iterator[tuple[Case, list[Row], bool]]:
     """Every case, its rows and whether they were there already; done ones first, none begun after ``minutes``."""
-    store: Any = Store(folder)
+    store: Any = Store(folder, core())
     left = []
     for case in cases:
         rows = store.rows(case)

@@ -24,6 +24,8 @@ _FORGIVING = ((0.6, 4), (0.1, 8))
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
+# Worse by more than what a superfluous parameter costs in evidence.
+_LOST = 10.0
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
 # What 'much better' means where held-out data are still missed: this share of what was too much.
@@ -109,7 +111,7 @@ def attribute(
             start = current = _restart(null, rivals[0])
             if current is not null:
                 before = residual(current, thresholds)
-                rivals = tuple(_against(current, r) for r in rivals)
+                rivals = _against(current, [r.fit for r in rivals])
         passed = [r for r in rivals if r.gain_nats >= thresholds.evidence_nats]
         confirmed = [r for r in passed if _confirmed(r, current, before, thresholds)]
         vetoed += [r for r in passed if r not in confirmed]
@@ -176,19 +178,22 @@ def short_list(
 
 def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
-    found: list[Rival] = []
+    found: list[Fit] = []
     for i, s in enumerate(chosen):
-        best = max((r.raw_nats for r in found), default=0.0)
+        best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
         if len(found) >= _AT_LEAST and best > _FAR_AHEAD * s.gain_nats and best > 0.4 * current.chi2:
             continue
-        rival = _fitted(current, s, before, _part(tell, i / len(chosen), (i + 1) / len(chosen)))
-        if rival is not None:
-            found.append(rival)
-    return tuple(sorted(found, key=lambda r: -r.gain_nats))
+        fitted = _fitted(current, s, before, _part(tell, i / len(chosen), (i + 1) / len(chosen)))
+        if fitted is not None:
+            found.append(fitted)
+    return _against(current, found)
 
 
-def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> Rival | None:
-    """A candidate fitted from where the screen left it; its place is freed where it has one."""
+def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> Fit | None:
+    """A candidate fitted from where the screen left it; its place is freed where it has one.
+
+    A model with one effect more can do as well as the one without: a fit that lost its way is done again from there.
+    """
     hypothesis = freed(s.hypothesis)
     own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
     start = np.concatenate([current.e, hypothesis.scores({**own, **s.values})])
@@ -202,7 +207,13 @@ def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> 
         found = fit(current.problem, (*current.hypotheses, hypothesis), u, start, stages, tell)
     except NoStructureError:
         return None
-    return _against(current, Rival(found, 0.0, 0.0, None))
+    if found.evidence_nats < current.evidence_nats - _LOST and stages is not NEAR:
+        try:
+            again = fit(current.problem, found.hypotheses, current.u, start, NEAR, tell)
+        except NoStructureError:
+            return found
+        return max(found, again, key=lambda f: f.evidence_nats)
+    return found
 
 
 def _best_place(
@@ -257,24 +268,27 @@ def _distance(s: Screened, x_m: float, y_m: float) -> float:
     return float(np.hypot(settings["x_m"] - x_m, settings["y_m"] - y_m))
 
 
-def _against(current: Fit, rival: Rival) -> Rival:
-    """The rival judged against a model without its last effect.
+def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
+    """Fits with one effect more as rivals, judged against the model without it, best first.
 
-    Under a model that leaves more than noise, χ² counts as many independent values as the better one's residual
-    has, not as many as there are lines.
+    Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
+    has, not as many as there are lines: the same number for every rival, or they could not be compared.
     """
-    found = rival.fit
-    keep = found.problem.split.train
+    if not fits:
+        return ()
+    found = max(fits, key=lambda f: f.evidence_nats)
+    keep, held = found.problem.split.train, found.problem.split.held
     measured = found.problem.measured
     rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
     worth = min(1.0, independent_values(rho) / found.points)
-    raw = found.evidence_nats - current.evidence_nats
-    tempered = raw - 0.5 * (1 - worth) * (current.chi2 - found.chi2)
-    held = found.problem.split.held
-    missed = None
-    if held.any():
-        missed = float(np.mean(np.abs((found.predicted - measured.values)[held] / measured.sigma[held]) ** 2))
-    return replace(rival, gain_nats=tempered, raw_nats=raw, held_out=missed)
+    rivals = []
+    for f in fits:
+        raw = f.evidence_nats - current.evidence_nats
+        missed = None
+        if held.any():
+            missed = float(np.mean(np.abs((f.predicted - measured.values)[held] / measured.sigma[held]) ** 2))
+        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * (current.chi2 - f.chi2), raw, missed))
+    return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
 
 
 def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:

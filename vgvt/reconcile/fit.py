@@ -23,11 +23,11 @@ from vgvt.reconcile.surrogate import Anchor, anchor
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-STAGES = ((0.6, 4), (0.15, 4), (0.0, 8))
-"""Coarseness and most iterations of each stage of the continuation."""
-NEAR = ((0.0, 6),)
+STAGES = ((0.6, 4), (0.15, 4), (0.0, 30))
+"""Coarseness and most iterations of each stage of the continuation: a stage ends where nothing is gained."""
+NEAR = ((0.0, 12),)
 """For a start that is near already."""
-FAR = ((0.15, 4), (0.05, 3), (0.0, 8))
+FAR = ((0.15, 4), (0.05, 3), (0.0, 20))
 """For a start from a model that misses much."""
 _LONGEST_STEP = 1.5
 _ENOUGH = 1e-3

@@ -6,14 +6,16 @@ joint shows over the whole record of a run, found from the run's own measured fo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import JointLaw
+from vgvt.reconcile.data import Measured
 from vgvt.reconcile.describing import Law
+from vgvt.reconcile.grouping import Group
 from vgvt.reconcile.march import Memory, marched
 from vgvt.reconcile.response import Matrices, Poles, poles_of
 from vgvt.scenario.mirror import part_name
@@ -25,7 +27,7 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 # Steps a period of the band's top, and how far above it modes answer by more than their flexibility.
-_STEPS_PER_PERIOD = 24.0
+_STEPS_PER_PERIOD = 16.0
 _MARCHED_BANDS = 3.0
 
 
@@ -52,6 +54,42 @@ class Pushes:
     rate_hz: float
     lines: NDArray[np.intp]
     top_hz: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Levels:
+    """Nonlinear joints of a group of runs, and the stiffness ``shown`` (R, J, L) that they show at each run's level.
+
+    ``slopes`` (effects, R, J, L) are its changes with the scores of the effects in play.
+    """
+
+    joints: Joints
+    shown: ComplexArray
+    slopes: ComplexArray
+
+    def moved(self, scores: Array) -> ComplexArray:
+        """The stiffness shown (R, J, L) where the effects' scores have moved by (effects,)."""
+        return np.asarray(self.shown + np.tensordot(scores, self.slopes, axes=1)) if scores.any() else self.shown
+
+    def sloped(self, slopes: list[ComplexArray]) -> Levels:
+        """The same with the slopes known."""
+        return replace(self, slopes=np.array(slopes).reshape(len(slopes), *self.shown.shape))
+
+
+def levels_of(measured: Measured, group: Group, basis: Array, matrices: Matrices) -> Levels | None:
+    """What the nonlinear joints of a group show in its runs; None where it has none.
+
+    ``basis`` (n, m) has the reduced ``matrices``, sensors included.
+    """
+    run_of = np.array([measured.channels[i].run for i in group.channels])
+    runs = np.unique(run_of)
+    rows = tuple(np.flatnonzero(run_of == r) for r in runs)
+    joints = joints_of(group.plan, group.structure, basis, group.rows, rows, group.masses_kg)
+    if joints is None:
+        return None
+    pushes = Pushes(measured.pushed[runs], measured.sample_rate_hz, measured.lines, float(measured.frequency_hz[-1]))
+    shown = shown_stiffness(matrices, joints, pushes)
+    return Levels(joints, shown, np.zeros((0, *shown.shape), dtype=complex))
 
 
 def joint_laws(layout: Plan, s: Structure) -> dict[int, Law]:

@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 _STEP = 0.1
 _SLOPES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 _VERSION = "3"
-# A campaign may come from a coarse chain too: 0 is the chain as stated, 1 the continuum that it stands for.
-CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "linear", lambda scenario, _: scenario)
+# A campaign may come from a coarse chain too: 0 is the continuum, -1 the chain as stated, which stands for it.
+CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "bounded", lambda scenario, _: scenario)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

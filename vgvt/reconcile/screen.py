@@ -18,6 +18,7 @@ from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.level_grid import depends_on_level, level_grid
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
@@ -66,6 +67,8 @@ def screen(
 
 def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     """A variant at the sizes of the closed form; of one that is scanned, its best few, then steps around the best."""
+    if depends_on_level(stand.fit.problem, hypothesis):
+        return [max((_at(stand, hypothesis, v) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)]
     grid = _grid(stand, hypothesis)
     sized = sorted((_sized(stand, hypothesis, values) for values in grid), key=lambda s: -s.gain_nats)
     if len(grid) == 1 or sized[0].gain_nats <= _WORTH_REFINING:
@@ -102,7 +105,7 @@ def _checked(stand: Stand, s: Screened) -> Screened:
     Effects saturate, and what the unknowns can imitate they cannot follow far in a few steps: a part that holds what
     the closed form promises of it is a start from where a fit finds the rest.
     """
-    if not s.visible:
+    if not s.visible or depends_on_level(stand.fit.problem, s.hypothesis):
         return s
     neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
     best = None

@@ -16,9 +16,9 @@ from vgvt.reconcile.adjacent import adjacent
 from vgvt.reconcile.chain import chain_factor
 from vgvt.reconcile.grouping import Group, NoStructureError, assembled, cells_at, effects_at, home, run_actions
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, reduction
-from vgvt.reconcile.uncertain import Unknown
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
@@ -27,6 +27,7 @@ ComplexArray = NDArray[np.complex128]
 # Modes up to this many times the top of the band; the rest is a static flexibility.
 _MODES_PER_BAND = 6.0
 _EFFECT_STEP = 0.02
+_SLOPE_STEP = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,6 +42,7 @@ class Reduced:
     masses_kg: Array
     mass_slopes: Array
     roving: bool
+    levels: Levels | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,15 +88,23 @@ class Anchor:
                 else np.zeros(rows.size)
                 for rows in group.runs
             )
-            out[group.channels] = accelerances(matrices, omega, group.runs, masses)
+            if group.levels is None:
+                out[group.channels] = accelerances(matrices, omega, group.runs, masses)
+            else:
+                shown = group.levels.moved(x[count:])
+                out[group.channels] = level_accelerances(
+                    matrices, group.levels.joints, shown, omega, group.runs, masses
+                )
         return out
 
     def slopes(self) -> ComplexArray:
         """Derivatives (unknowns + e0.size, C, L) of :meth:`mechanical` at the anchor, in unknowns, then e."""
         problem = self.problem
         known = problem.unknowns
+        if any(group.levels is not None for group in self.groups):
+            return self._differences()
         omega = 2 * np.pi * problem.measured.frequency_hz
-        rate = np.array([_rate(k, float(a)) for k, a in zip(known, self.u0, strict=False)] + [1.0] * self.e0.size)
+        rate = np.array([k.rate(float(a)) for k, a in zip(known, self.u0, strict=False)] + [1.0] * self.e0.size)
         index = _sensor_mass_index(problem)
         out = np.empty((rate.size, *problem.measured.values.shape), dtype=complex)
         for group in self.groups:
@@ -109,6 +119,13 @@ class Anchor:
                 group.matrices, omega, group.runs, masses, Slopes(**changes, masses_kg=mass_slopes)
             )
         return out
+
+    def _differences(self) -> ComplexArray:
+        """:meth:`slopes` where joints depend on level, the stiffness that they show being held in the unknowns."""
+        u, e, here = self.u0, self.e0, self.mechanical(self.u0, self.e0)
+        aside = [self.mechanical(u + step, e) for step in _SLOPE_STEP * np.eye(u.size)[: len(self.problem.unknowns)]]
+        aside += [self.mechanical(u, e + step) for step in _SLOPE_STEP * np.eye(e.size)]
+        return np.asarray((np.array(aside) - here) / _SLOPE_STEP)
 
     def _actions(self, e: Array) -> list[tuple[Action, ...]] | None:
         if not self.filtered:
@@ -223,18 +240,28 @@ def _reduced(
     basis = reduction(full.mass, full.stiffness, limit, np.zeros(s.drive.size, dtype=bool))
     matrices = _project(full, basis, group.rows)
     slopes: dict[str, Array] = {}
+    levels = levels_of(problem.measured, group, basis, matrices)
     if sides is None:
-        return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, np.zeros((0, 0)), roving)
+        none = np.zeros((0, 0))
+        return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, none, roving, levels)
     count, known = len(problem.unknowns), problem.nominal.joints
     part = basis[[s.joints.index(j) for j in known]]
     sensor = _sensor_mass_index(problem)
     grid_rows = [problem.nominal.places.index(home(s.places[r])) for r in group.rows]
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
+    shown: list[ComplexArray] = []
     for j, side in enumerate(sides):
         ends = [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)]
         extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in _NAMES})
         mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
+        if levels is not None:
+            pair = zip((side.here[index], side.there[index]), ends, strict=True)
+            near, far = (levels if g is group else levels_of(problem.measured, g, basis, m) for g, m in pair)
+            there = np.zeros_like(levels.shown)
+            if near is not None and far is not None:
+                there = (far.shown - near.shown) / side.step
+            shown.append(there)
     for name in _NAMES:
         values = problem.slopes[name]
         if name in ("mass", "damping", "stiffness"):
@@ -250,7 +277,8 @@ def _reduced(
             added = np.zeros((effects, *rows.shape[1:]))
         slopes[name] = np.concatenate([rows, added])
     assert slopes["mass"].shape[0] == count + effects
-    return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving)
+    sloped = None if levels is None else levels.sloped(shown)
+    return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped)
 
 
 def _loaded(group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool) -> Matrices:
@@ -290,11 +318,6 @@ def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
 def _at(group: Reduced, x: Array) -> Matrices:
     changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in _NAMES}
     return Matrices(**changed, spare=group.matrices.spare)
-
-
-def _rate(unknown: Unknown, u: float) -> float:
-    """Change of an unknown's factor or shift with its score."""
-    return unknown.sd * (unknown.amount(u) if unknown.scale == "log" else 1.0)
 
 
 def _by_rate(rate: Array, slopes: Array) -> Array:

@@ -27,6 +27,8 @@ Edit = Callable[[Scenario, float], Scenario]
 class Unknown:
     """One declared uncertainty; ``edit(scenario, amount)`` applies the factor ('log') or the shift ('linear').
 
+    A 'bounded' shift stays within plus and minus 1: it has no meaning beyond.
+
     ``what`` says it in words; ``nominal`` is the stated value where there is a single one.
     """
 
@@ -34,13 +36,21 @@ class Unknown:
     what: str
     unit: str
     sd: float
-    scale: Literal["log", "linear"]
+    scale: Literal["log", "linear", "bounded"]
     edit: Edit
     nominal: float | None = None
 
     def amount(self, u: float) -> float:
         """The factor or shift that a score u stands for."""
+        if self.scale == "bounded":
+            return math.tanh(self.sd * u)
         return math.exp(self.sd * u) if self.scale == "log" else self.sd * u
+
+    def rate(self, u: float) -> float:
+        """Change of the amount with the score."""
+        if self.scale == "bounded":
+            return self.sd * (1 - self.amount(u) ** 2)
+        return self.sd * (self.amount(u) if self.scale == "log" else 1.0)
 
     def change(self, u: float) -> float:
         """The amount's distance from the stated value: factor - 1, or the shift."""
