@@ -128,7 +128,7 @@ def _keep_arrays(stage: str, verdict: Verdict) -> None:
     np.savez(
         FOLDER / f"{stage}.npz",
         frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
-        before=found.null.predicted, after=found.final.predicted, train=found.null.problem.split.train,
+        before=found.null.foretold, after=found.final.foretold, train=found.null.problem.split.train,
         run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
         table_before=found.null_residual.table, table_after=found.final_residual.table,
         bands_hz=found.null_residual.bands_hz,
@@ -189,10 +189,10 @@ def run_splits(main: Document) -> Document:
         parts = Split(train, ~train, np.zeros_like(train))
         part = replace(problem, split=parts)
         before = calibrate(part)
-        row: Document = {"before": compare(before.predicted, problem.measured, parts).document()}
+        row: Document = {"before": compare(before.foretold, problem.measured, parts).document()}
         if effects:
             after = after_fit(before, effects)
-            row["after"] = compare(after.predicted, problem.measured, parts).document()
+            row["after"] = compare(after.foretold, problem.measured, parts).document()
             row["effects"] = [after.values(k) for k in range(len(effects))]
         rows[what] = row
         print(f"splits {time.strftime('%H:%M:%S')} {what}", flush=True)  # noqa: T201
@@ -223,7 +223,7 @@ def run_wrong_places(main: Document) -> Document:
             found = after_fit(before, [(fixed, rest)])
             row[label] = {
                 "x_m": px, "y_m": py, "raw_nats": found.evidence_nats - before.evidence_nats,
-                "errors": compare(found.predicted, problem.measured, problem.split).document(),
+                "errors": compare(found.foretold, problem.measured, problem.split).document(),
             }  # fmt: skip
         rows[hypothesis.name] = row
     return rows
@@ -240,7 +240,7 @@ def run_null() -> Document:
         modes = model_modes(model)
         left = residual(model, stored_thresholds())
         document[label] = {
-            "errors": compare(model.predicted, problem.measured, problem.split).document(),
+            "errors": compare(model.foretold, problem.measured, problem.split).document(),
             "frequency_hz": modes.frequency_hz.tolist(), "damping_ratio": modes.damping_ratio.tolist(),
             "bands_hz": left.bands_hz.tolist(), "table": left.table.tolist(), "reasons": list(left.reasons),
             "lag_one": left.lag_one, "smooth_per_dof": left.smooth_per_dof,
@@ -249,7 +249,7 @@ def run_null() -> Document:
     np.savez(
         FOLDER / "null.npz",
         frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
-        before=stated.predicted, after=calibrated.predicted, train=problem.split.train,
+        before=stated.foretold, after=calibrated.foretold, train=problem.split.train,
         run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
         table_before=np.array(document["stated"]["table"]), table_after=np.array(document["calibrated"]["table"]),
         bands_hz=np.array(document["stated"]["bands_hz"]),

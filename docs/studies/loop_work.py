@@ -110,7 +110,7 @@ def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
         return None
     held = told.problem.split.held
     measured = told.problem.measured
-    return float(np.mean(np.abs((told.predicted - measured.values)[held] / measured.sigma[held]) ** 2))
+    return float(np.mean(np.abs((told.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
 
 
 def core() -> str:

@@ -118,7 +118,7 @@ def _state(fit: Fit, left: Residual, comparison: Comparison) -> ModelState:
             ("held_channels", comparison.held_channels),
         )
     }
-    return ModelState(fit.predicted, left.table, figures, merits, left.adequate)
+    return ModelState(fit.foretold, left.table, figures, merits, left.adequate)
 
 
 def _effects(verdict: Verdict) -> tuple[EffectRow, ...]:

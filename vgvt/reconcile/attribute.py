@@ -286,7 +286,7 @@ def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
         raw = f.evidence_nats - current.evidence_nats
         missed = None
         if held.any():
-            missed = float(np.mean(np.abs((f.predicted - measured.values)[held] / measured.sigma[held]) ** 2))
+            missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
         rivals.append(Rival(f, raw - 0.5 * (1 - worth) * (current.chi2 - f.chi2), raw, missed))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
 
@@ -304,7 +304,7 @@ def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresho
     better = before.held_out_chi2_per_dof - rival.held_out
     split = rival.fit.problem.split
     lines = int(split.held.sum()) * rival.fit.problem.measured.frequency_hz.size
-    rho = (rival.fit.predicted - rival.fit.problem.measured.values) / rival.fit.problem.measured.sigma
+    rho = (rival.fit.foretold - rival.fit.problem.measured.values) / rival.fit.problem.measured.sigma
     worth = min(1.0, independent_values(rho[split.held]) / (2 * lines))
     nats = worth * lines * better
     tolerances_nats = 0.5 * float(current.scores @ current.scores - rival.fit.scores @ rival.fit.scores)

@@ -62,6 +62,25 @@ class Fit:
         return self.chi2 / self.points
 
     @property
+    def foretold(self) -> ComplexArray:
+        """The prediction (C, L), each held-out channel's own gain left open within its tolerance.
+
+        No other record can tell that gain, whatever the model: a fit without it would be blamed for it.
+        """
+        problem, found = self.problem, self.predicted.copy()
+        for nuisance in problem.nuisances:
+            own = np.flatnonzero(nuisance.rows)
+            if nuisance.kind != "gain" or own.size != 1 or not problem.split.held[own[0]]:
+                continue
+            sigma = problem.measured.sigma[own[0]]
+            here = found[own[0]] / sigma
+            missing = problem.measured.values[own[0]] / sigma - here
+            # |missing - a here|² + (a / sd)² / 2, the square sum of complex values against the score's.
+            share = (here.conj() @ missing).real / ((here.conj() @ here).real + 0.5 / nuisance.sd**2)
+            found[own[0]] *= 1 + share
+        return found
+
+    @property
     def scores(self) -> Array:
         """u and e joined."""
         return np.concatenate([self.u, self.e])

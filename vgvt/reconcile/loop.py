@@ -71,8 +71,8 @@ def reconcile(
         tests = suggest([r.fit for r in found.rounds[-1].equivalent])
     verdict = Verdict(
         kind, reasons_of(kind, found, limits, places), named_effects(found), found.final_residual.reasons,
-        compare(found.null.predicted, problem.measured, problem.split),
-        compare(found.final.predicted, problem.measured, problem.split),
+        compare(found.null.foretold, problem.measured, problem.split),
+        compare(found.final.foretold, problem.measured, problem.split),
         tests, found, places, limits, augment(scenario, found),
     )  # fmt: skip
     if folder is not None:

@@ -81,7 +81,7 @@ def as_good(other: Fit, winner: Fit, set_nats: float) -> bool:
     """
     measured, parts = winner.problem.measured, winner.problem.split
     rows = parts.held if parts.held.any() else parts.train
-    left = [((f.predicted - measured.values) / measured.sigma)[rows] for f in (winner, other)]
+    left = [((f.foretold - measured.values) / measured.sigma)[rows] for f in (winner, other)]
     best = min(left, key=_square)
     worth = min(1.0, independent_values(best) / (2 * best.size))
     nats = worth * (_square(left[1]) - _square(left[0]))

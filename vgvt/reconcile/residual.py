@@ -50,7 +50,7 @@ class Residual:
 def residual(fit: Fit, thresholds: Thresholds) -> Residual:
     """The residual of a fit, judged by placebo-calibrated thresholds."""
     measured, parts = fit.problem.measured, fit.problem.split
-    rho = (fit.predicted - measured.values) / measured.sigma
+    rho = (fit.foretold - measured.values) / measured.sigma
     bands = np.quantile(measured.frequency_hz, np.linspace(0, 1, _BANDS + 1))
     train, held = rho[parts.train], rho[parts.held]
     chi2 = float(np.mean(np.abs(train) ** 2))
