@@ -49,3 +49,14 @@ def drawn_scores(case: Problem, seed: int) -> np.ndarray:
     scores[:count] = np.random.default_rng(seed).standard_normal(count)
     scores[case.unknowns.index(CELLS)] = -3 / CELLS.sd  # as near to -1 as makes no difference
     return scores
+
+
+def without_instrument_noise(scenario: Scenario) -> Scenario:
+    """The scenario with instruments that add nothing."""
+    clean = {"noise": None}
+    changes = {
+        "accelerometers": scenario.accelerometers.model_copy(update=clean),
+        "transducer": scenario.transducer.model_copy(update=clean),
+        "acquisition": scenario.acquisition.model_copy(update={"noise_v_per_rthz": 0.0, "bits": 32}),
+    }
+    return scenario.model_copy(update=changes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.localise import Place, localise
+from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.screen import Screened, screen
 from vgvt.reconcile.thresholds import Thresholds
@@ -119,7 +121,8 @@ def attribute(
             break
         winner = max(confirmed, key=lambda r: r.gain_nats)
         equal = tuple(r for r in confirmed if r.gain_nats > winner.gain_nats - thresholds.set_nats)
-        rounds.append(Addition(winner, equal, rivals, before.held_out_chi2_per_dof))
+        addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
+        rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell))
         current = winner.fit
         if keep is not None:
             keep(start, rounds)
@@ -289,6 +292,11 @@ def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
             missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
         rivals.append(Rival(f, raw - 0.5 * (1 - worth) * (current.chi2 - f.chi2), raw, missed))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
+
+
+def _judged(current: Fit, found: Fit) -> Rival:
+    """One fit as a rival on its own."""
+    return _against(current, [found])[0]
 
 
 def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:

@@ -86,6 +86,14 @@ def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Arr
     return row
 
 
+def spare_flexibility(problem: Problem, cells: float, s: Structure, rows: NDArray[np.intp]) -> Array:
+    """Static flexibility (rows,), m/N, that a structure's highest modes lack of a continuum's."""
+    found = np.zeros(rows.size)
+    for share, part in ((1.0, problem.refinement), (cells, problem.coarseness)):
+        found += share * part.flexibility[[part.places.index(home(s.places[r])) for r in rows]]
+    return found
+
+
 def refined(s: Structure, problem: Problem, cells: float) -> Structure:
     """The structure with what makes up for its cells: at -1 it is the chain as stated, at 0 a continuum."""
     stiffness, damping, axis, drive = s.stiffness.copy(), s.damping.copy(), s.axis.copy(), s.drive.copy()

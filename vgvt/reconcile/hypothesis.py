@@ -43,6 +43,11 @@ class Hypothesis:
         return str(self.cls.family)  # type: ignore[attr-defined]
 
     @property
+    def linear(self) -> bool:
+        """Whether superposition holds with the effect."""
+        return bool(self.cls.linear)  # type: ignore[attr-defined]
+
+    @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The parameters to fit, in the order of their scores."""
         return tuple(p for p in parameters_of(self.cls) if p.name not in self.settings)

@@ -23,7 +23,7 @@ _ANOTHER_LEVEL = 1.3
 
 def depends_on_level(problem: Problem, hypothesis: Hypothesis) -> bool:
     """Whether the prediction knows a nonlinear joint in what a hypothesis adds."""
-    if getattr(hypothesis.cls, "linear", True):
+    if hypothesis.linear:
         return False
     effect = hypothesis.effect({p.name: _share(p, 0.5) for p in hypothesis.parameters})
     if effect is None:

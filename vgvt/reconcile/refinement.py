@@ -7,7 +7,7 @@ several times as many cells.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -23,12 +23,16 @@ Array = NDArray[np.float64]
 _FINER, _MOST_CELLS, _FEWEST_CELLS = 4, 60, 12
 _LONG = 0.5
 _SAME_SHAPE = 0.8
+# Of the limit, three times the band: modes above this are at rest as far as the band goes.
+_STATIC = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Refinement:
     """What to add to a structure over its coordinates: ``stiffness``, ``damping`` (n, n), rows ``axis`` (places, n),
     ``drive`` (n,).
+
+    ``flexibility`` (places,), m/N, is what modes too high to be matched give more than the structure's own, at rest.
     """
 
     places: tuple[str, ...]
@@ -36,6 +40,7 @@ class Refinement:
     damping: Array
     axis: Array
     drive: Array
+    flexibility: Array
 
     @classmethod
     def none(cls, own: Structure) -> Refinement:
@@ -46,6 +51,7 @@ class Refinement:
             np.zeros_like(own.damping),
             np.zeros_like(own.axis),
             np.zeros_like(own.drive),
+            np.zeros(len(own.places)),
         )
 
     def less(self, other: Refinement) -> Refinement:
@@ -56,6 +62,7 @@ class Refinement:
             self.damping - other.damping,
             self.axis - other.axis,
             self.drive - other.drive,
+            self.flexibility - other.flexibility,
         )
 
 
@@ -90,15 +97,19 @@ def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, 
     """
     layout = layouts.plan(other)
     target = structure(layout, layout.grid, None)
-    squares, shapes, seen = _modes(own, limit_hz)
-    squares_there, shapes_there, seen_there = _modes(target, 1.5 * limit_hz)
-    likeness = modal_assurance(seen, seen_there)
+    squares, shapes, seen = _modes(own)
+    squares_there, shapes_there, seen_there = _modes(target)
+    within = int(np.searchsorted(squares, (2 * np.pi * limit_hz) ** 2))
+    within_there = int(np.searchsorted(squares_there, (2 * np.pi * 1.5 * limit_hz) ** 2))
+    likeness = modal_assurance(seen[:within], seen_there[:within_there])
     found = Refinement.none(own)
     stiffness, damping, axis, drive = found.stiffness, found.damping, found.axis, found.drive
-    for k, square in enumerate(squares):
+    high, high_there = (s > (2 * np.pi * _STATIC * limit_hz) ** 2 for s in (squares, squares_there))
+    for k, square in enumerate(squares[:within]):
         match = int(np.argmax(likeness[k]))
         if likeness[k, match] <= _SAME_SHAPE or int(np.argmax(likeness[:, match])) != k:
             continue
+        high[k] = high_there[match] = False
         shape, shape_there = shapes[:, k], shapes_there[:, match]
         weight = own.mass @ shape
         lost = float(shape_there @ target.damping @ shape_there - shape @ own.damping @ shape)
@@ -107,12 +118,16 @@ def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, 
         damping += share * lost * np.outer(weight, weight)
         axis += share * np.outer(moved[:-1], weight)
         drive += share * moved[-1] * weight
-    return found
+    lacking = _at_rest(squares_there, seen_there, high_there) - _at_rest(squares, seen, high)
+    return replace(found, flexibility=share * lacking)
 
 
-def _modes(s: Structure, limit_hz: float) -> tuple[Array, Array, Array]:
-    """Squared frequencies (m,), mass-normalised shapes (n, m), and what the points see of them (m, places + 1)."""
+def _at_rest(squares: Array, seen: Array, chosen: NDArray[np.bool_]) -> Array:
+    """Static flexibility (places,) between drive and places, m/N, of some modes."""
+    return np.asarray((seen[chosen, -1] / squares[chosen]) @ seen[chosen, :-1])
+
+
+def _modes(s: Structure) -> tuple[Array, Array, Array]:
+    """Squared frequencies (n,), mass-normalised shapes (n, n), and what the points see of them (n, places + 1)."""
     squares, shapes = scipy.linalg.eigh((s.stiffness + s.stiffness.T) / 2, (s.mass + s.mass.T) / 2)
-    keep = squares <= (2 * np.pi * limit_hz) ** 2
-    shapes = shapes[:, keep]
-    return squares[keep], shapes, (np.vstack([s.axis, s.drive]) @ shapes).T
+    return squares, shapes, (np.vstack([s.axis, s.drive]) @ shapes).T

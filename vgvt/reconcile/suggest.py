@@ -41,11 +41,15 @@ class Suggestion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Procedure:
-    """A change of procedure: in words, as an edit of the scenario, and its lab time beyond the runs themselves."""
+    """A change of procedure: in words, as an edit of the scenario, and its lab time beyond the runs themselves.
+
+    ``force`` multiplies what the shaker pushed with.
+    """
 
     words: str
     edit: Callable[[Scenario], Scenario]
     minutes: float
+    force: float = 1.0
 
 
 def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
@@ -57,7 +61,7 @@ def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
     found: list[Suggestion] = []
     if len(fits) < 2:
         return ()
-    for procedure in procedures(fits[0].problem):
+    for procedure in (*procedures(fits[0].problem), *levels_to_try(fits)):
         pairs = []
         for one, other in itertools.combinations(fits[:3], 2):
             nats = expected_nats(one, other, procedure)
@@ -91,6 +95,16 @@ def expected_nats(one: Fit, other: Fit, procedure: Procedure) -> float | None:
     both = tangent.T @ tangent + precision
     taken = float((tangent.T @ gap) @ np.linalg.solve(both, tangent.T @ gap))
     return 0.5 * (float(gap @ gap) - taken)
+
+
+def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
+    """Sweeps at other levels, where one of the fits holds an effect that depends on it."""
+    if all(h.linear for fit in fits for h in fit.hypotheses):
+        return ()
+    return tuple(
+        Procedure(f"sweep again with {words} the force", lambda s: s, 5.0, factor)
+        for words, factor in (("twice", 2.0), ("half", 0.5), ("a quarter of", 0.25))
+    )
 
 
 def procedures(problem: Problem) -> tuple[Procedure, ...]:
@@ -132,4 +146,8 @@ def _changed(problem: Problem, procedure: Procedure) -> Problem:
     layouts = Layouts.of(start)
     layout = layouts.plan(start)
     nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
-    return replace(problem, scenario=scenario, start=nominal)
+    measured = problem.measured
+    if procedure.force != 1:
+        pushed, force = procedure.force * measured.pushed, procedure.force * measured.force
+        measured = replace(measured, pushed=pushed, force=force)
+    return replace(problem, scenario=scenario, measured=measured, start=nominal)

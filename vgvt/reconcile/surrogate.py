@@ -14,7 +14,16 @@ from numpy.typing import NDArray
 from vgvt.effects.action import Action
 from vgvt.reconcile.adjacent import adjacent
 from vgvt.reconcile.chain import chain_factor
-from vgvt.reconcile.grouping import Group, NoStructureError, assembled, cells_at, effects_at, home, run_actions
+from vgvt.reconcile.grouping import (
+    Group,
+    NoStructureError,
+    assembled,
+    cells_at,
+    effects_at,
+    home,
+    run_actions,
+    spare_flexibility,
+)
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.problem import Problem
@@ -239,6 +248,8 @@ def _reduced(
     limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
     basis = reduction(full.mass, full.stiffness, limit, np.zeros(s.drive.size, dtype=bool))
     matrices = _project(full, basis, group.rows)
+    missing = spare_flexibility(problem, cells_at(problem, u), s, group.rows)
+    matrices = replace(matrices, spare=matrices.spare + missing)
     slopes: dict[str, Array] = {}
     levels = levels_of(problem.measured, group, basis, matrices)
     if sides is None:

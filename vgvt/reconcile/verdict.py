@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 
-import numpy as np
-
 from vgvt.reconcile.attribute import Addition, Attribution
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
+from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, Place
+from vgvt.reconcile.one_level import rests_on_one_level
 from vgvt.reconcile.place_control import distinct_places
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
-
-_ANOTHER_LEVEL = 1.3
 
 
 class Kind(StrEnum):
@@ -101,7 +99,7 @@ def kind_of(found: Attribution) -> Kind:
     if not found.final_residual.adequate or doubts(found):
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.equivalent}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
-    return Kind.AMBIGUOUS if several else Kind.EXPLAINED
+    return Kind.AMBIGUOUS if several or rests_on_one_level(found) else Kind.EXPLAINED
 
 
 def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
@@ -155,6 +153,10 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and found.rounds:
         said += [f"With it {text}" for text in after.reasons]
+    said += [
+        f"{name} depends on the level of force, and every run has the same: it needs a second level"
+        for name in rests_on_one_level(found)
+    ]
     said += doubts(found)
     if strained_too_much(found.null):
         said.append(f"Without any effect the calibration needs {far_scores(found.null)}")
@@ -166,7 +168,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data do not confirm it"
             for r in found.vetoed[:3]
         ]
-    if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and _one_level(found):
+    if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(found.null.problem):
         said.append(
             "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
         )
@@ -193,12 +195,6 @@ def _looks_like(place: Place) -> str:
     if place.type == "resonant":
         return f"; it looks like something that swings at {place.size:.1f} Hz"
     return f"; it looks like a {place.type} of {place.size:.3g} {place.unit}"
-
-
-def _one_level(found: Attribution) -> bool:
-    """Whether no run shook harder than another by more than a drive that is left alone."""
-    size = np.sqrt(np.mean(np.abs(found.null.problem.measured.force) ** 2, axis=1))
-    return bool(size.max() < _ANOTHER_LEVEL * size.min())
 
 
 def _effect_document(e: NamedEffect) -> dict[str, object]:

@@ -1,0 +1,127 @@
+"""What nonlinear joints make of a prediction: their limits at whisper and shout, and MuJoCo's records between them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from reconciled_case import small_scenario
+from test_surrogate import silent
+
+from vgvt.effects import available_effects
+from vgvt.effects.conformance import with_effect
+from vgvt.reconcile.data import measured_frfs
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.level_grid import depends_on_level, level_grid, several_levels
+from vgvt.reconcile.problem import CELLS, Problem, make_problem
+from vgvt.reconcile.surrogate import anchor
+from vgvt.scenario import Scenario
+from vgvt.simulation import simulate
+
+ROOT = {"root_stiffness_n_m_per_rad": 2000.0, "kind": "bending", "side": "both"}
+CUBIC = Hypothesis(available_effects()["cubic-root-stiffness"], {"cubic_n_m_per_rad3": 2e7, **ROOT})
+FRICTION = Hypothesis(available_effects()["root-friction"], {"friction_n_m": 0.3, **ROOT})
+PLAY = Hypothesis(available_effects()["root-freeplay"], {"gap_rad": 2e-3, **ROOT})
+NOTHING = np.zeros(0)
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    campaign = simulate(silent(small_scenario()), engine="linear").campaign
+    return make_problem(campaign, small_scenario(), lines=120, cache=tmp_path_factory.mktemp("cache"))
+
+
+def truth(case: Problem) -> NDArray[np.float64]:
+    """Scores of the scenario as stated, cells included."""
+    scores = np.zeros(case.size)
+    scores[case.unknowns.index(CELLS)] = -1 / CELLS.sd
+    return scores
+
+
+def predicted(case: Problem, hypotheses: tuple[Hypothesis, ...], force: float = 1.0) -> NDArray[np.complex128]:
+    """A/F of the scenario as stated with effects, pushed ``force`` times as hard as it was."""
+    louder = replace(case, measured=replace(case.measured, pushed=force * case.measured.pushed))
+    u = truth(case)
+    return anchor(louder, u, hypotheses, NOTHING, slopes=False).predict(u, NOTHING)
+
+
+def distance(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> float:
+    return float(np.linalg.norm(one - other) / np.linalg.norm(other))
+
+
+def test_a_whisper_leaves_the_linear_model_and_a_stuck_joint(case: Problem) -> None:
+    """A cubic joint is its tangent; one that never slips is rigid; play stays shut under the wing's weight."""
+    rigid = predicted(case, ())
+    held = {name: predicted(case, (h,), 1e-4) for name, h in (("cubic", CUBIC), ("stuck", FRICTION), ("shut", PLAY))}
+    for hypothesis, name in ((CUBIC, "cubic"), (PLAY, "shut")):
+        values = dict(hypothesis.settings)
+        linear = simulate(with_effect(silent(small_scenario()), hypothesis.cls(**values)), engine="linear").campaign
+        wanted = measured_frfs(linear, lines=120)
+        same = np.isin(case.measured.lines, wanted.lines)
+        there = np.isin(wanted.lines, case.measured.lines)
+        assert np.median(np.abs(held[name][:, same] / wanted.values[:, there] - 1)) < 0.003
+    # The airframe's damping is set with the joint free, so that the stuck peaks differ by some percent.
+    assert distance(held["stuck"], rigid) < 0.06
+    assert distance(held["shut"], rigid) > 0.5
+
+
+def test_a_shout_leaves_the_slipping_joint(case: Problem) -> None:
+    """Friction is nothing against a thousand times the force."""
+    slipping = predicted(case, (PLAY,), 1e-4)
+    assert distance(predicted(case, (FRICTION,), 1e3), slipping) < 0.01
+    assert distance(predicted(case, (FRICTION,)), slipping) > 0.2
+
+
+def test_slopes_are_those_of_the_prediction(case: Problem) -> None:
+    """In an effect's parameters, the whole way through the march."""
+    free = Hypothesis(CUBIC.cls, {"kind": "bending", "side": "both"})
+    e = free.scores({"cubic_n_m_per_rad3": 2e7, "root_stiffness_n_m_per_rad": 2000.0})
+    u = truth(case)
+    here = anchor(case, u, (free,), e)
+    slopes = here.slopes()[-2:]
+    assert distance(here.mechanical(u, e), anchor(case, u, (free,), e, slopes=False).mechanical(u, e)) < 1e-9
+    for k in range(2):
+        sides = [e + s * 0.02 * np.eye(2)[k] for s in (1, -1)]
+        far, near = (anchor(case, u, (free,), x, slopes=False).mechanical(u, x) for x in sides)
+        assert distance(slopes[k], (far - near) / 0.04) < 0.1
+
+
+def test_levels_are_seen_in_the_force(case: Problem) -> None:
+    assert not several_levels(case)
+    force = np.concatenate([case.measured.force, 4 * case.measured.force])
+    assert several_levels(replace(case, measured=replace(case.measured, force=force)))
+
+
+def test_only_what_the_prediction_knows_is_looked_for_on_a_grid(case: Problem) -> None:
+    known = available_effects()
+    assert depends_on_level(case, Hypothesis(known["root-friction"], {"kind": "torsion"}))
+    assert not depends_on_level(case, Hypothesis(known["root-compliance"]))
+    assert not depends_on_level(case, Hypothesis(known["mains-hum"]))
+    grid = level_grid(Hypothesis(known["root-friction"], {"kind": "torsion", "side": "left"}))
+    assert len(grid) == 4
+    assert len({tuple(values.items()) for values in grid}) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("hypothesis", "volt", "most"), [(CUBIC, 1.0, 0.05), (FRICTION, 0.25, 0.1), (FRICTION, 1.0, 0.1), (PLAY, 4.0, 0.1)]
+)
+def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, volt: float, most: float) -> None:
+    """The response to a fast sweep, whose amplitudes no steady state has: far nearer than the linear joint's."""
+    scenario = driven(silent(small_scenario()), volt)
+    effect = hypothesis.cls(**hypothesis.settings)
+    campaign = simulate(with_effect(scenario, effect), engine="mujoco").campaign
+    case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
+    found = distance(predicted(case, (hypothesis,)), case.measured.values)
+    linear = distance(predicted(case, (hypothesis,), 1e-4 if hypothesis is not FRICTION else 1e3), case.measured.values)
+    assert found < most
+    assert found < 0.5 * linear
+
+
+def driven(scenario: Scenario, volt: float) -> Scenario:
+    """A short sweep over the first two bending modes."""
+    sweep = scenario.excitation.model_copy(update={"stop_hz": 19.0, "duration_s": 8.0, "amplitude_v": volt})
+    return scenario.model_copy(update={"excitation": sweep})

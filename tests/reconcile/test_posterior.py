@@ -1,0 +1,80 @@
+"""Stated standard deviations hold the truth as often as they say, also where the model's own error is not random."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from added_noise import Noise
+from reconciled_case import drawn_scores, problem, small_scenario, without_instrument_noise
+
+from vgvt.effects import available_effects
+from vgvt.effects.conformance import table_of
+from vgvt.reconcile.fit import NEAR, Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.posterior import honest, honest_covariance
+from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.uncertain import edited, unknowns
+from vgvt.simulation import simulate
+
+DRAWS = 30
+
+
+@pytest.fixture(scope="module")
+def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """A model where the truth is, of a campaign with its instruments' noise."""
+    case = problem(tmp_path_factory.mktemp("cache"), 3)
+    return fit(case, (), drawn_scores(case, 3), np.zeros(0), ())
+
+
+def with_noise_share(calibrated: Fit, share: float) -> Fit:
+    """The same fit with a part of the variance that it is judged by called noise."""
+    measured = calibrated.problem.measured
+    told = replace(measured, noise=share * measured.sigma**2)
+    return replace(calibrated, problem=replace(calibrated.problem, measured=told))
+
+
+def test_without_a_floor_it_is_the_posterior_of_laplace(calibrated: Fit) -> None:
+    found = honest_covariance(with_noise_share(calibrated, 1.0))
+    np.testing.assert_allclose(found, calibrated.covariance, rtol=1e-6, atol=1e-9)
+
+
+def test_an_error_common_to_lines_and_channels_makes_it_wider(calibrated: Fit) -> None:
+    before = np.sqrt(np.diag(calibrated.covariance))
+    half, all_of_it = (np.sqrt(np.diag(honest(with_noise_share(calibrated, s)).covariance)) for s in (0.5, 0.0))
+    assert (all_of_it >= before * (1 - 1e-9)).all()
+    assert (half >= before * (1 - 1e-9)).all()
+    # What is common to 22 channels and five lines of each: some scores feel it in full, none more.
+    ratio = all_of_it / before
+    assert 2.0 < ratio.max() <= np.sqrt(22 * 5 * 2)
+    assert half.max() <= all_of_it.max()
+
+
+@pytest.mark.slow
+def test_stated_intervals_hold_the_truth(tmp_path: Path) -> None:
+    """Calibrated unknowns and the size of an effect over draws of all of them, of noise, and of nothing else."""
+    scenario = small_scenario()
+    known = unknowns(scenario)
+    hypothesis = Hypothesis(available_effects()["added-mass"], {"x_m": 0.75, "y_m": 0.9})
+    share, of_effect = [], []
+    for draw in range(DRAWS):
+        generator = np.random.default_rng(draw)
+        true = generator.standard_normal(len(known))
+        size = 0.5 * generator.standard_normal(1)
+        made = hypothesis.effect(hypothesis.values(size))
+        assert made is not None
+        truth = without_instrument_noise(edited(scenario, known, true)).model_copy(update={"effect": (table_of(made),)})
+        campaign = Noise(0.01, False).on(simulate(truth, engine="linear").campaign, generator)
+        case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
+        start = drawn_scores(case, draw)
+        found = honest(fit(case, (hypothesis,), start, size, NEAR))
+        sd = np.sqrt(np.diag(found.covariance))
+        away = np.abs(found.scores[: len(known)] - true) / sd[: len(known)]
+        share.append(float(np.mean(away < 1.96)))
+        of_effect.append(float(abs(found.e[0] - size[0]) / sd[-1] < 1.96))
+    figures = f"unknowns {np.mean(share):.3f}, effect {np.mean(of_effect):.3f}"
+    # Intervals of a draw hang together: the error of their mean comes from the scatter between draws.
+    assert np.mean(share) > 0.95 - 3 * np.std(share) / np.sqrt(DRAWS), figures
+    assert np.mean(of_effect) > 0.95 - 3 * np.sqrt(0.95 * 0.05 / DRAWS), figures
