@@ -137,9 +137,22 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
         else:
             kinds.append((scenario, edited, tuple(actions), [run]))
     return tuple(
-        Change(frozenset(runs), actions[-1], before, start.layouts.plan(after, actions))
+        Change(frozenset(runs), actions[-1], before, _layout(start, after, actions))
         for before, after, actions, runs in kinds
     )
+
+
+def _layout(start: Nominal, scenario: Scenario, actions: tuple[Action, ...]) -> Plan:
+    """The plan of an edited scenario: a scan over an effect's sizes often edits it alike."""
+    drive = start.layouts.first.drive.dof.node
+    if any(p.node == drive for a in actions for p in a.points):
+        return start.layouts.plan(scenario, actions)
+    return replace(_cut(start, scenario), actions=actions)
+
+
+@lru_cache(maxsize=256)
+def _cut(start: Nominal, scenario: Scenario) -> Plan:
+    return start.layouts.plan(scenario)
 
 
 # What a screen asks for at every stand: the variants' first steps.

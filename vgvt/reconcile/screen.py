@@ -70,7 +70,9 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     if depends_on_level(stand.fit.problem, hypothesis):
         return [max((_at(stand, hypothesis, v) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)]
     grid = _grid(stand, hypothesis)
-    sized = sorted((_sized(stand, hypothesis, values) for values in grid), key=lambda s: -s.gain_nats)
+    # What swings is narrow, and nothing that the unknowns imitate: along a scan rough slopes will do.
+    rough = len(grid) > 1
+    sized = sorted((_sized(stand, hypothesis, values, rough=rough) for values in grid), key=lambda s: -s.gain_nats)
     if len(grid) == 1 or sized[0].gain_nats <= _WORTH_REFINING:
         return sized[:1]
     scanned = next(name for name in grid[0] if grid[0][name] != grid[1][name])
@@ -118,7 +120,7 @@ def _checked(stand: Stand, s: Screened) -> Screened:
     return s if best is None else best
 
 
-def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:
+def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], *, rough: bool = False) -> Screened:
     """The best sizes of an effect whose other values are given, by the closed form, checked at what it gives."""
     switches = [p for p in hypothesis.parameters if p.neutral is not None and p.name not in start]
     neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
@@ -127,7 +129,7 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Scr
     left = stand.left
     columns, used = [], []
     for p in switches:
-        slope = stand.slope(hypothesis, {**start, **neutral}, p)
+        slope = stand.slope(hypothesis, {**start, **neutral}, p, rough=rough)
         if slope is not None and np.abs(slope).max() * step_from_neutral(p) > 1e-9:
             columns.append(stand.projected(slope))
             used.append(p)

@@ -28,17 +28,10 @@ def local_rational_noise(responses: ComplexArray, force: ComplexArray, lines: ND
     polynomial does. What it leaves is noise times its denominator, which is therefore divided out. ``responses``
     (channels, K) and ``force`` (K,) are whole-record spectra; ValueError for fewer than 22 lines.
     """
-    n, last = _RATIONAL_HALF_WIDTH, force.size - 1
-    if last < 2 * n + 1:
-        raise ValueError(f"{force.size} lines cannot hold a window of {2 * n + 1}")
-    centre = np.clip(lines, 1 + n, last - n)
-    window = centre[:, None] + np.arange(-n, n + 1)
-    powers = ((window - lines[:, None]) / n)[:, :, None] ** np.arange(3)
+    window, powers, basis = _local(force, lines)
     scale = _rms(force[window])
-    pushed = (force[window] / scale)[:, :, None] * powers
-    basis, _ = np.linalg.qr(np.concatenate([pushed, powers.astype(complex)], axis=2))
     free = 1 - (np.abs(basis) ** 2).sum(axis=2)
-    share = 1 - 2 / (2 * n + 1 - basis.shape[2])
+    share = 1 - 2 / (window.shape[1] - basis.shape[2])
     # A gap in the force holds no information on |G|; it must not stand for an infinite one.
     strength = np.maximum(np.abs(force[window]), 1e-3 * scale)
     noise, around = np.empty((2, responses.shape[0], lines.size))
@@ -50,6 +43,29 @@ def local_rational_noise(responses: ComplexArray, force: ComplexArray, lines: ND
     here = np.abs(responses[:, lines] / np.maximum(np.abs(force[lines]), 1e-3 * scale[:, 0])) ** 2
     own, of_force = _shares(noise, around)
     return np.asarray(noise * (own[:, None] + of_force * here) / (own[:, None] + of_force * around))
+
+
+def local_rational_rest(responses: ComplexArray, force: ComplexArray, lines: NDArray[np.intp]) -> ComplexArray:
+    """What a local rational model leaves of responses (channels, K) at each line, (channels, lines): no linear answer.
+
+    ``force`` (K,) is a whole-record spectrum as well; the model is that of :func:`local_rational_noise`.
+    """
+    window, powers, basis = _local(force, lines)
+    own = (window == lines[:, None]).argmax(axis=1)
+    rows = np.arange(lines.size)
+    return np.array([_rational(r[window], powers, basis)[0][rows, own] for r in responses])
+
+
+def _local(force: ComplexArray, lines: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array, ComplexArray]:
+    """Windows (L, W) of lines, powers (L, W, 3) of distances in them, basis (L, W, 6) of what force and leakage give."""
+    n, last = _RATIONAL_HALF_WIDTH, force.size - 1
+    if last < 2 * n + 1:
+        raise ValueError(f"{force.size} lines cannot hold a window of {2 * n + 1}")
+    window = np.clip(lines, 1 + n, last - n)[:, None] + np.arange(-n, n + 1)
+    powers = ((window - lines[:, None]) / n)[:, :, None] ** np.arange(3)
+    pushed = (force[window] / _rms(force[window]))[:, :, None] * powers
+    basis, _ = np.linalg.qr(np.concatenate([pushed, powers.astype(complex)], axis=2))
+    return window, powers, basis
 
 
 def _rms(values: ComplexArray) -> Array:
