@@ -138,6 +138,15 @@ def _runs(axes: Any, pair: Pair, sensor: int) -> None:
     axes.legend(loc="upper right", framealpha=0.8)
 
 
+def _command_runs(axes: Any, pair: Pair, sensor: int) -> None:
+    runs = pair.spoiled.campaign.runs
+    for run, colour, label in ((runs[0], OTHER, "with, first run"), (runs[-1], SPOILED, "with, last run")):
+        frequency, values = ratio(run, COMMAND, pair.scenario)
+        axes.semilogy(frequency, np.abs(values[sensor]), color=colour, label=label)
+    axes.set(xlabel="frequency in Hz")
+    axes.legend(loc="lower right", framealpha=0.8)
+
+
 def _levels(axes: Any, pair: Pair, sensor: int) -> None:
     """Around the resonance that the level changes most."""
     results = (*pair.quieter, pair.spoiled)
@@ -185,6 +194,7 @@ FORCE_SPECTRUM = Panel(_force, "spectrum of the force in N, beyond the sweep too
 RESPONSE_SPECTRUM = Panel(_response, "spectrum of the response, beyond the sweep too")
 RECORD = Panel(_record, "the record itself, in m/s²")
 RUNS = Panel(_runs, "|A/F| in the first and the last run, near the first resonance")
+COMMAND_RUNS = Panel(_command_runs, "response per command, |A/V|, in the first and the last run")
 LEVELS = Panel(_levels, "|A/F| at three levels, where they differ most", (0.02, 0.2))
 MODES = Panel(_modes, "change of the true modes in per cent")
 
@@ -194,10 +204,12 @@ _KINDS = {
     SHARE: "base-strain drive-point-offset lateral-force transducer-mass channel-gain sensor-tilt drive-remount "
     "sensor-position-error transverse-sensitivity suspension-surge local-absorber bend-twist-coupling warm-up",
     PER_COMMAND: "mount-compliance stinger-compliance",
-    FORCE_SPECTRUM: "force-distortion",
-    RESPONSE_SPECTRUM: "clipping-range mains-hum quantisation mount-lift-off rattling-mass cubic-root-stiffness",
+    FORCE_SPECTRUM: "force-distortion shaker-backlash",
+    RESPONSE_SPECTRUM: "clipping-range aliased-interference mains-hum quantisation mount-lift-off rattling-mass "
+    "cubic-root-stiffness",
     RECORD: "dropped-samples",
-    RUNS: "payload-change run-drift temperature-change gain-drift",
+    RUNS: "payload-change run-drift root-creep temperature-change gain-drift",
+    COMMAND_RUNS: "mount-creep",
 }
 _PANELS = {name: panel for panel, names in _KINDS.items() for name in names.split()}
 

@@ -24,6 +24,7 @@ from virtual_lab import PAGES, write_results
 
 from vgvt.bench.executors import in_order_of_completion, process_pool
 from vgvt.bench.store import Store
+from vgvt.data import InputError
 
 PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
 # Every tenth campaign comes from MuJoCo's time domain.
@@ -161,8 +162,10 @@ def report(rows: Sequence[Row], folder: Path) -> None:
     baselines = PAGES.parents[1] / "scoreboard" / "baselines"
     baselines.mkdir(exist_ok=True)
     write_matrix(counts, baselines / "closing-the-loop-confusion.csv")
-    if any(r["group"] == "placebo" and r["verdict"] in JUDGED for r in rows):
-        (folder / "thresholds.toml").write_text(placebo_limits(rows), encoding="utf-8")
+    try:
+        placebo_limits(rows, folder / "thresholds.toml")
+    except InputError as error:
+        Console(stderr=True).print(f"no thresholds: {error}", highlight=False)
 
 
 def arguments() -> argparse.Namespace:

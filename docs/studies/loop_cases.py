@@ -100,7 +100,8 @@ class Staged:
 def staged(case: Case) -> Staged:
     """Make the campaign of a case; none where no plausible size is visible."""
     scenario = lab.nominal()
-    true = lab.drawn(lab.quiet(scenario), case.stream("truth"))
+    cells = lab.STEPPED_CELLS if case.engine == "mujoco" else lab.TRUE_CELLS
+    true = lab.drawn(lab.quiet(scenario), case.stream("truth"), cells)
     true = true.model_copy(update={"seed": int(case.stream("seed").integers(2**31))})
     if case.source == SECOND:
         campaign, place = _second(case, true)

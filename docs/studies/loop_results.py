@@ -11,6 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from virtual_lab import IMAGES, table
 
+from vgvt.reconcile.placebo import Placebo, calibrated_thresholds, write_thresholds
+
 Row = dict[str, Any]
 CONFIDENCE_Z = 1.959963984540054
 """Normal quantile of a two-sided 95 % interval."""
@@ -101,27 +103,20 @@ def by_key(rows: Sequence[Row], key: str) -> str:
     return table((key, "truth in the set", "wrong single name", "median held-out χ²/ν", "median held-out NRMSE"), lines)
 
 
-def placebo_limits(rows: Sequence[Row]) -> str:
-    """Thresholds as TOML with their provenance: what 98 of 100 placebos stay below, each on its own.
-
-    Up to fifty placebos it is the largest of them: no sample that small has such a quantile.
-    """
-    mine = judged(rows, "placebo")
-    columns = {
-        "chi2_per_dof": "train_before",
-        "smooth_per_dof": "smooth_before",
-        "held_out_per_dof": "held_before",
-        "evidence_nats": "evidence_nats",
-    }
-    lines = [f"# {len(mine)} placebos of docs/studies/closing_the_loop.py"]
-    for name, column in columns.items():
-        values = np.array([r[column] for r in mine], dtype=float)
-        level = float(np.quantile(values, 0.98, method="higher")) if values.size > 50 else float(values.max())
-        lines.append(f"{name} = {level:.3f}")
+def placebo_limits(rows: Sequence[Row], file: Path) -> None:
+    """Write thresholds as TOML with their provenance, as :mod:`vgvt.reconcile.placebo` makes them of the placebos."""
+    mine = [r for r in judged(rows, "placebo") if "noise_per_dof" in r]
+    found = [
+        Placebo(
+            r["train_before"], r["smooth_before"], r["held_before"], r["evidence_nats"], r["noise_per_dof"],
+            r["held_out_noise_per_dof"],
+        )
+        for r in mine
+    ]  # fmt: skip
     versions = ", ".join(sorted({r["core"] for r in mine}))
     noises = ", ".join(f"{100 * v:g} %" for v in sorted({r["noise"] for r in mine}))
-    lines.append(f'provenance = "{len(mine)} placebos, noise {noises}, source of the analysis {versions}"')
-    return "\n".join(lines) + "\n"
+    made_by = f"docs/studies/closing_the_loop.py (Hati; noise {noises}; source of the analysis {versions})"
+    write_thresholds(file, calibrated_thresholds(found, made_by))
 
 
 def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:

@@ -14,7 +14,7 @@ from loop_cases import LINES, Case, Staged, staged
 import vgvt.reconcile
 from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile import Verdict, reconcile
-from vgvt.reconcile.fit import FAR, fit
+from vgvt.reconcile.fit import FAR, NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 
 Row = dict[str, Any]
@@ -62,6 +62,8 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
         "held_before": held_before.chi2_per_dof, "held_after": held_after.chi2_per_dof,
         "nrmse_before": held_before.nrmse_percent, "nrmse_after": held_after.nrmse_percent,
         "smooth_before": verdict.attribution.null_residual.smooth_per_dof,
+        "noise_per_dof": verdict.attribution.null_residual.noise_per_dof,
+        "held_out_noise_per_dof": verdict.attribution.null_residual.held_out_noise_per_dof,
         "place": places[0].label if places else "",
         "near": near,
         "known_place": stage.place_m is not None,
@@ -103,13 +105,20 @@ def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
         hypothesis = Hypothesis(cls, {k: v for k, v in values.items() if k not in numbers})
         hypotheses.append(hypothesis)
         start.append(hypothesis.scores({k: v for k, v in values.items() if k in numbers}))
-    null = verdict.attribution.null
-    try:
-        told = fit(null.problem, tuple(hypotheses), null.u, np.concatenate(start), FAR)
-    except (ValueError, RuntimeError, np.linalg.LinAlgError):
+    found = verdict.attribution
+    problem, e = found.null.problem, np.concatenate(start)
+    # Told the effect, it may still lose its way from a calibration that swallowed it: the better of two starts.
+    fits = []
+    for u, stages in ((found.null.u, FAR), (found.final.u, NEAR)):
+        try:
+            fits.append(fit(problem, tuple(hypotheses), u, e, stages))
+        except (ValueError, RuntimeError, np.linalg.LinAlgError):
+            continue
+    if not fits:
         return None
-    held = told.problem.split.held
-    measured = told.problem.measured
+    told = max(fits, key=lambda f: f.evidence_nats)
+    held = problem.split.held
+    measured = problem.measured
     return float(np.mean(np.abs((told.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
 
 

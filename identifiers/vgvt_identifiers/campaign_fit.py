@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.drifting_poles import RunStates, fit_runs, refined_runs
 from vgvt_identifiers.likelihood_fit import noise_after, weighted_problem
-from vgvt_identifiers.pole_covariance import pole_covariance, pole_deviations
+from vgvt_identifiers.pole_covariance import parameter_covariance, pole_covariance, pole_deviations
 from vgvt_identifiers.pole_fit import PoleProblem, fit_poles
 from vgvt_identifiers.pole_search import search_poles
 from vgvt_identifiers.pole_verdict import Verdict, VerdictRules, judge_poles
@@ -128,6 +128,7 @@ def poles_of_runs(spectra: CampaignSpectra, fit: CampaignFit) -> tuple[RunModes,
                 state.residues[0].T,
                 np.where(free, std_hz, np.inf),
                 np.where(free, std_ratio, np.inf),
+                parameter_covariance(state.poles, covariance),
             )
         )
     return _with_shared_deviations(tuple(runs), fit.states)

@@ -17,6 +17,8 @@ class RunModes:
     """The modes of one run: poles (M,) rad/s, upper half plane, and receptance residues (M, R) over its responses.
 
     Standard deviations (M,) are NaN where unknown; infinite ones mark poles that were not estimated here.
+    ``covariance`` (2 M, 2 M), where known, is that of all frequencies in Hz, then all damping ratios; zero
+    rows mark poles that were not estimated.
     """
 
     run: int
@@ -26,6 +28,7 @@ class RunModes:
     residues: NDArray[np.complex128]
     frequency_std_hz: NDArray[np.float64]
     damping_ratio_std: NDArray[np.float64]
+    covariance: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         modes = self.poles.size

@@ -6,7 +6,7 @@ the force is measured in every run, so residues of different runs compare as the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from vgvt.data import Dof, ModalModel, Outcome
 from vgvt_identifiers.common_modes import RunModes, common_modes
+from vgvt_identifiers.joint_poles import joint_parameters
 from vgvt_identifiers.modal_scaling import scaled_shapes
+from vgvt_identifiers.weighted_mean import weighted_mean
 
 __all__ = ["MergedPole", "RunModes", "merged_claim", "merged_pole"]
-
-_LEAST_FREEDOM = 3  # two runs alone would say that nothing is known
-_FALSE_SCATTER = 0.01  # chance that runs of one and the same pole count as scattered
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +61,7 @@ def merged_claim(
     else:
         groups = common_modes(known, tolerance, least_mac) if groups is None else groups
         groups = groups[(groups >= 0).sum(axis=1) >= min(fewest_runs, len(known))]
-        merged = [merged_pole(known, group) for group in groups]
+        merged = merged_poles(known, groups)
     if not merged:
         why = f"no mode is seen in {fewest_runs} runs"
         return ModalModel.empty(Outcome.NOTHING_FOUND, (*advice, why), dofs=_dofs(run_modes))
@@ -93,20 +92,34 @@ def merged_claim(
     )
 
 
+def merged_poles(run_modes: tuple[RunModes, ...], groups: NDArray[np.intp]) -> list[MergedPole]:
+    """The pole of every mode of ``groups`` (M, runs), all of them at once where the runs state covariances."""
+    merged = [merged_pole(run_modes, group) for group in groups]
+    joint = joint_parameters(run_modes, groups)
+    return merged if joint is None else [_joined(p, *joint, mode) for mode, p in enumerate(merged)]
+
+
+def _joined(pole: MergedPole, mean: NDArray[np.float64], std: NDArray[np.float64], mode: int) -> MergedPole:
+    """The pole with the joint ``mean`` and ``std`` (2, M) of one mode where these are known."""
+    if np.isfinite(mean[0, mode]):
+        pole = replace(pole, natural_frequency_hz=float(mean[0, mode]), natural_frequency_std_hz=float(std[0, mode]))
+    if np.isfinite(mean[1, mode]) and mean[1, mode] > 0:
+        pole = replace(pole, damping_ratio=float(mean[1, mode]), damping_ratio_std=float(std[1, mode]))
+    return pole
+
+
 def merged_pole(run_modes: tuple[RunModes, ...], group: NDArray[np.intp]) -> MergedPole:
     """The pole of one mode, ``group`` (runs,) giving its place in every run, -1 where that run lacks it.
 
-    Weights 1 / std^2, or 1 / (std^2 + scatter^2) where the runs scatter more than that (DerSimonian and
-    Laird, Controlled Clinical Trials 7(3), 1986), with the standard deviation
-    from the scatter (Hartung and Knapp, Statistics in Medicine 20(12), 2001).
+    The mean is that of ``weighted_mean``, for frequency and damping ratio each.
     """
     placed = [(m, int(i)) for m, i in zip(run_modes, group, strict=True) if i >= 0]
     seen = [(m, i) for m, i in placed if not np.isinf(m.frequency_std_hz[i])] or placed
     pole = np.array([m.poles[i] for m, i in seen])
     frequency, damping = np.abs(pole) / (2 * np.pi), -pole.real / np.abs(pole)
     std_hz = np.array([m.frequency_std_hz[i] for m, i in seen])
-    mean_hz, mean_std_hz, scatter_hz = _weighted_mean(frequency, std_hz)
-    ratio, ratio_std, _ = _weighted_mean(damping, np.array([m.damping_ratio_std[i] for m, i in seen]))
+    mean_hz, mean_std_hz, scatter_hz = weighted_mean(frequency, std_hz)
+    ratio, ratio_std, _ = weighted_mean(damping, np.array([m.damping_ratio_std[i] for m, i in seen]))
     flags = []
     if len(run_modes) > 1:
         flags.append(f"seen_in={len(seen)}/{len(run_modes)}")
@@ -122,29 +135,6 @@ def _first_pole(modes: RunModes, which: int) -> MergedPole:
     ratio = float(-pole.real / abs(pole))
     std_hz, std_ratio = float(modes.frequency_std_hz[which]), float(modes.damping_ratio_std[which])
     return MergedPole(float(abs(pole)) / (2 * np.pi), ratio, std_hz, std_ratio, ())
-
-
-def _weighted_mean(values: NDArray[np.float64], std: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Mean, its standard deviation, and the scatter between the values (n,) beyond their own; NaN std: unknown."""
-    from scipy.special import chdtri, stdtrit
-
-    known = np.isfinite(std) & (std > 0)
-    if not known.any():
-        scatter = float(values.std(ddof=1)) if values.size > 1 else float("nan")
-        return float(values.mean()), scatter / np.sqrt(values.size), scatter
-    values, std = values[known], std[known]
-    weight, freedom = 1 / std**2, values.size - 1
-    mean = float(weight @ values / weight.sum())
-    misfit = float(weight @ (values - mean) ** 2)
-    if freedom == 0 or misfit < chdtri(freedom, _FALSE_SCATTER):
-        return mean, float(1 / np.sqrt(weight.sum())), 0.0
-    between = (misfit - freedom) / float(weight.sum() - (weight**2).sum() / weight.sum())
-    weight = 1 / (std**2 + between)
-    mean = float(weight @ values / weight.sum())
-    spread = float(weight @ (values - mean) ** 2) / freedom / float(weight.sum())
-    # Few runs know their own scatter badly: Student's factor keeps 1.96 standard deviations at 95 %.
-    student = float(stdtrit(max(freedom, _LEAST_FREEDOM), 0.975)) / 1.96
-    return mean, student * float(np.sqrt(spread)), float(np.sqrt(between))
 
 
 def _dofs(run_modes: tuple[RunModes, ...]) -> tuple[Dof, ...]:

@@ -16,6 +16,7 @@ from vgvt_identifiers.windows import Window, fit_windows
 _NARROW_LINES = 3.0
 _LINES_PER_POLE = 6
 _LARGEST_RELATIVE_STD = 0.15
+_OWN_STEPS = 12  # a run that tells a pole by itself needs few; others would wander, and are not asked
 _LARGEST_SHARE = 10.0  # poles that large cancel one another: they mimic something that is no pole
 _NO_POLE = "as leakage, noise or a neighbouring mode explains them"
 
@@ -121,8 +122,11 @@ def _fit(spectra: CampaignSpectra, window: Window, options: FitOptions) -> _Wind
         if not keep.any():
             return None
         common = fit_rational(frequency, blocks, common.poles[keep], options.background_terms, relocate=False)
-    own = tuple(fit_rational(frequency, (b,), common.poles, options.background_terms, relocate=False) for b in blocks)
-    return _WindowFit(common, own if len(own) > 1 else (), step)
+    own = tuple(
+        fit_rational(frequency, (b,), common.poles, options.background_terms, relocate=False, steps=_OWN_STEPS)
+        for b in (blocks if len(blocks) > 1 else ())
+    )
+    return _WindowFit(common, own, step)
 
 
 def _worth_keeping(

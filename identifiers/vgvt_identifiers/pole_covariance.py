@@ -25,23 +25,19 @@ def pole_covariance(
     """
     count = 2 * state.poles.size
     filling = np.zeros((count, count))
-    shared = [np.zeros((2, f.size, count)) for f in forces]
+    shared = [np.zeros((count, f.size), complex) for f in forces]
     for run, row, slopes in projected_slopes(problem, state):
-        rows, lines = problem.rows[run], forces[run].size
+        rows = problem.rows[run]
         weight = rows.weight[min(row, rows.weight.shape[0] - 1)] * rows.row_scale[row]
         inverse = np.divide(1, forces[run], out=np.zeros_like(forces[run]), where=np.abs(forces[run]) > 0)
-        own = weight * np.abs(inverse) * np.sqrt(noise[run].response[row] / 2)
-        real, imaginary = slopes[:lines], slopes[lines:]
-        spread = np.concatenate([real * own[:, None], imaginary * own[:, None]])
-        filling += spread.T @ spread
+        own = slopes * (weight * np.abs(inverse) * np.sqrt(noise[run].response[row] / 2))
+        filling += (own @ own.conj().T).real
         if noise[run].force.any():
             # A force error n turns every response's ratio by -G n / F, all at once.
-            moved = (weight * state.smooth[run][row] * inverse)[:, None]
-            shared[run][0] += real * moved.real + imaginary * moved.imag
-            shared[run][1] += imaginary * moved.real - real * moved.imag
+            shared[run] += slopes * (weight * state.smooth[run][row] * inverse).conj()
     for run, parts in enumerate(shared):
-        spread = (parts * np.sqrt(noise[run].force / 2)[:, None]).reshape(-1, count)
-        filling += spread.T @ spread
+        spread = parts * np.sqrt(noise[run].force / 2)
+        filling += (spread @ spread.conj().T).real
     bread = state.covariance(free)
     return np.asarray(bread @ filling @ bread)
 
@@ -50,13 +46,16 @@ def pole_deviations(
     poles: NDArray[np.complex128], covariance: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Standard deviations of natural frequency in Hz and of damping ratio, (N,) each, by first-order propagation."""
-    count = poles.size
+    variance = np.maximum(np.diag(parameter_covariance(poles, covariance)), 0.0)
+    return np.sqrt(variance[: poles.size]), np.sqrt(variance[poles.size :])
+
+
+def parameter_covariance(poles: NDArray[np.complex128], covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Covariance (2 N, 2 N) of natural frequencies in Hz, then damping ratios, from that of ``poles`` (N,) in rad/s."""
     size = np.abs(poles)
-    variance = np.diag(covariance)
-    mixed = covariance[np.arange(count), count + np.arange(count)]
     along, across = poles.real / size, poles.imag / size
-    frequency = along**2 * variance[:count] + across**2 * variance[count:] + 2 * along * across * mixed
     # zeta = -a / |p|: its gradient is (-b^2, a b) / |p|^3
-    first, second = -(poles.imag**2) / size**3, poles.real * poles.imag / size**3
-    damping = first**2 * variance[:count] + second**2 * variance[count:] + 2 * first * second * mixed
-    return np.sqrt(np.maximum(frequency, 0)) / (2 * np.pi), np.sqrt(np.maximum(damping, 0))
+    frequency = np.hstack([np.diag(along), np.diag(across)]) / (2 * np.pi)
+    damping = np.hstack([np.diag(-(across**2) / size), np.diag(along * across / size)])
+    slopes = np.vstack([frequency, damping])
+    return np.asarray(slopes @ covariance @ slopes.T)

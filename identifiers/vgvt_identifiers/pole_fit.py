@@ -144,49 +144,45 @@ def evaluate(problem: PoleProblem, poles: NDArray[np.complex128]) -> PoleState:
     return PoleState(poles, cost, gradient, information, gain, *runs)
 
 
-def projected_slopes(problem: PoleProblem, state: PoleState) -> Iterator[tuple[int, int, NDArray[np.float64]]]:
-    """Run, response and the derivative (2 K, 2 N) of its weighted fit by the poles, linear unknowns taken out.
-
-    Real parts of all lines come first, then imaginary parts.
-    """
+def projected_slopes(problem: PoleProblem, state: PoleState) -> Iterator[tuple[int, int, NDArray[np.complex128]]]:
+    """Run, response and the derivative (2 N, K) of its weighted fit by the poles, linear unknowns taken out."""
     columns = _Columns(problem, state.poles)
     for which, rows in enumerate(problem.rows):
         linear, slopes = _run_columns(columns, rows)
         solved = None
         for row in range(rows.values.shape[0]):
             weight = rows.weight[min(row, rows.weight.shape[0] - 1)]
-            target = _stacked((rows.values[[row]] * rows.row_scale[[row], None]).T, weight)
+            target = _real(rows.values[[row]] * rows.row_scale[[row], None] * weight)
             if solved is None or rows.weight.shape[0] > 1:
-                solved = _Projection(_stacked(linear, weight), _stacked(slopes, weight), target)
+                solved = _Projection(_real(linear * weight), _real(slopes * weight), target)
             coefficients = solved.solve(target)
-            wide, ringing = columns.smooth.shape[1], rows.transients(columns.count)
+            wide, ringing = columns.smooth.shape[0], rows.transients(columns.count)
             turned = _slope_factors(coefficients, columns.count, wide, ringing)[0]
-            yield which, row, solved.projected() @ turned
+            yield which, row, (turned.T @ solved.projected()).view(np.complex128)
 
 
 class _Columns:
-    """The functions of frequency that every run shares, (K, ...), before force and weights."""
+    """The functions of frequency that every run shares, (..., K), before force and weights."""
 
     __slots__ = ("bare", "count", "line", "scale", "slope", "smooth", "smooth_slope")
 
     def __init__(self, problem: PoleProblem, poles: NDArray[np.complex128]) -> None:
-        s = 2j * np.pi * problem.frequency_hz[:, None]
+        s = 2j * np.pi * problem.frequency_hz
         self.count = poles.size
-        above, below = 1 / (s - poles), 1 / (s - poles.conj())
+        above, below = 1 / (s - poles[:, None]), 1 / (s - poles.conj()[:, None])
         self.bare = _pair(above, below)
         self.slope = _pair(above**2, below**2)
         self.scale = 1 / np.abs(poles) ** 2
-        size = s**2 * np.tile(self.scale, 2)
-        scaled = s / abs(s[s.size // 2])
-        self.line = scaled
-        slow, fast = -np.arange(problem.lower_terms), np.arange(1, problem.upper_terms + 1)
-        self.smooth = np.hstack([size * self.bare, scaled**slow, scaled**fast])
+        size = s.imag**2 * -np.tile(self.scale, 2)[:, None]
+        self.line = s / abs(s[s.size // 2])
+        powers = [*-np.arange(problem.lower_terms), *np.arange(1, problem.upper_terms + 1)]
+        self.smooth = np.vstack([size * self.bare, *(self.line**n for n in powers)])
         self.smooth_slope = size * self.slope
 
 
 def _pair(above: NDArray[np.complex128], below: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Columns (K, 2 N) for the real and the imaginary part of a complex factor of ``above``, conjugate with below."""
-    return np.hstack([above + below, 1j * (above - below)])
+    """Rows (2 N, K) for the real and the imaginary part of a complex factor of ``above``, conjugate with below."""
+    return np.vstack([above + below, 1j * (above - below)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,75 +202,80 @@ def _solve(columns: _Columns, rows: FitRows) -> _Part:
     linear, slopes = _run_columns(columns, rows)
     shared = rows.weight.shape[0] == 1
     groups = [slice(None)] if shared else [slice(i, i + 1) for i in range(rows.values.shape[0])]
-    found = np.zeros((rows.values.shape[0], linear.shape[1]))
+    found = np.zeros((rows.values.shape[0], linear.shape[0]))
     cost, size = 0.0, 2 * columns.count
     gradient, information = np.zeros(size), np.zeros((size, size))
     gain, ring_gain, ringing = np.zeros(columns.count), np.zeros(columns.count), rows.transients(columns.count)
-    wide = columns.smooth.shape[1]
+    wide = columns.smooth.shape[0]
     for group in groups:
         weight = rows.weight[0 if shared else group.start]
-        target = _stacked((rows.values[group] * rows.row_scale[group, None]).T, weight)
-        solved = _Projection(_stacked(linear, weight), _stacked(slopes, weight), target)
+        target = _real(rows.values[group] * rows.row_scale[group, None] * weight)
+        solved = _Projection(_real(linear * weight), _real(slopes * weight), target)
         found[group] = solved.coefficients.T
         cost += float((solved.error**2).sum())
         turned = _slope_factors(solved.coefficients, columns.count, wide, ringing)
-        gradient += np.einsum("rcq,cr->q", turned, solved.slopes.T @ solved.error)
+        gradient += np.einsum("rcq,cr->q", turned, solved.slopes @ solved.error.T)
         information += np.einsum("rcp,cd,rdq->pq", turned, solved.schur, turned, optimize=True)
         gain += _gains(solved, 0, columns.count)
         ring_gain[ringing] += _gains(solved, wide, ringing.size)
     found = found / rows.row_scale[:, None]
-    smooth = np.asarray(found[:, :wide] @ columns.smooth.T, complex)
+    smooth = (found[:, :wide] @ _real(columns.smooth)).view(np.complex128)
     errors = rows.values - smooth
     if rows.inverse_force is not None:
-        errors = errors - found[:, wide:] @ linear[:, wide:].T
+        errors = errors - (found[:, wide:] @ _real(linear[wide:])).view(np.complex128)
     complete = found[:, : columns.count] + 1j * found[:, columns.count : size]
     residues = np.asarray(complete * columns.scale, complex)
     return _Part(cost, gradient, information, gain, ring_gain, residues, smooth, errors)
 
 
 def _run_columns(columns: _Columns, rows: FitRows) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Linear columns (K, m) of a run and its slope columns (K, c), transient included."""
+    """Linear functions (m, K) of a run and its slopes (c, K), transient included."""
     if rows.inverse_force is None:
         return columns.smooth, columns.smooth_slope
-    inverse = rows.inverse_force[:, None]
+    inverse = rows.inverse_force
     own = rows.transients(columns.count)
     pairs = np.concatenate([own, columns.count + own])
-    ends = np.hstack([columns.bare[:, pairs], np.ones_like(inverse), columns.line]) * inverse
-    return np.hstack([columns.smooth, ends]), np.hstack([columns.smooth_slope, columns.slope[:, pairs] * inverse])
+    ends = np.vstack([columns.bare[pairs], np.ones_like(inverse), columns.line]) * inverse
+    return np.vstack([columns.smooth, ends]), np.vstack([columns.smooth_slope, columns.slope[pairs] * inverse])
 
 
-def _stacked(complex_columns: NDArray[np.complex128], weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Real and imaginary parts (2 K, ...) of weighted complex columns (K, ...)."""
-    return np.concatenate([complex_columns.real * weight[:, None], complex_columns.imag * weight[:, None]])
+def _real(rows: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Complex rows (m, K) as real ones (m, 2 K), real and imaginary parts by turns; nothing is copied."""
+    return np.ascontiguousarray(rows).view(np.float64)
 
 
 class _Projection:
-    """Weighted least squares of targets (2 K, R) on columns (2 K, m), and the slopes (2 K, c) beside them."""
+    """Weighted least squares of targets (R, 2 K) on functions (m, 2 K), and the slopes (c, 2 K) beside them."""
 
-    __slots__ = ("_columns", "_inverse", "_mixed", "_size", "coefficients", "error", "inverse", "schur", "slopes")
+    __slots__ = ("_functions", "_inverse", "_mixed", "_size", "coefficients", "error", "inverse", "schur", "slopes")
 
-    def __init__(self, columns: NDArray[np.float64], slopes: NDArray[np.float64], target: NDArray[np.float64]) -> None:
-        self._size = np.sqrt((columns**2).sum(axis=0))
+    def __init__(
+        self, functions: NDArray[np.float64], slopes: NDArray[np.float64], target: NDArray[np.float64]
+    ) -> None:
+        self._functions, self.slopes = functions, slopes
+        gram = functions @ functions.T
+        self._size = np.sqrt(np.diag(gram))
         self._size[self._size == 0] = 1.0
-        self._columns = columns / self._size
-        self._inverse = np.linalg.pinv(self._columns.T @ self._columns, rcond=_RANK, hermitian=True)
-        self._mixed = self._columns.T @ slopes
+        self._inverse = np.linalg.pinv(gram / self._size[:, None] / self._size, rcond=_RANK, hermitian=True)
+        self._mixed = (functions @ slopes.T) / self._size[:, None]
         self.coefficients = self.solve(target)
-        self.error = target - columns @ self.coefficients
-        self.schur = slopes.T @ slopes - self._mixed.T @ self._inverse @ self._mixed
-        self.slopes = slopes
+        self.error = target - self.coefficients.T @ functions
+        self.schur = slopes @ slopes.T - self._mixed.T @ self._inverse @ self._mixed
         self.inverse = self._inverse / self._size[:, None] / self._size
 
     def solve(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coefficients (m, R) of targets (2 K, R)."""
-        found = self._inverse @ (self._columns.T @ target)
+        """Coefficients (m, R) of targets (R, 2 K)."""
+        found = self._solved(target)
         # Normal equations lose half the digits; one correction brings them back.
-        found = found + self._inverse @ (self._columns.T @ (target - self._columns @ found))
-        return np.asarray(found / self._size[:, None])
+        return found + self._solved(target - found.T @ self._functions)
+
+    def _solved(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
+        moments = (self._functions @ target.T) / self._size[:, None]
+        return np.asarray((self._inverse @ moments) / self._size[:, None])
 
     def projected(self) -> NDArray[np.float64]:
-        """The slopes (2 K, c) without what the columns can imitate."""
-        return np.asarray(self.slopes - self._columns @ (self._inverse @ self._mixed))
+        """The slopes (c, 2 K) without what the functions can imitate."""
+        return np.asarray(self.slopes - (self._inverse @ self._mixed / self._size[:, None]).T @ self._functions)
 
 
 def _slope_factors(
@@ -297,12 +298,15 @@ def _slope_factors(
 
 def _gains(solved: _Projection, start: int, count: int) -> NDArray[np.float64]:
     """Rise of the cost (count,) when both parts of a pair of columns are forced to zero in all rows of the group."""
-    gain = np.zeros(count)
-    for mode in range(count):
-        pair = [start + mode, start + count + mode]
-        part = solved.coefficients[pair]
-        gain[mode] = float((part * np.linalg.solve(solved.inverse[np.ix_(pair, pair)], part)).sum())
-    return gain
+    real, imaginary = start + np.arange(count), start + count + np.arange(count)
+    first, second = solved.coefficients[real], solved.coefficients[imaginary]
+    # The quadratic form of a pair's coefficients with the inverse of their covariance, two by two.
+    own, cross, other = (solved.inverse[i, j] for i, j in ((real, real), (real, imaginary), (imaginary, imaginary)))
+    squares = other * (first**2).sum(axis=1) - 2 * cross * (first * second).sum(axis=1) + own * (second**2).sum(axis=1)
+    size = own * other - cross**2
+    # A pair that nothing tells apart from the rest has no evidence of its own.
+    known = size > 1e-14 * own * other
+    return np.asarray(np.divide(squares, size, out=np.zeros(count), where=known))
 
 
 def _newton_step(state: PoleState, damping: float, free: NDArray[np.bool_] | None) -> NDArray[np.complex128]:

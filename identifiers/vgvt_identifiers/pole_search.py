@@ -106,7 +106,7 @@ def missing_places(problems: tuple[PoleProblem, ...], states: RunStates) -> list
     widths = [0.5 * step]
     while widths[-1] < _LARGEST_RATIO * omega[-1]:
         widths.append(widths[-1] * _WIDTH_STEP)
-    power = np.array([_matched(problems, states, width / step) for width in widths])
+    power = _matched(problems, states, np.array(widths) / step)
     allowed = np.array(widths)[:, None] <= _LARGEST_RATIO * omega
     power = np.where(allowed, power, 0.0)
     best = power.max(axis=0)
@@ -117,22 +117,31 @@ def missing_places(problems: tuple[PoleProblem, ...], states: RunStates) -> list
     return [Place(complex(-widths[int(np.argmax(power[:, t]))], omega[t]), float(best[t])) for t in tops[: 4 * _TRIALS]]
 
 
-def _matched(problems: tuple[PoleProblem, ...], states: RunStates, width_lines: float) -> NDArray[np.float64]:
-    """Error power (K,) that a pole of this width at every line would explain, were it alone."""
-    reach = int(np.ceil(_REACH * max(width_lines, 0.5)))
-    offset = np.arange(-reach, reach + 1)
-    # Correlation with 1/(i (w - w0) + width): the filter runs against the offset.
-    template = 1 / (1j * -offset + width_lines)
+def _matched(
+    problems: tuple[PoleProblem, ...], states: RunStates, widths_lines: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Error power (W, K) that a pole of each width (W,) in lines at every line would explain, were it alone."""
+    from scipy.fft import fft, ifft, next_fast_len
+
     lines = problems[0].frequency_hz.size
-    length = 1 << int(np.ceil(np.log2(lines + 2 * reach)))
-    filters = np.fft.fft(template.conj(), length), np.fft.fft(np.abs(template) ** 2, length)
-    total = np.zeros(lines)
+    reach = min(int(np.ceil(_REACH * max(float(widths_lines.max()), 0.5))), lines - 1)
+    offset = np.arange(-reach, reach + 1)
+    length = next_fast_len(lines + 2 * reach)
+    # Correlation with 1/(i (w - w0) + width): the filter runs against the offset.
+    near = [np.abs(offset) <= np.ceil(_REACH * max(width, 0.5)) for width in widths_lines]
+    templates = [inside / (1j * -offset + width) for inside, width in zip(near, widths_lines, strict=True)]
+    filters = [(fft(t.conj(), length), fft(np.abs(t) ** 2, length)) for t in templates]
+    total = np.zeros((widths_lines.size, lines))
     for problem, state in zip(problems, states.states, strict=True):
         for rows, errors in zip(problem.rows, state.errors, strict=True):
-            weight = (rows.weight * rows.row_scale[:, None]) ** 2
-            found = np.fft.ifft(np.fft.fft(errors * weight, length) * filters[0])[:, reach : reach + lines]
-            size = np.fft.ifft(np.fft.fft(weight, length) * filters[1])[:, reach : reach + lines].real
-            total += (np.abs(found) ** 2 / np.maximum(size, 1e-12 * size.max())).sum(axis=0)
+            # Each row by its own scale: one row of weights then has one spectrum.
+            spectra = fft(errors * rows.row_scale[:, None] * rows.weight**2, length)
+            weights = fft(rows.weight**2, length)
+            for width, (matched, squared) in enumerate(filters):
+                found = ifft(spectra * matched)[:, reach : reach + lines]
+                size = ifft(weights * squared)[:, reach : reach + lines].real
+                size = np.maximum(size, 1e-12 * size.max())
+                total[width] += ((found.real**2 + found.imag**2) / size).sum(axis=0)
     return total
 
 

@@ -99,12 +99,13 @@ def fit_rational(
     background: int = 4,
     mirrored: bool = False,
     relocate: bool = True,
+    steps: int = _STEPS,
 ) -> RationalFit:
     """Fit of the blocks over ``frequency_hz`` (K,) with as many poles as ``start_poles`` (N,), rad/s.
 
     ``background`` is the number of background polynomials; ``mirrored`` adds
     the conjugate poles, for windows that reach close to 0 Hz; ``relocate`` starts
-    with vector fitting, for poles that are only roughly known. ValueError when
+    with vector fitting, for poles that are only roughly known; at most ``steps`` follow. ValueError when
     there are fewer lines than unknowns of a row.
     """
     omega = 2 * np.pi * frequency_hz
@@ -116,7 +117,7 @@ def fit_rational(
     z = _stable((start_poles - 1j * centre) / half)
     if relocate:
         z = _relocated(problem, z)
-    z, converged = _polished(problem, z)
+    z, converged = _polished(problem, z, steps)
     return _solution(problem, z, centre, half, converged)
 
 
@@ -250,11 +251,11 @@ def _pole_std(problem: _Problem, z: NDArray[np.complex128], chi_square: float) -
     return np.asarray(np.sqrt(np.maximum(np.maximum(independent, shared), 0) / 2))
 
 
-def _polished(problem: _Problem, z: NDArray[np.complex128]) -> tuple[NDArray[np.complex128], bool]:
+def _polished(problem: _Problem, z: NDArray[np.complex128], steps: int) -> tuple[NDArray[np.complex128], bool]:
     """Levenberg-Marquardt on the projected error, poles kept in the left half plane."""
     damping = 1e-3
     cost, gram, gradient = _normal_equations(problem, z)
-    for _ in range(_STEPS):
+    for _ in range(steps):
         scale = np.diag(np.maximum(np.diag(gram).real, 1e-300))
         step = -np.linalg.solve(gram + damping * scale, gradient)
         trial = z + step
@@ -262,7 +263,7 @@ def _polished(problem: _Problem, z: NDArray[np.complex128]) -> tuple[NDArray[np.
             trial_cost, trial_gram, trial_gradient = _normal_equations(problem, trial)
             if trial_cost <= cost:
                 fall = cost - trial_cost
-                small = np.all(np.abs(step) < 1e-6 * np.abs(z.real)) or fall < 1e-9 * cost
+                small = np.all(np.abs(step) < 1e-6 * np.abs(z.real)) or fall < 1e-6 * cost
                 z, cost, gram, gradient = trial, trial_cost, trial_gram, trial_gradient
                 damping = max(damping / 10, 1e-12)
                 if small:

@@ -3,7 +3,10 @@
 What is left of response o on a line is n_o - G_o n_f: with covariance
 diag(S_o) + S_f g g^H its information about g is that of the diagonal alone over
 1 + S_f sum |G_o|^2 / S_o (Sherman and Morrison); errors in variables after
-Pintelon and Schoukens, System Identification, 2nd ed., 2012, chapter 9.
+Pintelon and Schoukens, System Identification, 2nd ed., 2012, chapter 9. Every response
+sees the same noise of the force, so that the best guess of it on a line adds all of them up;
+what it leaves is the responses' own (expectation and maximisation: Dempster, Laird
+and Rubin, Journal of the Royal Statistical Society B 39(1), 1977).
 """
 
 from __future__ import annotations
@@ -15,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 _BLOCK = 48  # lines over which the noise of a response counts as equal
-_ROUNDS = 3
+_ROUNDS = 6
+_STEPS = 20
 _IMPERFECTION = 5e-4
 _BANDS = 4  # in which the noise of the force counts as equal
-_SIGNIFICANT = 3.0  # standard deviations that force noise must be worth
+_EVIDENCE = 7.0  # nats that force noise must be worth; by Markov's inequality noise of responses alone has e^-7
+_OWN = 0.02  # least part of a response's error on a line that can be told to be its own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,18 +71,35 @@ def noise_of_errors(
 ) -> RunNoise:
     """Noise from the errors (R, K) that a fit with ``unknowns`` real unknowns a row leaves of ratios ``smooth`` (R, K).
 
-    ``force`` is (K,). Response noise is the median of |error|^2 over neighbouring lines, freed of
-    force noise; force noise is what grows with |G|^2, alike in all responses.
+    ``force`` is (K,). Noise of the force is what the errors have in common in the proportions of the
+    ratios; noise of a response is the median over neighbouring lines of what is left of |error|^2.
     """
     freedom = max(1 - unknowns / (2 * force.size), 0.5)
-    power = np.abs(errors * force) ** 2 / freedom
+    error = errors * force / np.sqrt(freedom)
     gain = np.abs(smooth) ** 2
-    response = np.broadcast_to(_positive(power).mean(axis=1, keepdims=True), power.shape)
+    response = _start(_positive(np.abs(error) ** 2))
     excess = np.zeros(force.size)
     for _ in range(_ROUNDS):
-        excess = _force_noise(power, gain, response)
-        response = _positive(_local_level(power / (1 + excess * gain / response)))
+        seen = (gain / response).sum(axis=0)
+        along = (smooth.conj() * error / response).sum(axis=0)
+        excess = _force_noise(np.abs(along) ** 2, seen)
+        shift = excess / (1 + excess * seen)
+        own = np.maximum(1 - shift * gain / response, _OWN)
+        response = _positive(_local_level(np.abs(error - shift * along * smooth) ** 2 / own))
     return RunNoise(response, excess, excess * (gain / response).sum(axis=0))
+
+
+def _start(power: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Noise of responses (R, K) with no more of it anywhere than is usual in its band: the rest may be the force's."""
+    level = _local_level(power)
+    for part in _bands(power.shape[1]):
+        level[:, part] = np.minimum(level[:, part], np.median(level[:, part], axis=1, keepdims=True))
+    return level
+
+
+def _bands(lines: int) -> list[slice]:
+    edges = np.unique([0, *np.round(np.geomspace(max(lines / 2**_BANDS, 40), lines, _BANDS)).astype(int)])
+    return [slice(int(a), min(int(b), lines)) for a, b in pairwise(edges)]
 
 
 def _positive(power: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -99,18 +121,16 @@ def _local_level(power: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.exp(np.array([np.interp(np.arange(lines), centres, row) for row in calm.T])))
 
 
-def _force_noise(
-    power: NDArray[np.float64], gain: NDArray[np.float64], response: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _force_noise(along: NDArray[np.float64], seen: NDArray[np.float64]) -> NDArray[np.float64]:
     """Noise power of the force (K,), one value for each of a few bands of lines.
 
-    A band that cannot tell takes over its neighbours' value, as far as its own errors allow that.
+    ``along`` (K,) is |sum conj(G_o) e_o / S_o|^2, of mean q + q^2 S_f with q (K,) what is ``seen`` of the force,
+    sum |G_o|^2 / S_o. A band that cannot tell takes over its neighbours' value, as far as its own errors allow that.
     """
-    lines = power.shape[1]
-    edges = np.unique([0, *np.round(np.geomspace(max(lines / 2**_BANDS, 40), lines, _BANDS)).astype(int)])
-    parts = [slice(a, min(b, lines)) for a, b in pairwise(edges)]
-    slopes, std = np.transpose([_regressed(power[:, p] / response[:, p], gain[:, p] / response[:, p]) for p in parts])
-    sure = slopes > _SIGNIFICANT * std
+    parts = _bands(seen.size)
+    power = np.divide(along, seen, out=np.ones_like(seen), where=seen > 0)
+    slopes, std, nats = np.transpose([_likeliest(power[p], seen[p]) for p in parts])
+    sure = nats > _EVIDENCE
     if sure.any():
         index = np.arange(len(parts))
         likely = np.exp(np.interp(index, index[sure], np.log(slopes[sure])))
@@ -120,20 +140,16 @@ def _force_noise(
     return np.repeat(slopes, [p.stop - p.start for p in parts])
 
 
-def _regressed(power: NDArray[np.float64], gain: NDArray[np.float64]) -> tuple[float, float]:
-    """Slope of powers (R, k) over gains (R, k) and its std, with a level for each row and weights from the fit."""
-    level = np.ones((power.shape[0], 1))
-    slope = 1.0 / max(float(np.median(gain)), 1e-300)
-    std = np.inf
-    for _ in range(4 * _ROUNDS):
-        weight = 1 / (level + slope * gain) ** 2
-        total = weight.sum(axis=1, keepdims=True)
-        middle = (weight * gain).sum(axis=1, keepdims=True) / total
-        information = float((weight * (gain - middle) ** 2).sum())
-        if information <= 0:
-            return 0.0, np.inf
-        slope = max(float((weight * (gain - middle) * power).sum()) / information, 0.0)
-        level = np.maximum((weight * (power - slope * gain)).sum(axis=1, keepdims=True) / total, 1e-3)
-        # Responses share the noise of the force, so they count as one another's repeats.
-        std = np.sqrt(gain.shape[0] / information)
-    return slope, std
+def _likeliest(power: NDArray[np.float64], seen: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Likeliest s where powers (k,) are exponential with means 1 + s ``seen`` (k,), its std, its evidence in nats."""
+    slope, weight = 0.0, seen**2
+    for _ in range(_STEPS):
+        total = float(weight.sum())
+        if total <= 0:
+            return 0.0, np.inf, 0.0
+        before, slope = slope, max(float((weight / np.maximum(seen, 1e-300) * (power - 1)).sum()) / total, 0.0)
+        weight = (seen / (1 + slope * seen)) ** 2
+        if abs(slope - before) <= 1e-3 * slope:
+            break
+    mean = 1 + slope * seen
+    return slope, 1 / np.sqrt(float(weight.sum())), float((power - power / mean - np.log(mean)).sum())

@@ -3,7 +3,7 @@
 from vgvt.data.scorecard import ModeScore, ModeStatus, Scorecard
 from vgvt_scoreboard.merged_truth import MergedTruth, merge_truth
 from vgvt_scoreboard.nrmse import fit_percent, frf_fit_percent
-from vgvt_scoreboard.nu_gap import pointwise_nu_gap
+from vgvt_scoreboard.nu_gap import pointwise_nu_gap, winding_turns
 from vgvt_scoreboard.pairing import Pairing, PairingRule, pair_modes, pole_distance
 from vgvt_scoreboard.reach import reachable, sigma_share
 from vgvt_scoreboard.score import score
@@ -26,4 +26,5 @@ __all__ = [
     "score",
     "sigma_share",
     "validate",
+    "winding_turns",
 ]

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from vgvt.data import FrequencyResponseSet, FrfFit, InputError, ModalModel, Quantity, synthesise
 from vgvt_scoreboard.nrmse import fit_percent
-from vgvt_scoreboard.nu_gap import pointwise_nu_gap
+from vgvt_scoreboard.nu_gap import pointwise_nu_gap, winding_turns
 
 STANDARD_GRAVITY_M_S2 = 9.80665
+_MOST_TURNS = 0.5  # beyond it the graphs of the two systems are no longer near, however small their distance
 _TERMS = (0, 2)  # powers of s in an accelerance: heavy and stiff modes outside the band
 
 
@@ -25,7 +26,8 @@ def validate(
     A claim holds the modes inside its band only. With ``residual_terms`` each
     response gets two real terms more, fitted to the measured one: a mass line for the modes below
     and one that grows with s² for those above (Ewins, Modal Testing, 2nd ed., 2000,
-    section 4.4). For the ν-gap accelerances are in g/N, as in the paper. InputError when the
+    section 4.4). For the ν-gap accelerances are in g/N, as in the paper; it is 1 where the band breaks
+    the winding condition. InputError when the
     claim has no residues, or shares no response or reference with what was measured.
     """
     if claim.residues is None or not len(claim):
@@ -48,7 +50,10 @@ def validate(
     model = synthesise(claim.at(responses), frequency).values[:, [driven.index(r) for r in references]]
     if residual_terms:
         model = model + _residual_terms(y - model, frequency)
-    gap = pointwise_nu_gap(y / STANDARD_GRAVITY_M_S2, model / STANDARD_GRAVITY_M_S2)
+    systems = y / STANDARD_GRAVITY_M_S2, model / STANDARD_GRAVITY_M_S2
+    gap = pointwise_nu_gap(*systems)
+    if abs(winding_turns(*systems)) >= _MOST_TURNS:
+        gap = np.ones_like(gap)
     return FrfFit(responses, references, fit_percent(y, model), frequency, gap)
 
 

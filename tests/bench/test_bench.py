@@ -45,6 +45,24 @@ def test_the_table_has_a_row_for_every_mode_of_every_seed(serial, plan) -> None:
     numbers = summary(serial).iloc[0]
     assert numbers["found"] == 3
     assert 0 < numbers["rms_error_over_bound"] < 10
+    assert numbers["split"] == 0
+    found = serial[serial["status"] == "found"]
+    error = (found["claimed_hz"] - found["true_hz"]).abs()
+    pandas.testing.assert_series_equal(
+        found["frequency_efficiency"], found["frequency_bound_hz"] / error, check_names=False
+    )
+    for name in MEASURED:
+        assert (serial.groupby("seed_number")[name].nunique() == 1).all()
+    assert serial["frf_fit_percent"].isna().all()  # this method states no residues
+
+
+def test_a_claim_with_residues_is_held_against_the_measured_responses(light_scenario) -> None:
+    plan = BenchPlan((light_scenario,), seeds=1, entries=(Entry("plscf"),), limits=Limits())
+    rows = run_cell(plan.cells()[0])
+    fits, gaps = {row["frf_fit_percent"] for row in rows}, {row["nu_gap"] for row in rows}
+    assert len(rows) == 3 and len(fits) == len(gaps) == 1
+    assert 90 < fits.pop() < 100
+    assert 0 < gaps.pop() < 0.5
 
 
 def test_seeds_derive_from_names() -> None:

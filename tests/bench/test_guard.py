@@ -109,3 +109,24 @@ def test_a_digest_is_what_one_counts_by_hand() -> None:
     assert (row["missed"], row["false"], row["failed"]) == (1, 0, 0)
     assert row["frequency_error_percent"] == pytest.approx(abs(float(part["frequency_error_percent"].dropna().iloc[0])))
     assert isinstance(digest(table), pandas.DataFrame)
+
+
+def test_methods_that_did_not_change_cost_no_power() -> None:
+    """One entry's errors half as large again, 5 seeds: seen beside twenty entries that came to the very same."""
+    names = tuple(f"method-{k}" for k in range(20))
+    before = long_table(np.random.default_rng(8), 5, entries=("era", *names))
+    after = before.copy()
+    era = after["entry"] == "era"
+    noise = np.random.default_rng(9).uniform(1.4, 1.6, len(after))
+    after.loc[era, "frequency_error_percent"] = (after["frequency_error_percent"] * noise)[era]
+    comparison = compare(digest(before), after)
+    worse = comparison[comparison["verdict"] == "worse"]
+    assert set(worse["entry"]) == {"era"}
+    assert len(worse) == 2
+
+
+def test_other_campaigns_are_no_pairs() -> None:
+    before = long_table(np.random.default_rng(10), 3)
+    after = before.assign(seed=before["seed"] + 1)
+    with pytest.raises(InputError, match="seeds"):
+        compare(digest(before), after)

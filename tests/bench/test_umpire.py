@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from vgvt.bench.entry import Entry
-from vgvt.bench.umpire import Limits, anonymous, attempt
+from vgvt.bench.umpire import Limits, anonymous, attempt, handed_out
 from vgvt.data import InputError
 from vgvt.identification.example import Example
 
@@ -156,3 +156,18 @@ def test_an_entry_is_written_as_it_is_read() -> None:
     assert Entry.parse(entry.label) == entry
     with pytest.raises(InputError, match="not a setting"):
         Entry.parse("era:order")
+
+
+def test_what_a_contestant_does_to_its_campaign_does_not_reach_the_next(enter) -> None:
+    """Both read the same records, though the first one wrote over its copy of them."""
+    campaign = Example(noise_m_s2=0.02).campaign()
+    enter("from pathlib import Path; Path('campaign.nc').write_bytes(b'gone')")
+    with handed_out(campaign) as file:
+        before = file.read_bytes()
+        vandal = attempt(Entry("contestant"), file)
+        assert file.read_bytes() == before
+        honest = attempt(Entry("quadrature"), file)
+    assert vandal.claim is not None
+    assert honest.reason == ""
+    assert honest.claim is not None and len(honest.claim)
+    assert not file.exists()

@@ -22,8 +22,8 @@ FILES = {
     "scenario.toml",
     "campaign.nc",
     "sealed/truth.nc",
-    "claims/quadrature.json",
-    "scorecards/quadrature.json",
+    "claims/auto.json",
+    "scorecards/auto.json",
     "report.html",
     "manifest.json",
 }
@@ -47,7 +47,7 @@ def test_run_keeps_the_contract(vgvt, simulations) -> None:
     for mode in (*document["truth"]["bare"], *document["truth"]["as_tested"]):
         assert set(mode) >= MODE_KEYS
         assert set(mode["shape"][0]) == {"dof", "real", "imag"}
-    card = document["identifiers"]["quadrature"]
+    card = document["identifiers"]["auto"]
     assert {"modes", "missed", "false", "summary"} <= set(card)
     assert all(set(row) >= SCORE_KEYS and row["status"] in ("found", "missed", "false") for row in card["modes"])
     assert all(value >= 0 for value in document["timing_s"].values())
@@ -59,7 +59,7 @@ def test_run_finds_the_plate_and_writes_the_whole_folder(vgvt, simulations) -> N
     folder = Path("runs/quick")
     assert files_in(folder) == FILES
     assert "2 found, 0 missed, 0 false" in result.out
-    card = json.loads((folder / "scorecards/quadrature.json").read_text())
+    card = json.loads((folder / "scorecards/auto.json").read_text())
     assert [row["status"] for row in card["modes"]] == ["found", "found"]
     for row in card["modes"]:
         assert abs(row["frequency_error_percent"]) < 0.1
@@ -177,13 +177,13 @@ def test_simulate_then_identify_then_score(vgvt, simulations) -> None:
 
 
 def test_score_of_a_run_folder_is_the_score_of_the_run(vgvt, simulations) -> None:
-    ran = vgvt("run", "quick", "--json").document["identifiers"]["quadrature"]
+    ran = vgvt("run", "quick", "--json").document["identifiers"]["auto"]
     scored = vgvt("score", "runs/quick", "--json").document
     assert [row["status"] for row in scored["modes"]] == [row["status"] for row in ran["modes"]]
     for ours, theirs in zip(scored["modes"], ran["modes"], strict=True):
         assert ours["claimed_hz"] == pytest.approx(theirs["claimed_hz"], rel=1e-12)
         assert ours["mac"] == pytest.approx(theirs["mac"], abs=1e-12)
-    assert vgvt("score", "runs/quick/claims/quadrature.json").status == 0
+    assert vgvt("score", "runs/quick/claims/auto.json").status == 0
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -239,10 +239,10 @@ def test_a_full_disk_is_said_before_anything_is_written(vgvt, simulations, monke
 
 def test_settings_reach_the_identifier_they_name(vgvt, simulations) -> None:
     used = ("run", "quick", "--no-report", "--out", "here")
-    assert vgvt(*used, "--setting", "quadrature.prominence_db=9").status == 0
+    assert vgvt(*used, "--setting", "auto.false_alarm=0.01").status == 0
     manifest = json.loads(Path("here/manifest.json").read_text())
-    assert float(manifest["identifiers"]["quadrature"]["prominence_db"]) == 9.0
-    refused = vgvt(*used, "--setting", "other.prominence_db=9")
+    assert float(manifest["identifiers"]["auto"]["false_alarm"]) == 0.01
+    refused = vgvt(*used, "--setting", "other.false_alarm=0.01")
     assert refused.status == 2
     assert "'other'" in refused.err
 

@@ -34,6 +34,46 @@ def test_the_tables_name_bare_modes_tested_modes_and_the_rig(vgvt) -> None:
         assert words in result.out
 
 
+def test_an_aircraft_that_hangs_askew_is_said_to(vgvt) -> None:
+    """150 g near a tip: atan(m y / M h) of roll by the statics of the tables, told in words; quick hangs level."""
+    scenario = load_scenario("spoiled-added-mass")
+    roll, _ = vgvt("show", scenario.name, "--no-picture", "--json").document["hangs_at_roll_pitch_deg"][0]
+    mass = scenario.effect[0].parameters
+    bare = rigid_body_properties(scenario.airframe)
+    total = bare.mass_kg + mass["mass_kg"]
+    below = scenario.suspension.hook_m[2] - bare.centre_of_gravity_m[2] * bare.mass_kg / total
+    assert -roll == pytest.approx(np.degrees(np.arctan2(mass["mass_kg"] * mass["y_m"], total * below)), abs=5.0)
+    assert "hangs askew in run 1: right wing" in vgvt("show", scenario.name, "--no-picture").out
+    assert "askew" not in vgvt("show", "quick", "--no-picture").out
+
+
+@pytest.mark.parametrize("name", ["quick", "spoiled-suspension-surge", "spoiled-local-absorber"])
+def test_no_two_resonances_of_the_rig_share_a_name(vgvt, name: str) -> None:
+    document = vgvt("show", name, "--no-picture", "--json").document
+    names = [mode["label"] for mode in document["coupled"] if mode.get("label")]
+    assert len(set(names)) == len(names) > 4
+    surges = [mode["label"] for mode in document["as_tested"] if "surge" in mode["label"]]
+    assert bool(surges) == (name == "spoiled-suspension-surge")
+
+
+def test_an_effect_off_the_aircraft_is_refused(vgvt, tmp_path: Path) -> None:
+    far = tmp_path / "far.toml"
+    text = """extends = "quick"
+name = "far"
+summary = "A mass beside the aircraft."
+[[effect]]
+name = "added-mass"
+mass_kg = 0.1
+x_m = 0.9
+y_m = 2.2
+"""
+    far.write_text(text, encoding="utf-8")
+    for arguments in (("show", str(far), "--no-picture"), ("simulate", str(far))):
+        result = vgvt(*arguments)
+        assert result.status == 2
+        assert "672 mm off the aircraft" in result.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -21,7 +21,7 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_modes_are_found(run_folder: Path) -> None:
-    card = json.loads((run_folder / "scorecards" / "quadrature.json").read_text(encoding="utf-8"))
+    card = json.loads((run_folder / "scorecards" / "auto.json").read_text(encoding="utf-8"))
     assert card["summary"]["missed"] == 0
     assert card["summary"]["false"] == 0
     for row in card["modes"]:
@@ -32,13 +32,13 @@ def test_the_modes_are_found(run_folder: Path) -> None:
 def test_the_folder_is_whole(run_folder: Path) -> None:
     assert check_manifest(run_folder) == ()
     page = (run_folder / "report.html").read_text(encoding="utf-8")
-    assert "quadrature" in page
+    assert "auto" in page
     assert not re.search(r"<(?:script|link|img)[^>]*(?:src|href)=[\"']?(?:https?:)?//", page)
 
 
 def test_the_campaign_tells_nothing_of_the_true_modes(run_folder: Path) -> None:
     campaign = read_campaign(run_folder / "campaign.nc")
-    truth = json.loads((run_folder / "scorecards" / "quadrature.json").read_text(encoding="utf-8"))
+    truth = json.loads((run_folder / "scorecards" / "auto.json").read_text(encoding="utf-8"))
     words = " ".join((*campaign.notes.values(), *(note for run in campaign.runs for note in run.notes)))
     for row in truth["modes"]:
         assert f"{row['true_hz']:.2f}" not in words

@@ -1,18 +1,16 @@
-"""How close the likelihood methods come to the Cramér-Rao bound, and whether their intervals cover what they say."""
+"""How close `auto` comes to the Cramér-Rao bound in a few campaigns; the study's test asks many."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from scipy.stats import chi2
 
 from vgvt.identification import run_identifier
 from vgvt.identification.bound import cramer_rao_bound
 from vgvt.identification.example import Example
 from vgvt_identifiers.auto import Auto
-from vgvt_identifiers.maximum_likelihood import MaximumLikelihood
 
 EXAMPLE = Example(
     frequency_hz=(6.3, 13.7, 13.974, 26.9),  # the two in the middle are 2 % apart
@@ -23,7 +21,7 @@ EXAMPLE = Example(
 TRUTH = np.array([*EXAMPLE.frequency_hz, *EXAMPLE.damping_ratio])
 
 
-def errors_and_deviations(method: Auto | MaximumLikelihood, seeds: range) -> tuple[np.ndarray, np.ndarray]:
+def errors_and_deviations(method: Auto, seeds: range) -> tuple[np.ndarray, np.ndarray]:
     """Errors of frequencies, then damping ratios, and stated standard deviations, (seeds, 8) each."""
     errors, deviations = [], []
     for seed in seeds:
@@ -42,16 +40,3 @@ def test_a_few_campaigns_scatter_as_the_bound_says() -> None:
     assert ((errors / bound) ** 2).sum() < 1.15**2 * chi2.isf(1e-3, errors.size)
     assert ((errors / deviations) ** 2).sum() < chi2.isf(1e-4, errors.size)
     assert np.median(deviations / bound) < 1.15
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("method", [MaximumLikelihood(), Auto()], ids=lambda m: m.name)
-def test_a_hundred_and_twenty_campaigns_reach_the_bound_and_cover(method: Auto | MaximumLikelihood) -> None:
-    bound = np.concatenate(cramer_rao_bound(EXAMPLE))
-    errors, deviations = errors_and_deviations(method, range(120))
-    rms = np.sqrt((errors**2).mean(axis=0))
-    # The ratio of 120 seeds has a standard deviation of 6.5 %; the mean over modes one of about 2.5 %.
-    assert (rms / bound <= 1.15 * (1 + 2 / np.sqrt(2 * len(errors)))).all(), rms / bound
-    assert np.sqrt(((errors / bound) ** 2).mean()) <= 1.15
-    covered = (np.abs(errors) <= 1.96 * deviations).mean()
-    assert 0.92 <= covered <= 0.98, covered

@@ -11,6 +11,7 @@ from vgvt.data import Direction, Dof, Outcome, modal_assurance
 from vgvt.identification.example import Example
 from vgvt_identifiers.common_modes import RunModes, common_modes
 from vgvt_identifiers.completed_runs import completed_runs
+from vgvt_identifiers.joint_poles import joint_parameters
 from vgvt_identifiers.merged_claim import merged_claim, merged_pole
 from vgvt_identifiers.spectra import campaign_spectra
 
@@ -188,3 +189,64 @@ def test_no_modes_is_an_answer() -> None:
 def test_sizes_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ValueError, match="residues"):
         replace(ROVING[0], residues=ROVING[0].residues[:, :1])
+
+
+def test_errors_that_go_together_are_undone_by_runs_that_see_them_differently() -> None:
+    """Two runs whose errors lie along different directions: only together do they know either mode well."""
+    first, second = (np.array([[1.0, c], [c, 1.0]]) for c in (0.95, -0.95))
+    poles = 2 * np.pi * np.array([10.0, 10.2]) * (-0.01 + 1j)
+    names = (run_modes(1, (1, 2)), run_modes(2, (3, 4)))
+    moved = np.array([0.02, 0.02]), np.array([-0.01, 0.01])  # each along its own long axis
+    runs = []
+    for modes, matrix, shift in zip(names, (first, second), moved, strict=True):
+        covariance = np.zeros((4, 4))
+        covariance[:2, :2] = 0.02**2 * matrix
+        covariance[2:, 2:] = 1e-8 * np.eye(2)
+        own = poles * (1 + shift / np.array([10.0, 10.2]))
+        known = np.sqrt(np.diag(covariance))
+        shapes = modes.residues[:2]
+        runs.append(
+            replace(
+                modes,
+                poles=own,
+                residues=shapes,
+                frequency_std_hz=known[:2],
+                damping_ratio_std=known[2:],
+                covariance=covariance,
+            )
+        )
+    groups = np.array([[0, 0], [1, 1]])
+    mean, std = joint_parameters(tuple(runs), groups) or (None, None)
+    weights = [np.linalg.inv(0.02**2 * m) for m in (first, second)]
+    together = np.linalg.inv(sum(weights))
+    expected = np.abs(poles) / (2 * np.pi) + together @ sum(w @ m for w, m in zip(weights, moved, strict=True))
+    assert mean is not None and std is not None
+    np.testing.assert_allclose(mean[0], expected, rtol=1e-6)
+    np.testing.assert_allclose(std[0], np.sqrt(np.diag(together)), rtol=1e-9)
+    # One mode after the other would state 0.02 / sqrt(2).
+    assert (std[0] < 0.5 * 0.02 / np.sqrt(2)).all()
+    claim = merged_claim(tuple(runs), groups=groups)
+    np.testing.assert_allclose(claim.natural_frequency_hz, expected, rtol=1e-6)
+
+
+def test_a_run_that_does_not_know_a_mode_has_no_say_in_it() -> None:
+    covariance = np.diag([1e-4, 1e-4, 1e-8, 1e-8])
+    blind = covariance.copy()
+    blind[1] = blind[3] = 0.0
+    poles = 2 * np.pi * np.array([10.0, 14.0]) * (-0.01 + 1j)
+    runs = []
+    for modes, matrix, own in ((run_modes(1, (1, 2)), covariance, poles), (run_modes(2, (3, 4)), blind, 1.001 * poles)):
+        known = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), np.inf))
+        shapes = modes.residues[:2]
+        runs.append(
+            replace(
+                modes,
+                poles=own,
+                residues=shapes,
+                frequency_std_hz=known[:2],
+                damping_ratio_std=known[2:],
+                covariance=matrix,
+            )
+        )
+    claim = merged_claim(tuple(runs), groups=np.array([[0, 0], [1, 1]]))
+    np.testing.assert_allclose(claim.natural_frequency_hz * (2 * np.pi), np.abs(poles) * [1.0005, 1.0], rtol=1e-9)

@@ -58,6 +58,34 @@ def test_lines_that_the_force_spoils_weigh_less() -> None:
     np.testing.assert_allclose(own.mean(axis=1), (weight * scale[:, None]).mean(axis=1), rtol=0.1)
 
 
+def test_noise_of_the_force_that_no_response_shows_by_itself_is_found_by_all_of_them() -> None:
+    """Twenty responses, in each of which the force's noise is nowhere more than its own."""
+    generator = np.random.default_rng(5)
+    ratios = (generator.standard_normal((20, 2)) @ gains()[:2]) / 50
+    level = 1.0 / (np.abs(ratios) ** 2).max()
+
+    def circular(*shape: int) -> np.ndarray:
+        return (generator.standard_normal(shape) + 1j * generator.standard_normal(shape)) / np.sqrt(2)
+
+    errors = circular(20, LINES) - ratios * np.sqrt(level) * circular(LINES)
+    found = noise_of_errors(errors, ratios, np.ones(LINES, complex), 0)
+    top = int(np.argmax((np.abs(ratios) ** 2).sum(axis=0)))
+    assert found.force[top] == pytest.approx(level, rel=0.3)
+    assert found.response[:, abs(FREQUENCY - FREQUENCY[top]) < 0.3].mean() == pytest.approx(1.0, rel=0.1)
+
+
+@pytest.mark.parametrize("responses", [1, 2, 20])
+def test_noise_of_responses_alone_is_not_taken_for_the_force_s(responses: int) -> None:
+    generator = np.random.default_rng(7)
+    ratios = generator.standard_normal((responses, 2)) @ gains()[:2]
+    named = 0
+    for _ in range(20):
+        errors = generator.standard_normal((responses, LINES)) + 1j * generator.standard_normal((responses, LINES))
+        named += bool(noise_of_errors(errors, ratios, np.ones(LINES, complex), 0).force.any())
+    # e^-7 in each of four bands: one in twenty campaigns would already be a rare accident.
+    assert named <= 1
+
+
 def test_a_record_without_noise_still_has_weights() -> None:
     ratios = gains()
     plain = first_noise(np.zeros(ratios.shape), np.ones(LINES, complex))

@@ -1,7 +1,8 @@
 """BFF, GARTEUR SM-AG19 and the teaching beam: simulator, independent finite elements and published frequencies.
 
-The tables of scenarios/README.md are read and held to what the models give. Three of GARTEUR's modes lie more than 8 %
-above the measured ones; that is stated there, not fitted away, and no test asks for it.
+The tables of scenarios/README.md are read and held to what the models give. BFF is untuned. Three joint stiffnesses of
+GARTEUR are calibrated to three of its measured frequencies; the other five are predictions, and with rigid joints those
+three lie more than 8 % too high, which the table says and a test holds.
 """
 
 from __future__ import annotations
@@ -10,11 +11,12 @@ import functools
 
 import numpy as np
 import pytest
-from finite_element import Array, build, natural_modes
+from finite_element import Array, Model, build, natural_modes
+from garteur_joints import rigid_jointed
 from uniform_beams import FREE_FREE, UniformBeam
 
 from vgvt.data import ModalModel
-from vgvt.scenario import load_scenario
+from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.library import library_folder
 from vgvt.simulation.assembly import bare_rig, plan
 from vgvt.simulation.labels import mode_labels
@@ -43,14 +45,22 @@ GARTEUR_KINDS = (
     "1st antisymmetric in-plane",
     "1st symmetric in-plane",
 )
-STIFF_JOINT = np.array([False, True, False, False, True, False, True, False])
-"""GARTEUR modes that load the joint of wing and fuselage antisymmetrically: not within 8 %."""
+CALIBRATED = np.array([False, True, False, False, True, False, True, False])
+"""GARTEUR modes that the stiffnesses of the wing's mount and the fin's foot are fitted to."""
+RIGID = "garteur-sm-ag19, rigid joints"
+
+
+def scenario_of(name: str) -> Scenario:
+    """A bundled scenario, or GARTEUR's with its three springs taken out."""
+    if name != RIGID:
+        return load_scenario(name)
+    return load_scenario("garteur-sm-ag19").model_copy(update={"airframe": rigid_jointed()})
 
 
 @functools.cache
 def bare_modes(name: str) -> ModalModel:
     """The bare airframe's modes by the simulator."""
-    layout = plan(load_scenario(name))
+    layout = plan(scenario_of(name))
     rig = bare_rig(layout)
     linear = linearise(rig.model, rig.qpos, tuple((p.site, p.dof.direction.unit_vector) for p in layout.points))
     labels = mode_labels(layout.parts, rig.model, linear.mass, eigenpairs(linear)[1])
@@ -59,13 +69,38 @@ def bare_modes(name: str) -> ModalModel:
 
 
 @functools.cache
+def finite_elements(name: str) -> tuple[Model, Array, Array]:
+    """The judge's model of the bare airframe, its elastic frequencies in Hz and their shapes as columns."""
+    model = build(scenario_of(name).airframe, 20 if name.startswith("garteur") else 30)
+    frequency, shape = natural_modes(model.mass, model.stiffness)
+    return model, frequency[6:], shape[:, 6:]
+
+
 def finite_element_hz(name: str) -> Array:
     """Elastic frequencies of the bare airframe by the judge."""
-    model = build(load_scenario(name).airframe, 30)
-    return natural_modes(model.mass, model.stiffness)[0][6:]
+    return finite_elements(name)[1]
 
 
-@pytest.mark.parametrize(("name", "modes"), [("bff", 6), ("garteur-sm-ag19", 8), ("teaching-beam", 6)])
+def wing_kinds(name: str, modes: int) -> list[str]:
+    """Symmetry and kind of GARTEUR's modes by the judge: the largest motion of the wings among rise, twist, sweep."""
+    model, _, shape = finite_elements(name)
+    right, left = (
+        np.array(
+            [model.motion_at(np.array([0.6, sign * y, 0.0805]), f"wing-{side}") for y in np.linspace(0.1, 0.95, 8)]
+        )
+        for sign, side in ((1, "right"), (-1, "left"))
+    )
+    # A twist counts by what it moves the ends of a drum.
+    size = {"bending": (2, 1.0), "torsion": (4, 0.2), "in-plane": (0, 1.0)}
+    found = []
+    for vector in shape.T[:modes]:
+        kind = max(size, key=lambda k: size[k][1] * float(np.linalg.norm(right[:, size[k][0]] @ vector)))
+        same = float((right[:, size[kind][0]] @ vector) @ (left[:, size[kind][0]] @ vector))
+        found.append(f"{'symmetric' if same > 0 else 'antisymmetric'} {kind}")
+    return found
+
+
+@pytest.mark.parametrize(("name", "modes"), [("bff", 6), ("garteur-sm-ag19", 8), (RIGID, 8), ("teaching-beam", 6)])
 def test_simulator_and_finite_elements_agree(name: str, modes: int) -> None:
     found = bare_modes(name).natural_frequency_hz[:modes]
     np.testing.assert_allclose(found, finite_element_hz(name)[:modes], rtol=0.005)
@@ -79,12 +114,22 @@ def test_bff_is_within_six_per_cent_of_the_paper_and_of_its_kinds() -> None:
 
 def test_garteur_has_the_published_modes_in_the_published_order() -> None:
     assert bare_modes("garteur-sm-ag19").labels[:8] == GARTEUR_KINDS
+    assert wing_kinds("garteur-sm-ag19", 8) == [kind.split(" ", 1)[1] for kind in GARTEUR_KINDS]
 
 
-def test_garteur_is_within_eight_per_cent_where_the_joint_is_not_asked() -> None:
-    found = bare_modes("garteur-sm-ag19").natural_frequency_hz[:8]
-    deviation = found / GARTEUR_HZ - 1
-    assert np.abs(deviation[~STIFF_JOINT]).max() < 0.08
+def test_garteur_is_within_eight_per_cent_of_participant_c_in_both_models() -> None:
+    for found in (bare_modes("garteur-sm-ag19").natural_frequency_hz, finite_element_hz("garteur-sm-ag19")):
+        deviation = found[:8] / GARTEUR_HZ - 1
+        assert np.abs(deviation).max() < 0.08
+        assert np.abs(deviation[CALIBRATED]).max() < 0.01
+
+
+def test_rigid_joints_put_the_calibrated_modes_and_no_other_eight_per_cent_too_high() -> None:
+    bare = bare_modes(RIGID)
+    deviation = bare.natural_frequency_hz[:8] / GARTEUR_HZ - 1
+    assert bare.labels[:8] == GARTEUR_KINDS
+    np.testing.assert_array_equal(deviation > 0.08, CALIBRATED)
+    assert deviation.min() > -0.08
 
 
 def test_garteur_torsion_modes_are_closer_than_their_half_power_width() -> None:
@@ -108,11 +153,11 @@ def test_the_teaching_beam_has_the_frequencies_of_its_lesson() -> None:
 
 
 def catalogue_rows(name: str) -> Array:
-    """The numbers of a scenario's table in the catalogue: model, finite elements, published (rows, 3)."""
+    """The numbers of a scenario's table in the catalogue, its shares left out: model, finite elements, published, …"""
     text = (library_folder() / "README.md").read_text(encoding="utf-8")
     table = text.split(f"`{name}`, against")[1].split("\n\n")[1]
     lines = [line.strip("|").split("|") for line in table.splitlines()[2:]]
-    return np.array([[float(cell) for cell in line[1:4]] for line in lines])
+    return np.array([[float(cell) for cell in line[1:] if "%" not in cell] for line in lines])
 
 
 @pytest.mark.parametrize("name", ["bff", "garteur-sm-ag19", "teaching-beam"])
@@ -123,3 +168,5 @@ def test_the_catalogue_tells_what_the_models_give(name: str) -> None:
     published = {"bff": BFF_HZ, "garteur-sm-ag19": GARTEUR_HZ}.get(name)
     if published is not None:
         np.testing.assert_array_equal(rows[:, 2], published)
+    if name == "garteur-sm-ag19":
+        np.testing.assert_allclose(rows[:, 3], bare_modes(RIGID).natural_frequency_hz[:8], rtol=1.5e-3)

@@ -11,6 +11,7 @@ from vgvt.planning.fisher import (
     information_of_responses,
     lines_for,
     mean_deviation,
+    mean_weights,
     weighted_slopes,
 )
 
@@ -123,3 +124,6 @@ def test_the_mean_of_runs() -> None:
     scattered = mean_deviation(np.array([7.0, 8.0, 9.0]) * 1e3, np.array([1.0, 1.0, 2.0]))
     assert scattered == pytest.approx(np.sqrt(6.0) / 3, rel=1e-3)
     assert np.isinf(mean_deviation(np.ones(2), np.full(2, np.inf)))
+    assert mean_weights(np.full(3, 8.0), np.array([1.0, 2.0, np.inf])) == pytest.approx([0.8, 0.2, 0.0])
+    assert mean_weights(np.array([7.0, 9.0]) * 1e3, np.array([1.0, 2.0])) == pytest.approx([0.5, 0.5], rel=1e-5)
+    assert not mean_weights(np.ones(2), np.full(2, np.inf)).any()

@@ -24,7 +24,7 @@ def fitted(*far: float, converged: bool = True) -> Any:
 def found(null: Any, final: Any, rounds: int = 1) -> Any:
     """What an attribution holds of it, adequate in the end."""
     effect = SimpleNamespace(hypotheses=(SimpleNamespace(settings={}, parameters=()),), values=lambda k: {})
-    rival = SimpleNamespace(name="local-absorber", fit=effect)
+    rival = SimpleNamespace(name="local-absorber", fit=effect, hypothesis=SimpleNamespace(linear=True))
     addition = SimpleNamespace(winner=rival, equivalent=(rival,))
     left = SimpleNamespace(adequate=True)
     return SimpleNamespace(null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left)
@@ -39,7 +39,6 @@ def test_sound_fits_leave_no_doubt() -> None:
 @pytest.mark.parametrize(
     ("null", "final", "word"),
     [
-        (fitted(converged=False), fitted(), "had not converged"),
         (fitted(), fitted(converged=False), "not final"),
         (fitted(), fitted(4.2, -5.0), "unknown 1 at -5.0 sd, unknown 0 at +4.2 sd"),
         (fitted(), fitted(0.0, 6.5), "unknown 1 at +6.5 sd"),
@@ -49,6 +48,14 @@ def test_each_doubt_is_said_and_makes_the_explanation_partial(null: Any, final: 
     (said,) = doubts(found(null, final))
     assert word in said
     assert kind_of(found(null, final)) is Kind.PARTLY_EXPLAINED
+
+
+def test_a_calibration_on_its_way_is_a_doubt_where_something_is_left() -> None:
+    moving = found(fitted(converged=False), fitted())
+    assert doubts(moving) == ()
+    moving.final_residual = SimpleNamespace(adequate=False)
+    (said,) = doubts(moving)
+    assert "had not converged" in said
 
 
 def test_without_a_name_there_is_nothing_to_doubt() -> None:

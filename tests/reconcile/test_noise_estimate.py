@@ -76,7 +76,7 @@ def holds(name: str, noise: Noise, draws: int) -> None:
 
 
 def test_a_short_roving_sweep_is_given_its_own_noise() -> None:
-    holds("Hati, 14 s", Noise(0.01, False), 12)
+    holds("Hati, 14 s", Noise(0.01, False), 6)
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ def leaving(residual: np.ndarray) -> Any:
     held = np.arange(CHANNELS) < 2
     measured = SimpleNamespace(values=np.zeros(shape, complex), sigma=np.ones(shape))
     parts = SimpleNamespace(held=held, train=~held)
-    return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), predicted=residual)
+    return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), foretold=residual)
 
 
 def noise(seed: int) -> np.ndarray:

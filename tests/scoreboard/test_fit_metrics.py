@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vgvt.data import Direction, Dof, ModalModel, Quantity, synthesise
-from vgvt_scoreboard import fit_percent, frf_fit_percent, pointwise_nu_gap
+from vgvt_scoreboard import fit_percent, frf_fit_percent, pointwise_nu_gap, winding_turns
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -51,6 +51,32 @@ def test_nu_gap_laws(seed: int, outputs: int, inputs: int) -> None:
 def test_nu_gap_refuses_systems_of_different_size() -> None:
     with pytest.raises(ValueError, match="responses, references, frequency"):
         pointwise_nu_gap(np.zeros((2, 1, 3)), np.zeros((3, 1, 3)))
+
+
+OMEGA = np.concatenate([-np.geomspace(1e6, 1e-6, 40001), np.geomspace(1e-6, 1e6, 40001)])
+
+
+def lag(pole: float, gain: float = 100.0) -> np.ndarray:
+    """gain / (2 s + pole) on the whole imaginary axis, (1, 1, frequency)."""
+    return np.asarray(gain / (2j * OMEGA + pole))[None, None]
+
+
+def test_a_stable_and_an_unstable_lag_are_near_because_the_winding_makes_up_for_the_pole() -> None:
+    """Vinnicombe's example: 100/(2s+1) and 100/(2s-1); one unstable pole more and one turn."""
+    assert pointwise_nu_gap(lag(1.0), lag(-1.0)).max() == pytest.approx(0.02, abs=1e-3)
+    assert abs(winding_turns(lag(1.0), lag(-1.0))) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_stable_systems_that_differ_little_wind_by_nothing() -> None:
+    s = 1j * OMEGA
+    systems = [(np.array([1.0, -0.5])[:, None] * s**2 / (s**2 + 2 * z * s + 1))[:, None] for z in (0.01, 0.011)]
+    assert winding_turns(*systems) == pytest.approx(0.0, abs=1e-3)
+    assert winding_turns(systems[0], systems[0]) == 0.0
+
+
+def test_a_delay_winds() -> None:
+    late = lag(1.0) * np.exp(-0.5j * np.clip(OMEGA, -40.0, 40.0))
+    assert abs(winding_turns(lag(1.0), late)) > 0.5
 
 
 @given(seeds)

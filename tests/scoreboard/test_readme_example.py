@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vgvt.data import ModeScore
+from vgvt.data import Direction, Dof, ModeScore
 from vgvt_scoreboard import PairingRule, fit_percent, pair_modes, pointwise_nu_gap, score
 
 README = Path(__file__).parents[2] / "scoreboard" / "README.md"
@@ -40,15 +40,23 @@ def agrees(printed: str, value: float | None) -> bool:
     return abs(float(printed) - value) <= 0.5 * 10.0**-digits + 1e-12
 
 
+def residues(cells: list[str]) -> dict[str, object]:
+    """Residues at the three sensors for a force at the first one."""
+    values = np.array([[float(v) for v in cell.split(",")] for cell in cells], dtype=complex)
+    return {"residues": values[:, :, None], "references": (Dof(1, Direction.PLUS_Z),)}
+
+
 @pytest.fixture
 def models(text: str, model):
-    true_rows = table(text, "mode | frequency, Hz | damping")
+    true_rows = table(text, "mode | frequency, Hz | bound")
     claim_rows = table(text, "mode | frequency, Hz | ± Hz")
     truth = model(
         [float(r[1]) for r in true_rows],
-        [float(r[2]) / 100 for r in true_rows],
-        [[float(v) for v in r[3].split(",")] for r in true_rows],
+        [float(r[3]) / 100 for r in true_rows],
+        [[float(v) for v in r[4].split(",")] for r in true_rows],
         labels=tuple(r[0] for r in true_rows),
+        natural_frequency_std_hz=np.array([float(r[2]) for r in true_rows]),
+        **residues([r[5] for r in true_rows]),
     )
     claim = model(
         [float(r[1]) for r in claim_rows],
@@ -56,6 +64,7 @@ def models(text: str, model):
         [[float(v) for v in r[4].split(",")] for r in claim_rows],
         labels=tuple(r[0] for r in claim_rows),
         natural_frequency_std_hz=np.array([float(r[2]) if r[2] else np.nan for r in claim_rows]),
+        **residues([r[5] for r in claim_rows]),
     )
     return truth, claim
 
@@ -84,11 +93,19 @@ def test_result(text: str, models, sealed) -> None:
 
 
 def check_row(printed: list[str], row: ModeScore) -> None:
-    values = (row.true_hz, row.claimed_hz, row.frequency_error_percent, row.damping_error_percent, row.mac)
-    for cell, value in zip(printed[:5], values, strict=True):
+    values = (
+        row.true_hz,
+        row.claimed_hz,
+        row.frequency_error_percent,
+        row.damping_error_percent,
+        row.mac,
+        row.scaling_error_percent,
+        row.frequency_efficiency,
+    )
+    for cell, value in zip(printed[:7], values, strict=True):
         assert agrees(cell, value), (cell, value, row)
-    assert printed[5] == {True: "yes", False: "no", None: ""}[row.frequency_covered]
-    assert printed[6] == row.status.value
+    assert printed[7] == {True: "yes", False: "no", None: ""}[row.frequency_covered]
+    assert printed[8] == row.status.value
 
 
 def test_rule_in_words_is_the_rule_in_use(text: str) -> None:

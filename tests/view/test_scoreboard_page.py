@@ -7,6 +7,7 @@ import re
 import pytest
 
 from vgvt.bench.table import table_of
+from vgvt.view.scoreboard_figures import bound_figure, calibration_figure, front_figure
 from vgvt.view.scoreboard_page import render_scoreboard_page, write_scoreboard_page
 
 
@@ -76,3 +77,21 @@ def test_a_failure_is_told_with_its_reason_and_cannot_become_markup(page) -> Non
 def test_the_file_appears_whole(tmp_path) -> None:
     path = write_scoreboard_page(tmp_path / "s.html", table_of([row("era", 0, 0)]))
     assert path.read_text(encoding="utf-8").endswith("</html>\n")
+
+
+def test_every_entry_looks_the_same_in_all_figures_and_like_no_other() -> None:
+    names = [f"method-{k:02d}" for k in range(12)]
+    table = table_of([row(name, number, mode) for name in names for number in range(3) for mode in range(2)])
+    figures = [bound_figure(table), calibration_figure(table), front_figure(table)]
+    looks = [
+        {
+            trace.name.split(" ")[0]: (trace.marker.color, trace.marker.symbol)
+            for trace in figure.data
+            if trace.name.startswith("method")
+        }
+        for figure in figures
+        if figure is not None
+    ]
+    assert len(looks) == 3
+    assert looks[0] == looks[1] == looks[2]
+    assert len(set(looks[0].values())) == 12

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from vgvt.bench.cell import Cell, Row, seeded
 from vgvt.bench.entry import Entry
 from vgvt.bench.executors import MakeExecutor, in_order_of_completion
+from vgvt.bench.fingerprint import fingerprint
 from vgvt.bench.store import Store
 from vgvt.bench.table import table_of
 from vgvt.bench.umpire import Limits
@@ -50,12 +51,12 @@ class BenchPlan:
 def bench(
     plan: BenchPlan, folder: Path, make_executor: MakeExecutor | None = None, progress: Progress | None = None
 ) -> pandas.DataFrame:
-    """Work the plan off and return the long table; what is done already in ``folder`` is not done again.
+    """Work the plan off and return the long table; what the same code has done already in ``folder`` is not done again.
 
     The table is the same for any executor, the columns ``vgvt.bench.rows.MEASURED`` apart.
     ``progress(fraction, message)`` is called before the first cell and after each.
     """
-    store = Store(folder)
+    store = Store(folder, fingerprint(plan.entries))
     cells = plan.cells()
     rows: list[Row] = []
     todo: list[Cell] = []

@@ -9,12 +9,13 @@ from typing import Any
 
 from vgvt.bench.entry import Entry
 from vgvt.bench.rows import failure_row, score_rows
-from vgvt.bench.umpire import Limits, attempt
-from vgvt.data import InputError
+from vgvt.bench.umpire import Limits, attempt, handed_out
+from vgvt.data import Campaign, FrequencyResponseSet, FrfFit, InputError, ModalModel
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
+from vgvt.signals import estimate_frf
 from vgvt.simulation.campaign import simulate
-from vgvt_scoreboard import score
+from vgvt_scoreboard import score, validate
 
 Row = dict[str, Any]
 
@@ -34,7 +35,7 @@ class Cell:
 
     @property
     def key(self) -> str:
-        """A hash of all that the result depends on, version of vgvt aside."""
+        """A hash of all that the result depends on, code aside."""
         text = json.dumps(
             [
                 self.scenario.model_dump(mode="json"),
@@ -75,19 +76,37 @@ def run_cell(cell: Cell) -> list[Row]:
         result = simulate(cell.scenario)
     except (InputError, RuntimeError) as error:
         reason = f"simulation failed: {str(error).splitlines()[0]}"
-        return [failure_row(common, entry, reason, None, None) for entry in cell.entries]
+        return [failure_row(common, entry, reason) for entry in cell.entries]
     band = cell.band_hz or result.campaign.band_hz
+    measured = _measured(result.campaign)
     rows: list[Row] = []
-    for entry in cell.entries:
-        tried = attempt(entry, result.campaign, band, cell.limits)
-        if tried.claim is None:
-            rows.append(failure_row(common, entry, tried.reason, tried.wall_s, tried.peak_memory_mib))
-            continue
-        try:
-            card = score(result.truth, tried.claim, band, cell.scenario.name, entry.label)
-        except InputError as error:
-            reason = f"cannot be scored: {str(error).splitlines()[0]}"
-            rows.append(failure_row(common, entry, reason, tried.wall_s, tried.peak_memory_mib))
-            continue
-        rows += score_rows(common, entry, card, tried.wall_s, tried.peak_memory_mib)
+    with handed_out(result.campaign) as file:
+        for entry in cell.entries:
+            tried = attempt(entry, file, band, cell.limits)
+            cost = {"wall_s": tried.wall_s, "peak_memory_mib": tried.peak_memory_mib}
+            if tried.claim is None:
+                rows.append(failure_row(common | cost, entry, tried.reason))
+                continue
+            try:
+                card = score(result.truth, tried.claim, band, cell.scenario.name, entry.label)
+            except InputError as error:
+                rows.append(failure_row(common | cost, entry, f"cannot be scored: {str(error).splitlines()[0]}"))
+                continue
+            rows += score_rows(common | cost, entry, card, _fit(measured, tried.claim, band))
     return rows
+
+
+def _measured(campaign: Campaign) -> FrequencyResponseSet | None:
+    """The responses that claims are held against, estimated once for all of them; None without a force."""
+    try:
+        return estimate_frf(campaign, "auto")
+    except InputError:
+        return None
+
+
+def _fit(measured: FrequencyResponseSet | None, claim: ModalModel, band_hz: tuple[float, float]) -> FrfFit | None:
+    """How the claim's responses meet the measured ones; None where it states no residues."""
+    try:
+        return None if measured is None else validate(measured, claim, band_hz)
+    except InputError:
+        return None

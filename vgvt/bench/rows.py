@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from vgvt.bench.entry import Entry
-from vgvt.data import Scorecard
+from vgvt.data import FrfFit, Scorecard
 
 MEASURED = ("wall_s", "peak_memory_mib")
 """Columns that no two runs share; all others are the same wherever and however often a bench runs."""
@@ -33,51 +35,53 @@ COLUMNS: dict[str, str] = {
     "damping_error_percent": "DOUBLE",
     "damping_ratio_std": "DOUBLE",
     "damping_covered": "BOOLEAN",
+    "frequency_efficiency": "DOUBLE",
     "mac": "DOUBLE",
     "scaling_error_percent": "DOUBLE",
+    "split": "BOOLEAN",
     "remark": "VARCHAR",
+    "frf_fit_percent": "DOUBLE",
+    "nu_gap": "DOUBLE",
     "wall_s": "DOUBLE",
     "peak_memory_mib": "DOUBLE",
 }
-"""Columns of the table in order, with their types in Parquet."""
+"""Columns of the table in order, with their types in Parquet.
+
+``frf_fit_percent`` (median NRMSE fit over the responses), ``nu_gap`` (largest over the band), ``wall_s`` and
+``peak_memory_mib`` are those of the whole claim, the same in each of its rows.
+"""
 
 FAILED = "failed"
 """Outcome of an entry that came to no claim at all; ``reason`` says why."""
 
 
-def score_rows(
-    common: dict[str, Any], entry: Entry, card: Scorecard, wall_s: float | None, peak_memory_mib: float | None
-) -> list[dict[str, Any]]:
-    """The rows of a scorecard, at least one: nothing claimed where nothing was to be found is a row without mode."""
+def score_rows(common: dict[str, Any], entry: Entry, card: Scorecard, fit: FrfFit | None) -> list[dict[str, Any]]:
+    """The rows of a scorecard, at least one: nothing claimed where nothing was to be found is a row without mode.
+
+    ``common`` are the columns of the campaign and of the cost, ``fit`` None where no responses could be compared.
+    """
     stem = {
         **common,
         "entry": entry.label,
         "identifier": entry.identifier,
         "outcome": card.outcome.value,
         "reason": "; ".join(card.advice) if not card.found + card.false else "",
-        "wall_s": wall_s,
-        "peak_memory_mib": peak_memory_mib,
     }
+    if fit is not None:
+        stem |= {"frf_fit_percent": float(np.median(fit.fit_percent)), "nu_gap": float(fit.nu_gap.max())}
     modes = [*card.modes, *card.unreached]
     if not modes:
         return [_complete(stem)]
-    return [_complete(row.as_dict() | {"mode": k} | stem) for k, row in enumerate(modes)]
+    return [
+        _complete(row.as_dict() | {"mode": k, "split": row.remark.startswith("split")} | stem)
+        for k, row in enumerate(modes)
+    ]
 
 
-def failure_row(
-    common: dict[str, Any], entry: Entry, reason: str, wall_s: float | None, peak_memory_mib: float | None
-) -> dict[str, Any]:
+def failure_row(common: dict[str, Any], entry: Entry, reason: str) -> dict[str, Any]:
     """The row of an entry without a claim."""
     return _complete(
-        {
-            **common,
-            "entry": entry.label,
-            "identifier": entry.identifier,
-            "outcome": FAILED,
-            "reason": reason,
-            "wall_s": wall_s,
-            "peak_memory_mib": peak_memory_mib,
-        }
+        {**common, "entry": entry.label, "identifier": entry.identifier, "outcome": FAILED, "reason": reason}
     )
 
 

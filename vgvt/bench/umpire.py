@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import json
-import os
+import shutil
 import signal
-import subprocess
-import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from vgvt.bench.entry import Entry
+from vgvt.bench.starting import OutOfTimeError, run_contestant
 from vgvt.data import Campaign, ModalModel
 from vgvt.files.campaign_file import write_campaign
 from vgvt.files.modal_dataset import modal_model
 from vgvt.files.netcdf import read_group
 from vgvt.identification.contestant import CAMPAIGN, CLAIM, OUTCOME, REQUEST
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _OPEN_NOTES = {"dwells", "impacts", "blocks"}
-_STARTING_S = 60.0  # for the interpreter and its libraries; the contestant's own alarm counts the identification alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,21 +49,35 @@ def anonymous(campaign: Campaign) -> Campaign:
     return replace(campaign, name="campaign", notes={k: v for k, v in campaign.notes.items() if k in _OPEN_NOTES})
 
 
+@contextmanager
+def handed_out(campaign: Campaign) -> Iterator[Path]:
+    """The anonymous campaign as a file that several contestants are given copies of; it goes when the block ends."""
+    with tempfile.TemporaryDirectory(prefix="vgvt-hand-out-") as name:
+        path = Path(name) / CAMPAIGN
+        # It lives for minutes and on this machine: packing and unpacking noise would cost more than its space.
+        write_campaign(path, anonymous(campaign), packed=False)
+        yield path
+
+
 def attempt(
     entry: Entry,
-    campaign: Campaign,
+    campaign: Campaign | Path,
     band_hz: tuple[float, float] | None = None,
     limits: Limits | None = None,
 ) -> Attempt:
     """Let one identifier work on a campaign in a process of its own; never raises for what the method does.
 
-    The process starts in an empty folder and is handed the anonymous campaign as a file. One that
+    The process starts in an empty folder with the anonymous campaign: a copy of the file, where ``campaign`` is
+    one that ``handed_out`` wrote, for what a contestant does to its own must not reach the next. One that
     crashes, hangs, takes too much or reaches for what it was not given makes an attempt with a reason.
     """
+    if isinstance(campaign, Campaign):
+        with handed_out(campaign) as file:
+            return attempt(entry, file, band_hz, limits)
     limits = limits or Limits()
     with tempfile.TemporaryDirectory(prefix="vgvt-contest-") as name:
         folder = Path(name)
-        write_campaign(folder / CAMPAIGN, anonymous(campaign))
+        shutil.copyfile(campaign, folder / CAMPAIGN)
         request = {
             "identifier": entry.identifier,
             "settings": dict(entry.settings),
@@ -78,43 +91,16 @@ def attempt(
 
 
 def _run(folder: Path, time_s: float) -> str:
-    """Run the contestant; what went wrong, or nothing. A child that outlives its time goes with all it started."""
-    environment = {
-        **os.environ,
-        **dict.fromkeys(_THREADS, "1"),
-        "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
-    }
-    command = [sys.executable, "-m", "vgvt.identification.contestant", str(folder)]
-    with (folder / "stderr.txt").open("wb") as errors:
-        process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=errors,
-            start_new_session=True,
-        )
-        try:
-            status = process.wait(timeout=time_s + _STARTING_S)
-        except subprocess.TimeoutExpired:
-            return f"took more than {time_s:g} s"
-        finally:
-            if process.poll() is None:
-                _kill(process)
+    """Run the contestant; what went wrong, or nothing."""
+    try:
+        status = run_contestant(folder, time_s)
+    except OutOfTimeError:
+        return f"took more than {time_s:g} s"
     if hasattr(signal, "SIGALRM") and status == -signal.SIGALRM:
         return f"took more than {time_s:g} s"
     if status < 0:
         return f"killed by {signal.Signals(-status).name}"
     return f"ended with status {status}" if status else ""
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    if hasattr(os, "killpg"):
-        os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
-    process.wait()
 
 
 def _read(folder: Path, stopped: str) -> Attempt:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def identify(
     campaign: CampaignArgument,
-    identifier: Annotated[str, typer.Option(metavar="NAME", help="See: vgvt list identifiers.")] = "quadrature",
+    identifier: Annotated[str, typer.Option(metavar="NAME", help="See: vgvt list identifiers.")] = "auto",
     band: BandOption = None,
     setting: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the identifier; may be given again.")

@@ -32,9 +32,11 @@ CampaignArgument = Annotated[
 def resolved_scenario(name: str, seed: int | None, engine: str | None) -> Scenario:
     """The scenario with the command line's seed and engine put in."""
     from vgvt.data import InputError
+    from vgvt.effects.places import require_on_aircraft
     from vgvt.scenario import load_scenario
 
     scenario = load_scenario(name)
+    require_on_aircraft(scenario)
     changes: dict[str, Any] = {}
     if seed is not None:
         changes["seed"] = seed

@@ -61,7 +61,12 @@ def plan(
         int, typer.Option(min=1, help="How many of the best plans are simulated.", rich_help_panel=_CONFIRM)
     ] = 1,
     identifier: Annotated[
-        str, typer.Option(metavar="NAME", help="Who identifies them.", rich_help_panel=_CONFIRM)
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Who identifies them: a method, or informed: a fit that is told the noise.",
+            rich_help_panel=_CONFIRM,
+        ),
     ] = "auto",
     out: Annotated[Path, typer.Option(metavar="FOLDER", help="Where the plan's files go.")] = Path("plan"),
     as_json: JsonOption = False,
@@ -73,11 +78,13 @@ def plan(
     """
     from vgvt.identification import make_identifier
     from vgvt.planning.budget import Budget
+    from vgvt.planning.informed import INFORMED
     from vgvt.planning.planner import Order, checked_free, plan_test
     from vgvt.scenario import load_scenario
 
     described = load_scenario(scenario)
-    make_identifier(identifier)  # a misspelt name costs no time
+    if identifier != INFORMED:
+        make_identifier(identifier)  # a misspelt name costs no time
     order = Order(
         budget=Budget(minutes, sensors, setup_minutes, mount_minutes, clay_minutes, longest_sweep),
         free=checked_free([word.strip() for word in free.split(",") if word.strip()]),
@@ -199,7 +206,8 @@ def _show(result: PlanningResult, paths: dict[str, Path]) -> None:
 def _more(result: PlanningResult) -> str:
     parts = []
     if result.confirmed_gain is not None:
-        parts.append(f"{result.confirmed_gain:.3g} in simulation")
+        error = 100 * (result.confirmed_gain_relative_error or 0.0)
+        parts.append(f"{result.confirmed_gain:.3g} ± {error:.0f} % in simulation")
     if result.gain_at_equal_means is not None:
         parts.append(f"{result.gain_at_equal_means:.3g} against the same shaker, points and band with this budget")
     return f" ({'; '.join(parts)})." if parts else "."

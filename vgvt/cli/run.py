@@ -33,7 +33,7 @@ class Judged:
 def run(
     scenario: ScenarioArgument,
     identifier: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="An identifier; may be given again. Default: quadrature.")
+        list[str] | None, typer.Option(metavar="NAME", help="An identifier; may be given again. Default: auto.")
     ] = None,
     setting: Annotated[
         list[str] | None,
@@ -56,7 +56,7 @@ def run(
 
     start = time.perf_counter()
     # Made before the simulation, so that a misspelt name costs no time.
-    names = identifier or ["quadrature"]
+    names = identifier or ["auto"]
     settings = settings_by_identifier(setting or [], names)
     methods = {name: made_identifier(name, settings[name]) for name in names}
     result = simulated(scenario, out, seed, engine, force)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _ALIKE = 0.8
 """Least MAC of a resonance and a mode that share a name."""
+_ASKEW_DEG = 3.0
+"""Roll or pitch at rest that a reader is told of in words."""
 
 OutOption = Annotated[
     Path | None,
@@ -45,22 +47,25 @@ def show_scenario(
 ) -> int:
     """Show a scenario's rig: a picture, mass properties, modes and the rig's own resonances."""
     from vgvt.data import InputError
+    from vgvt.effects.places import require_on_aircraft
     from vgvt.scenario import load_scenario
 
     if no_picture and (out is not None or mode is not None):
         raise InputError("--no-picture", "leaves nothing for --out and --mode to do", "leave out one or the other")
     loaded = load_scenario(scenario)
+    require_on_aircraft(loaded)
     picture = None if no_picture else _picture_path(out, loaded.name)
     _choose_renderer()
     from vgvt.simulation import truth_of
+    from vgvt.simulation.attitude import attitudes_deg
 
-    truth = truth_of(loaded)
+    truth, hangs_deg = truth_of(loaded), attitudes_deg(loaded)
     _check_mode(truth, mode)
     animation = _render(loaded, picture, mode, width, height) if picture is not None else None
     if as_json:
-        write_document(_document(loaded, truth, picture, animation))
+        write_document(_document(loaded, truth, picture, animation) | {"hangs_at_roll_pitch_deg": hangs_deg})
     else:
-        _print(loaded, truth, picture, animation)
+        _print(loaded, truth, hangs_deg, picture, animation)
     return 0
 
 
@@ -127,7 +132,13 @@ def _document(scenario: Scenario, truth: Truth, picture: Path | None, animation:
     }
 
 
-def _print(scenario: Scenario, truth: Truth, picture: Path | None, animation: Path | None) -> None:
+def _print(
+    scenario: Scenario,
+    truth: Truth,
+    hangs_deg: tuple[tuple[float, float], ...],
+    picture: Path | None,
+    animation: Path | None,
+) -> None:
     from vgvt.view import modal_table
 
     body, shown_hz = truth.rigid_body, _shown_hz(scenario)
@@ -137,6 +148,7 @@ def _print(scenario: Scenario, truth: Truth, picture: Path | None, animation: Pa
     show(
         f"{scenario.name}: {scenario.airframe.name}",
         f"mass {body.mass_kg:.4f} kg, centre of gravity ({centre}) m, Ixx, Iyy, Izz {moments} kg m² about it",
+        _hanging(hangs_deg),
         modal_table(truth.bare.band(0.0, shown_hz), f"modes of the bare airframe, up to {shown_hz:g} Hz"),
         modal_table(
             as_tested.band(0.0, shown_hz),
@@ -149,21 +161,37 @@ def _print(scenario: Scenario, truth: Truth, picture: Path | None, animation: Pa
             show(f"{words} in {path}")
 
 
+def _hanging(hangs_deg: tuple[tuple[float, float], ...]) -> str:
+    """How the aircraft hangs, and a word where it is askew in some run."""
+    worst = max(range(len(hangs_deg)), key=lambda k: max(abs(angle) for angle in hangs_deg[k]))
+    roll, pitch = hangs_deg[worst]
+    if max(abs(roll), abs(pitch)) < _ASKEW_DEG:
+        return f"hangs at {roll:+.1f}° of roll (left wing down) and {pitch:+.1f}° of pitch (nose up)"
+    wing, nose = "left" if roll > 0 else "right", "up" if pitch > 0 else "down"
+    how = f"{wing} wing {abs(roll):.1f}° low, nose {abs(pitch):.1f}° {nose}"
+    return f"hangs askew in run {worst + 1}: {how}; a lab would level it first"
+
+
 def _without_limits(modes: ModalModel) -> ModalModel:
     """The modes without what the run's noise would allow: far below the band those limits say nothing."""
     return replace(modes, natural_frequency_std_hz=None, damping_ratio_std=None)
 
 
 def _named(coupled: ModalModel, as_tested: ModalModel) -> ModalModel:
-    """Resonances of the rig under the name of the mode as tested that they look like most."""
+    """Resonances of the rig under the name of the mode as tested that they look like most, no name given twice."""
+    import numpy as np
+    from scipy.optimize import linear_sum_assignment
+
     from vgvt.data.assurance import modal_assurance
 
     if not len(coupled) or not len(as_tested) or not as_tested.labels:
         return coupled
     mac = modal_assurance(coupled.shapes, as_tested.shapes)
-    best = mac.argmax(axis=1)
-    labels = tuple(as_tested.labels[k] if row[k] >= _ALIKE else "" for k, row in zip(best, mac, strict=True))
-    return replace(coupled, labels=labels)
+    labels = [""] * len(coupled)
+    for mine, theirs in zip(*linear_sum_assignment(-np.where(mac >= _ALIKE, mac, 0.0)), strict=True):
+        if mac[mine, theirs] >= _ALIKE:
+            labels[mine] = as_tested.labels[theirs]
+    return replace(coupled, labels=tuple(labels))
 
 
 def _shown_hz(scenario: Scenario) -> float:

@@ -16,7 +16,10 @@ from vgvt.scenario.planform import part_at, surface_height_m
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class AddedMass:
-    """A mass m lowers a frequency by φ² m/(2 m_r): modes with a node there do not notice."""
+    """A mass m lowers a frequency by φ² m/(2 m_r): modes with a node there do not notice.
+
+    Out on one wing it also tips the hung aircraft: by atan(m y / M h) where it hangs by h above its centre of gravity.
+    """
 
     name: ClassVar[str] = "added-mass"
     summary: ClassVar[str] = "There is a lump of mass on the airframe that the scenario does not have"

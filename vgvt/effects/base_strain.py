@@ -10,6 +10,7 @@ from vgvt.effects.elements import RotationSpring
 from vgvt.effects.equivalent_damper import equivalent_damper
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.effects.stinger_moment import require_body_drive
 from vgvt.scenario.model import Scenario
 
@@ -45,14 +46,17 @@ class BaseStrain:
         "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
     )
     axis: Literal["roll", "pitch"] = dataclasses.field(default="pitch", metadata={"doc": "'roll' or 'pitch'"})
+    shaker: int = shaker_choice()
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the moment path and let the gauge feel it, in every run; InputError for a drive point on a beam."""
         del run
         if self.apparent_force_per_moment_per_m == 0:
             return NOTHING
-        require_body_drive(scenario, self.name)
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        require_body_drive(scenario, chosen, self.name)
         stiffness = self.rotational_stiffness_n_m_per_rad
         damping = equivalent_damper(stiffness, self.loss_factor, self.frequency_hz)
-        spring = RotationSpring(self.axis, stiffness, damping, gauge_per_m=self.apparent_force_per_moment_per_m)
-        return Action(elements=(spring,))
+        felt = self.apparent_force_per_moment_per_m
+        springs = (RotationSpring(self.axis, stiffness, damping, gauge_per_m=felt, exciter=k) for k in chosen)
+        return Action(elements=tuple(springs))

@@ -8,7 +8,9 @@ from typing import ClassVar
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.shakers import chosen_shakers, shaker_choice, with_shakers
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import Shaker
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -32,12 +34,16 @@ class DrivePointOffset:
 
     dx_m: float = parameter("m", -0.025, 0.025, "how far aft of the stated point", neutral=0.0)
     dy_m: float = parameter("m", -0.025, 0.025, "how far to the right of the stated point", neutral=0.0)
+    shaker: int = shaker_choice()
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Move the drive point in every run."""
         del run
         if self.dx_m == 0 and self.dy_m == 0:
             return NOTHING
-        x, y, z = scenario.shaker.position_m
-        shaker = scenario.shaker.model_copy(update={"position_m": (x + self.dx_m, y + self.dy_m, z)})
-        return Action(scenario=scenario.model_copy(update={"shaker": shaker}))
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        return Action(scenario=with_shakers(scenario, chosen, self._moved))
+
+    def _moved(self, shaker: Shaker) -> Shaker:
+        x, y, z = shaker.position_m
+        return shaker.model_copy(update={"position_m": (x + self.dx_m, y + self.dy_m, z)})

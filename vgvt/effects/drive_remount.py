@@ -9,7 +9,9 @@ from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
 from vgvt.effects.run_schedule import after, check_schedule
+from vgvt.effects.shakers import chosen_shakers, shaker_choice, with_shakers
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import Shaker
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -32,6 +34,7 @@ class DriveRemount:
     shift_x_m: float = parameter("m", -0.025, 0.025, "how far aft the drive point moves", neutral=0.0)
     shift_y_m: float = parameter("m", -0.025, 0.025, "how far to the right the drive point moves", neutral=0.0)
     from_run: int = dataclasses.field(default=2, metadata={"doc": "first run after the change, counted from 1"})
+    shaker: int = shaker_choice()
 
     def __post_init__(self) -> None:
         check_schedule(1.0, self.from_run)
@@ -40,6 +43,9 @@ class DriveRemount:
         """Move the drive point on its part, from the run after the change on."""
         if (self.shift_x_m == 0 and self.shift_y_m == 0) or not after(run, self.from_run):
             return NOTHING
-        x, y, z = scenario.shaker.position_m
-        shaker = scenario.shaker.model_copy(update={"position_m": (x + self.shift_x_m, y + self.shift_y_m, z)})
-        return Action(scenario=scenario.model_copy(update={"shaker": shaker}))
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        return Action(scenario=with_shakers(scenario, chosen, self._moved))
+
+    def _moved(self, shaker: Shaker) -> Shaker:
+        x, y, z = shaker.position_m
+        return shaker.model_copy(update={"position_m": (x + self.shift_x_m, y + self.shift_y_m, z)})

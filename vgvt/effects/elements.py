@@ -41,19 +41,20 @@ class GroundSpring:
 class RotationSpring:
     """Spring and dashpot on the rotation of the centre body about one of its axes, at rest as hung.
 
-    ``gauge_per_m`` is what the force gauge reads of its moment on the aircraft, N per N m.
+    ``gauge_per_m`` is what the force gauge of an exciter (counted from 0) reads of its moment, N per N m.
     """
 
     axis: Literal["roll", "pitch", "yaw"]
     stiffness_n_m_per_rad: float
     damping_n_m_s_per_rad: float = 0.0
     gauge_per_m: float = 0.0
+    exciter: int = 0
     owner: Owner = "rig"
 
 
 @dataclass(frozen=True, slots=True)
 class Absorber:
-    """A mass on a spring and dashpot that slides along a direction fixed to the aircraft."""
+    """A mass on a spring and dashpot that slides along a direction fixed to the aircraft; ``kind`` names its mode."""
 
     part: str
     position_m: Vector
@@ -61,20 +62,24 @@ class Absorber:
     stiffness_n_per_m: float
     damping_n_s_per_m: float
     direction: Vector = _UP
+    kind: Literal["absorber", "surge"] = "absorber"
     owner: Owner = "airframe"
 
 
 @dataclass(frozen=True, slots=True)
 class MountCompliance:
-    """Spring and dashpot between structure and force transducer, along the stinger.
+    """Spring and dashpot between structure and force transducer of an exciter (counted from 0), along the stinger.
 
-    Pulled by more than ``preload_n`` it keeps only the fraction ``tension_ratio`` of its stiffness.
+    Pulled by more than ``preload_n`` it keeps only the fraction ``tension_ratio`` of its stiffness; with
+    ``gap_m`` it has none at all over that way, and all of it beyond.
     """
 
     stiffness_n_per_m: float
     damping_n_s_per_m: float
     tension_ratio: float = 1.0
     preload_n: float = 0.0
+    gap_m: float = 0.0
+    exciter: int = 0
     owner: Owner = "rig"
 
 
@@ -114,6 +119,14 @@ class SuspensionFrame:
 
 
 @dataclass(frozen=True, slots=True)
+class SuspensionCubic:
+    """A force c x³ beside the suspension's spring, x its change of length from that as hung."""
+
+    cubic_n_per_m3: float
+    owner: Owner = "rig"
+
+
+@dataclass(frozen=True, slots=True)
 class BendTwist:
     """Coupling of bending and torsion along a beam (a name after mirroring), K = ``coupling`` sqrt(EI GJ).
 
@@ -127,7 +140,10 @@ class BendTwist:
 
 @dataclass(frozen=True, slots=True)
 class HingedFlap:
-    """A rigid flap on a sprung hinge; ``inertia_kg_m2`` about its centre of gravity. Trim holds it level."""
+    """A rigid flap on a sprung hinge; ``inertia_kg_m2`` about its centre of gravity. Trim holds it level.
+
+    With ``gap_rad`` the spring has play, against one side of which the flap's weight leans it as it hangs.
+    """
 
     part: str
     hinge_m: Vector
@@ -137,6 +153,7 @@ class HingedFlap:
     inertia_kg_m2: Vector
     stiffness_n_m_per_rad: float
     damping_n_m_s_per_rad: float
+    gap_rad: float = 0.0
     owner: Owner = "airframe"
 
 
@@ -202,6 +219,7 @@ Element = (
     | JointLaw
     | ModalDrag
     | SuspensionFrame
+    | SuspensionCubic
     | BendTwist
     | HingedFlap
     | PointPair

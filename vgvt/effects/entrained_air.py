@@ -29,7 +29,8 @@ class EntrainedAir:
     """A flat plate of chord c moves ¼πρc² of air a length at its mid-chord, with ρπc⁴/128 of pitch inertia.
 
     It is added to the section tables: exact for motion out of the plane; in the plane, which
-    is rigid here, it weighs a few grams too much. Drag is a dashpot for each area of wing.
+    is rigid here, it weighs a few grams too much. It has weight, too, which real air has not: as that is aft of a swept
+    wing's axis it tips hung Hati by 7 degrees of pitch. Drag is a dashpot for each area of wing.
     """
 
     name: ClassVar[str] = "entrained-air"

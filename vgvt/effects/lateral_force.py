@@ -11,6 +11,7 @@ from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.parameter import parameter
 from vgvt.effects.point_error import PointError, turned
 from vgvt.effects.protocol import Family
+from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
 
 
@@ -35,6 +36,7 @@ class LateralForce:
     azimuth_rad: float = parameter(
         "rad", -math.pi, math.pi, "where it leans to: 0 aft, pi/2 to the right", default=math.pi / 2
     )
+    shaker: int = shaker_choice()
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Turn the push, in every run."""
@@ -42,4 +44,5 @@ class LateralForce:
         if self.angle_rad == 0:
             return NOTHING
         lean = turned(Direction.PLUS_Z, self.angle_rad, self.azimuth_rad)
-        return Action(points=(PointError(scenario.shaker.node, lean=lean),))
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        return Action(points=tuple(PointError(scenario.shakers[k].node, lean=lean) for k in chosen))

@@ -16,7 +16,10 @@ from vgvt.scenario.planform import part_at, surface_height_m
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class LocalAbsorber:
-    """A mass that slides up and down on a spring and dashpot at one point of the airframe."""
+    """A mass that slides up and down on a spring and dashpot at one point of the airframe.
+
+    Out on one wing it also tips the hung aircraft: by atan(m y / M h) where it hangs by h above its centre of gravity.
+    """
 
     name: ClassVar[str] = "local-absorber"
     summary: ClassVar[str] = "A loose mass resonates somewhere on the airframe"

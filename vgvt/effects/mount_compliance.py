@@ -11,6 +11,7 @@ from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
 
 
@@ -45,6 +46,7 @@ class MountCompliance:
     frequency_hz: float = parameter(
         "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
     )
+    shaker: int = shaker_choice()
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Put the mount under the gauge, in every run; InputError where nothing of the gauge rides on it."""
@@ -59,4 +61,5 @@ class MountCompliance:
             )
         stiffness = 1 / self.compliance_m_per_n
         damper = equivalent_damper(stiffness, self.loss_factor, self.frequency_hz)
-        return Action(elements=(Mount(stiffness, damper),))
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        return Action(elements=tuple(Mount(stiffness, damper, exciter=k) for k in chosen))

@@ -11,6 +11,7 @@ from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
 
 _GRAVITY_M_PER_S2 = 9.80665
@@ -54,6 +55,7 @@ class MountLiftOff:
     frequency_hz: float = parameter(
         "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
     )
+    shaker: int = shaker_choice()
 
     def __post_init__(self) -> None:
         """ValueError for a mount that cannot hold the gauge."""
@@ -77,4 +79,6 @@ class MountLiftOff:
         stiffness = 1 / self.compliance_m_per_n
         damper = equivalent_damper(stiffness, self.loss_factor, self.frequency_hz)
         weight_n = _GRAVITY_M_PER_S2 * (scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg)
-        return Action(elements=(Mount(stiffness, damper, 1 - self.stiffness_loss, weight_n + self.preload_n),))
+        ratio, preload_n = 1 - self.stiffness_loss, weight_n + self.preload_n
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        return Action(elements=tuple(Mount(stiffness, damper, ratio, preload_n, exciter=k) for k in chosen))

@@ -16,7 +16,10 @@ from vgvt.scenario.planform import part_at, surface_height_m
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class PayloadChange:
-    """From a run on the airframe carries one more lumped mass; the bare truth is that of the first run."""
+    """From a run on the airframe carries one more lumped mass; the bare truth is that of the first run.
+
+    Out on one wing it also tips the hung aircraft: by atan(m y / M h) where it hangs by h above its centre of gravity.
+    """
 
     name: ClassVar[str] = "payload-change"
     summary: ClassVar[str] = "The aircraft carries more in later runs than in earlier ones"

@@ -19,7 +19,7 @@ class RattlingMass:
     """A mass lies loose on an elastic stop, with another one a gap above it; it jumps where its seat falls faster.
 
     The damper between mass and airframe acts in the gap too, like a guide that rubs. The truth is linear about rest:
-    the mass on its lower stop.
+    the mass on its lower stop. Out on one wing it also tips the hung aircraft, as an added mass does.
     """
 
     name: ClassVar[str] = "rattling-mass"

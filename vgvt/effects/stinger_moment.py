@@ -11,6 +11,7 @@ from vgvt.effects.elements import RotationSpring
 from vgvt.effects.equivalent_damper import equivalent_damper
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
 
 
@@ -50,26 +51,31 @@ class StingerMoment:
     frequency_hz: float = parameter(
         "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
     )
+    shaker: int = shaker_choice()
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Hold roll and pitch of the centre body, in every run; InputError for a drive point on a beam."""
         del run
         if self.rotational_stiffness_n_m_per_rad == 0:
             return NOTHING
-        require_body_drive(scenario, self.name)
+        chosen = chosen_shakers(scenario, self.shaker, self.name)
+        require_body_drive(scenario, chosen, self.name)
         stiffness = self.rotational_stiffness_n_m_per_rad
         damping = equivalent_damper(stiffness, self.loss_factor, self.frequency_hz)
         return Action(
-            elements=(RotationSpring("roll", stiffness, damping), RotationSpring("pitch", stiffness, damping))
+            elements=tuple(
+                RotationSpring(axis, stiffness, damping, exciter=k) for k in chosen for axis in ("roll", "pitch")
+            )
         )
 
 
-def require_body_drive(scenario: Scenario, effect: str) -> None:
-    """InputError unless the shaker pushes on the centre body, whose rotation is a coordinate of the model."""
-    part = scenario.shaker.attached_to
-    if part != "body":
-        raise InputError(
-            f"scenario {scenario.name}: effect {effect}",
-            f"the shaker is attached to {part!r}, and a moment can only be put on the centre body",
-            "Drive the aircraft at its body, or leave the effect out.",
-        )
+def require_body_drive(scenario: Scenario, chosen: tuple[int, ...], effect: str) -> None:
+    """InputError unless these shakers push on the centre body, whose rotation is a coordinate of the model."""
+    for k in chosen:
+        part = scenario.shakers[k].attached_to
+        if part != "body":
+            raise InputError(
+                f"scenario {scenario.name}: effect {effect}",
+                f"the shaker is attached to {part!r}, and a moment can only be put on the centre body",
+                "Drive the aircraft at its body, choose a shaker that does, or leave the effect out.",
+            )

@@ -59,6 +59,6 @@ class SuspensionSurge:
         for n in range(1, _SURGES + 1):
             mass, omega = 2 * self.mass_kg / (n * math.pi) ** 2, n * surge
             damper = self.loss_factor * mass * omega
-            elements.append(Absorber("body", hook, mass, mass * omega**2, damper, owner="rig"))
+            elements.append(Absorber("body", hook, mass, mass * omega**2, damper, kind="surge", owner="rig"))
         rest = self.mass_kg / 3 - sum(e.mass_kg for e in elements if isinstance(e, Absorber))
         return Action(elements=(*elements, PointMass("body", hook, rest, owner="rig")))

@@ -36,5 +36,5 @@ def _needs_shaker(action: Action, scenario: Scenario) -> bool:
         action.command is not None
         or any(isinstance(element, MountCompliance | RotationSpring) for element in action.elements)
         or (changed.stinger, changed.transducer) != (scenario.stinger, scenario.transducer)
-        or (roving and changed.shaker != scenario.shaker)
+        or (roving and changed.shakers != scenario.shakers)
     )

@@ -22,11 +22,14 @@ FORMAT_VERSION = 1
 _CHANNEL_COLUMNS = ("name", "quantity", "role", "dof", "unit", "sensitivity_v_per_unit", "range_v")
 
 
-def write_campaign(path: str | Path, campaign: Campaign, manifest: dict[str, Any] | None = None) -> None:
+def write_campaign(
+    path: str | Path, campaign: Campaign, manifest: dict[str, Any] | None = None, packed: bool = True
+) -> None:
     """Write a campaign, samples as they are (32 or 64 bit), whole or not at all.
 
     ``manifest`` holds facts about its making (scenario, seed, ...), anything
-    JSON; format, version, time of writing and the hash are added. InputError
+    JSON; format, version, time of writing and the hash are added. Not ``packed``, samples are
+    stored without compression. InputError
     when the place cannot be written; TypeError for a manifest that is not JSON.
     """
     import xarray
@@ -52,7 +55,7 @@ def write_campaign(path: str | Path, campaign: Campaign, manifest: dict[str, Any
             "content_sha256": content_hash(campaign),
         },
     )
-    write_groups(path, {"/": root} | {_group(r.run): _run_dataset(r) for r in runs})
+    write_groups(path, {"/": root} | {_group(r.run): _run_dataset(r) for r in runs}, packed)
 
 
 def read_campaign(path: str | Path) -> Campaign:

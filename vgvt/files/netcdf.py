@@ -17,8 +17,8 @@ _CHUNK_BYTES = 1 << 20
 _OVERHEAD_BYTES = 1 << 15  # of a group: its header and attributes
 
 
-def write_groups(path: str | Path, groups: Mapping[str, xarray.Dataset]) -> None:
-    """Write datasets as groups ('/' is the root) of one file, numbers compressed, in one stroke.
+def write_groups(path: str | Path, groups: Mapping[str, xarray.Dataset], packed: bool = True) -> None:
+    """Write datasets as groups ('/' is the root) of one file in one stroke, numbers compressed if ``packed``.
 
     OSError (ENOSPC) beforehand when the disk has no room for the numbers uncompressed:
     HDF5 survives a disk that fills up in the middle badly.
@@ -31,7 +31,7 @@ def write_groups(path: str | Path, groups: Mapping[str, xarray.Dataset]) -> None
                 mode="a" if i else "w",
                 group=group,
                 engine="h5netcdf",
-                encoding={str(name): _encoding(variable) for name, variable in dataset.variables.items()},
+                encoding={str(name): _encoding(variable, packed) for name, variable in dataset.variables.items()},
             )
 
 
@@ -92,12 +92,12 @@ def check_format(path: Path, root: xarray.Dataset, format_name: str, version: in
         )
 
 
-def _encoding(variable: xarray.Variable) -> dict[str, Any]:
+def _encoding(variable: xarray.Variable, packed: bool) -> dict[str, Any]:
     """Lossless compression of numeric arrays, chunked along the last axis; no fill values."""
     if variable.dtype.kind not in "fciu":
         return {}
     encoding: dict[str, Any] = {"_FillValue": None} if variable.dtype.kind == "f" else {}
-    if variable.ndim and variable.size:
+    if variable.ndim and variable.size and packed:
         last = min(variable.shape[-1], max(1, _CHUNK_BYTES // variable.dtype.itemsize))
         chunks = (*(1 for _ in variable.shape[:-1]), last) if variable.nbytes > _CHUNK_BYTES else variable.shape
         encoding |= {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunks}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vgvt.identification import make_identifier
 from vgvt.planning.budget import MOUNT_EFFECT
+from vgvt.planning.informed import INFORMED, estimates
 from vgvt.planning.proposal import Proposal
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
@@ -81,9 +82,12 @@ class Confirmation:
 
 
 def confirm(plan: Proposal, identifier: str, seeds: int, progress: Progress | None = None) -> Confirmation:
-    """Simulate a plan with the linear engine and identify it, ``seeds`` times with seeds of their own."""
+    """Simulate a plan with the linear engine and identify it, ``seeds`` times with seeds of their own.
+
+    By a registered method, or by the fit that is told the noise (``INFORMED``).
+    """
     rows = []
-    for k, row in enumerate(claims(plan, identifier, seeds)):
+    for k, row in enumerate(claims(plan, identifier, range(seeds))):
         rows.append(row)
         if progress is not None:
             progress((k + 1) / seeds, f"{plan.name}, campaign {k + 1} of {seeds}")
@@ -91,10 +95,15 @@ def confirm(plan: Proposal, identifier: str, seeds: int, progress: Progress | No
     return Confirmation(identifier, table[:, 0], table[:, 1])
 
 
-def claims(plan: Proposal, identifier: str, seeds: int) -> Iterator[NDArray[np.float64]]:
-    """The claimed frequencies and damping ratios of the targets, (2, M), of one campaign after the other."""
-    method, light = make_identifier(identifier), lighter(plan.scenario)
-    for k in range(seeds):
+def claims(plan: Proposal, identifier: str, numbers: Iterable[int]) -> Iterator[NDArray[np.float64]]:
+    """The claimed frequencies and damping ratios of the targets, (2, M), of the campaigns with these numbers."""
+    light = lighter(plan.scenario)
+    if identifier == INFORMED:
+        for frequency_hz, damping_ratio in estimates(light, numbers):
+            yield _of_targets(plan, frequency_hz, damping_ratio)
+        return
+    method = make_identifier(identifier)
+    for k in numbers:
         seed = int(named_stream(plan.scenario.seed, "plan", k).integers(2**31))
         campaign = simulate(light.model_copy(update={"seed": seed}), engine="linear").campaign
         claim = method.identify(campaign, campaign.band_hz)

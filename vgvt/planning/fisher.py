@@ -116,18 +116,25 @@ def deviations(poles: Complex, information: Array) -> tuple[Array, Array]:
 
 
 def mean_deviation(values: Array, deviation: Array) -> float:
-    """Standard deviation of the mean of runs' estimates with ``deviation`` (R,) of true ``values`` (R,).
+    """Standard deviation of the mean of runs' estimates with ``deviation`` (R,) of true ``values`` (R,)."""
+    seen = np.isfinite(deviation)
+    if not seen.any():
+        return float("inf")
+    return float(np.sqrt(((mean_weights(values, deviation)[seen] * deviation[seen]) ** 2).sum()))
+
+
+def mean_weights(values: Array, deviation: Array) -> Array:
+    """Weights (R,) in the mean of runs' estimates with ``deviation`` (R,) of true ``values`` (R,), 0 for unseen ones.
 
     Runs that differ more than their noise count alike, runs of one and the same
     value by their information: the weights of a random-effects mean (Laird and Ware, Biometrics 38(4), 1982).
     """
     seen = np.isfinite(deviation)
     if not seen.any():
-        return float("inf")
+        return np.zeros(deviation.shape)
     between = float(np.var(values[seen], ddof=1)) if seen.sum() > 1 else 0.0
-    variance = deviation[seen] ** 2
-    weight = 1 / (variance + between)
-    return float(np.sqrt((weight**2 * variance).sum()) / weight.sum())
+    weight = np.where(seen, 1 / (np.where(seen, deviation, 1.0) ** 2 + between), 0.0)
+    return np.asarray(weight / weight.sum())
 
 
 def _pair(above: Complex, below: Complex) -> Complex:

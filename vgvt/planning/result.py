@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -51,10 +52,20 @@ class PlanningResult:
         return before / after if after > 0 else None
 
     @property
+    def confirmed_gain_relative_error(self) -> float | None:
+        """Relative standard error of that factor: two scatters, each known from so many seeds."""
+        if self.confirmed_gain is None:
+            return None
+        errors = [self.confirmed[p.name].own_error for p in (self.as_described, self.plans[0])]
+        return math.hypot(*errors)
+
+    @property
     def verdict(self) -> Verdict:
-        """Better only where the prediction says so and no simulation contradicts it."""
-        seen = self.confirmed_gain
-        better = self.gain >= LEAST_GAIN and (seen is None or not seen < 1)
+        """Better only where the prediction says so and no simulation contradicts it beyond its own error."""
+        seen, error = self.confirmed_gain, self.confirmed_gain_relative_error
+        # NaN: the modes were missed more often than not in both, which speaks for neither.
+        contradicted = seen is not None and error is not None and not seen * (1 + 2 * error) >= 1
+        better = self.gain >= LEAST_GAIN and not contradicted
         return Verdict.BETTER if better else Verdict.NOTHING_TO_GAIN
 
     def as_dict(self) -> dict[str, Any]:
@@ -64,6 +75,7 @@ class PlanningResult:
             "gain": self.gain,
             "gain_at_equal_means": self.gain_at_equal_means,
             "confirmed_gain": self.confirmed_gain,
+            "confirmed_gain_relative_error": self.confirmed_gain_relative_error,
             "as_described": self._with_confirmation(self.as_described),
             "with_budget": None if self.with_budget is None else self._with_confirmation(self.with_budget),
             "plans": [self._with_confirmation(plan) for plan in self.plans],

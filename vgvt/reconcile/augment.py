@@ -10,6 +10,7 @@ import numpy as np
 from vgvt.files.atomically import replacing
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.uncertain import edited
 from vgvt.reconcile.verdict import Verdict
 from vgvt.scenario.effect import EffectTable
@@ -36,7 +37,7 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
 def posterior_of(fit: Fit) -> list[dict[str, object]]:
     """Every calibrated quantity: name, in words, stated and calibrated value, scores and standard deviation."""
     rows: list[dict[str, object]] = []
-    sd = np.sqrt(np.diag(fit.covariance))
+    sd = np.sqrt(np.diag(honest(fit).covariance))
     for k, unknown in enumerate(fit.problem.unknowns):
         amount = unknown.amount(float(fit.u[k]))
         row: dict[str, object] = {

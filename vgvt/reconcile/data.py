@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Channel, Dof, InputError
+from vgvt.reconcile.harmonics import Harmonic, harmonics
 from vgvt.reconcile.variance import local_rational_noise, quiet_noise, repeat_noise
 from vgvt.signals.local_polynomial import local_polynomial_fit
 from vgvt.signals.usable import UsableRun, usable_runs
@@ -46,6 +47,7 @@ class Measured:
     local rational models; ``variances`` holds it and cruder ones to compare with; ``sigma`` (C, L) is the standard
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
     indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record.
+    ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
     """
 
     frequency_hz: Array
@@ -62,6 +64,7 @@ class Measured:
     level_n: Array
     pushed: Array
     remarks: tuple[str, ...] = ()
+    harmonics: tuple[Harmonic, ...] = ()
 
     def with_floor(self, floor: float) -> Measured:
         """The same data judged with another relative model-form floor."""
@@ -116,7 +119,7 @@ def measured_frfs(
     return Measured(
         frequency[chosen], channels, values, noise, variances, _sigma(values, noise, floor), force, chosen,
         rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.responses) for run in runs), rate, level,
-        spectra.pushed, (*remarks, *said),
+        spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
     )  # fmt: skip
 
 
@@ -256,6 +259,21 @@ def _variances(
     if repeats is not None:
         found["repeats"] = repeats
     return found
+
+
+def _harmonics(
+    runs: tuple[UsableRun, ...],
+    spectra: _Spectra,
+    rows: list[tuple[MeasuredChannel, int]],
+    rate: float,
+    band: tuple[float, float],
+) -> tuple[Harmonic, ...]:
+    """Orders 2 and 3 of every run."""
+    found: list[Harmonic] = []
+    for r, run in enumerate(runs):
+        mine = [i for c, i in rows if c.run == r]
+        found += harmonics(spectra.response[mine], spectra.force[r], spectra.samples, rate, band, run.run)
+    return tuple(found)
 
 
 def _sigma(values: ComplexArray, noise: Array, floor: float) -> Array:

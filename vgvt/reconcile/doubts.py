@@ -18,11 +18,15 @@ _SHOWN = 4
 
 
 def doubts(found: Attribution) -> tuple[str, ...]:
-    """Reasons, in plain words, not to take what was named for the whole truth; none without a name."""
+    """Reasons, in plain words, not to take what was named for the whole truth; none without a name.
+
+    A calibration that never settles is one where the final model leaves something, too. Where that leaves noise alone,
+    what the calibration was on its way to does not matter: it was tried again from the final model's unknowns.
+    """
     if not found.rounds:
         return ()
     said = []
-    if not found.null.converged:
+    if not found.null.converged and not found.final_residual.adequate:
         said.append(
             "The calibration without effects had not converged: part of what the name gains may be its own way down"
         )

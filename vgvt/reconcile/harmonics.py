@@ -24,7 +24,7 @@ _SWEEP = 30.0
 _FEWEST = 6
 # The mean of an exponential variable over its median.
 _MEAN_PER_MEDIAN = 1 / np.log(2.0)
-_TIMES_BETWEEN, _TIMES_NOISE = 2.0, 2.0
+_TIMES_BETWEEN, _TIMES_NOISE = 2.0, 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ def words_of(found: tuple[Harmonic, ...]) -> str | None:
     return (
         f"Responses hold {orders} harmonics that those of the force do not explain, in {runs} of "
         f"{len({h.run_number for h in found})} runs (up to {max(h.power for h in seen):.0f} times the noise): "
-        "something is not linear"
+        "something, structure or sensors, is not linear"
     )
 
 

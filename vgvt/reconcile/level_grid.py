@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
 
 # Shares of a plausible range, in its own scale: the first for what says how big the effect is, the second for the rest.
-_SIZES, _OTHERS = (0.3, 0.7), (0.4, 0.8)
+_SIZES, _OTHERS = (0.2, 0.5, 0.8), (0.3, 0.7)
 _ANOTHER_LEVEL = 1.3
 
 
@@ -48,6 +49,21 @@ def several_levels(problem: Problem) -> bool:
     """Whether some run shook harder than another, by more than a drive that is left alone."""
     size = np.sqrt(np.mean(np.abs(problem.measured.force) ** 2, axis=1))
     return bool(size.max() > _ANOTHER_LEVEL * size.min())
+
+
+def worth_trying(problem: Problem, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Hypotheses without what one level cannot tell apart anyway: there, one variant of a nonlinear effect is enough.
+
+    Each costs marches over whole records, and the verdict will ask for another level whichever variant it is.
+    """
+    if several_levels(problem):
+        return list(hypotheses)
+    found: list[Hypothesis] = []
+    for hypothesis in hypotheses:
+        twins = any(known.name == hypothesis.name for known in found)
+        if not (twins and depends_on_level(problem, hypothesis)):
+            found.append(hypothesis)
+    return found
 
 
 def _share(p: Parameter, share: float) -> float:

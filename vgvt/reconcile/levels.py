@@ -26,8 +26,9 @@ from vgvt.simulation.rig import GRAVITY_M_PER_S2
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-# Steps a period of the band's top, and how far above it modes answer by more than their flexibility.
-_STEPS_PER_PERIOD = 16.0
+# Steps a period of the band's top (a joint that sticks is stopped at their ends, and no sooner), and how far above
+# the band modes answer by more than their flexibility.
+_STEPS_PER_PERIOD, _STEPS_OF_FRICTION = 16.0, 40.0
 _MARCHED_BANDS = 3.0
 
 
@@ -143,7 +144,9 @@ def shown_stiffness(matrices: Matrices, joints: Joints, pushes: Pushes) -> Compl
     """Complex stiffness κ (R, J, L) that joints show beyond their tangent, in the runs with ``pushes``."""
     count, rate = pushes.samples.shape[1], pushes.rate_hz
     duration = count / rate
-    steps = scipy.fft.next_fast_len(int(np.ceil(duration * _STEPS_PER_PERIOD * pushes.top_hz)), real=True)
+    rubs = any(law.friction > 0 for row in joints.laws for law in row)
+    per_period = _STEPS_OF_FRICTION if rubs else _STEPS_PER_PERIOD
+    steps = scipy.fft.next_fast_len(int(np.ceil(duration * per_period * pushes.top_hz)), real=True)
     # Twice the record: what rings on must not come round to its beginning.
     top = int(_MARCHED_BANDS * pushes.top_hz * 2 * duration)
     spectrum = scipy.fft.rfft(pushes.samples, 2 * count, axis=1)[:, : min(top, count)]
@@ -159,7 +162,7 @@ def shown_stiffness(matrices: Matrices, joints: Joints, pushes: Pushes) -> Compl
     flexible = _flexible(here, joints.rows, joints.rows, joints.between)
     pushed = scipy.fft.rfft(pushes.samples, axis=1)[:, pushes.lines]
     motion = pushed[:, None, :] * linear.T - np.einsum("lij,rjl->ril", flexible, force)
-    return np.asarray(force / motion)
+    return np.asarray(force / np.where(motion == 0, 1.0, motion))
 
 
 def level_accelerances(

@@ -18,7 +18,7 @@ from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.level_grid import depends_on_level, level_grid
+from vgvt.reconcile.level_grid import depends_on_level, level_grid, worth_trying
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
@@ -55,6 +55,7 @@ def screen(
     stand = Stand.of(null)
     tell = progress or (lambda fraction, message: None)
     sized: list[Screened] = []
+    hypotheses = worth_trying(null.problem, hypotheses)
     for k, hypothesis in enumerate(hypotheses):
         tell(_SIZED * k / len(hypotheses), f"screen {hypothesis.name}")
         sized += _at_sizes(stand, hypothesis)
@@ -147,10 +148,12 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], *, rou
 
 def _at(stand: Stand, hypothesis: Hypothesis, values: dict[str, float]) -> Screened:
     """A variant at given sizes, the unknowns following."""
-    moved = stand.change(hypothesis, values)
-    if moved is None:
-        return Screened(hypothesis, values, -math.inf)
-    visible = bool(np.abs(moved).max() > 1e-9)
+    visible = depends_on_level(stand.fit.problem, hypothesis)
+    if not visible:
+        moved = stand.change(hypothesis, values)
+        if moved is None:
+            return Screened(hypothesis, values, -math.inf)
+        visible = bool(np.abs(moved).max() > 1e-9)
     reached = stand.followed(hypothesis, values) if visible else None
     if reached is None:
         return Screened(hypothesis, values, 0.0 if not visible else -math.inf, visible)

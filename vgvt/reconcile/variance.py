@@ -57,7 +57,7 @@ def local_rational_rest(responses: ComplexArray, force: ComplexArray, lines: NDA
 
 
 def _local(force: ComplexArray, lines: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array, ComplexArray]:
-    """Windows (L, W) of lines, powers (L, W, 3) of distances in them, basis (L, W, 6) of what force and leakage give."""
+    """Windows (L, W) of lines, powers (L, W, 3) of distances in them, and a basis (L, W, 6) of force and leakage."""
     n, last = _RATIONAL_HALF_WIDTH, force.size - 1
     if last < 2 * n + 1:
         raise ValueError(f"{force.size} lines cannot hold a window of {2 * n + 1}")

@@ -8,10 +8,12 @@ from enum import StrEnum
 from vgvt.reconcile.attribute import Addition, Attribution
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
+from vgvt.reconcile.harmonics import words_of
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, Place
 from vgvt.reconcile.one_level import rests_on_one_level
 from vgvt.reconcile.place_control import distinct_places
+from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
@@ -104,7 +106,7 @@ def kind_of(found: Attribution) -> Kind:
 
 def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
     """The effects of the final model with their posterior."""
-    names = []
+    names, final = [], honest(found.final)
     for k, addition in enumerate(found.rounds):
         winner = addition.winner
         others = tuple(dict.fromkeys(r.name for r in addition.equivalent if r.name != winner.name))
@@ -113,7 +115,7 @@ def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
             NamedEffect(
                 winner.name,
                 str(cls.summary),  # type: ignore[attr-defined]
-                found.final.values(k),
+                final.values(k),
                 dict(winner.hypothesis.settings),
                 winner.gain_nats,
                 others,
@@ -172,6 +174,9 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         said.append(
             "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
         )
+    bent = words_of(found.null.problem.measured.harmonics)
+    if bent is not None:
+        said.append(bent)
     if places is not None and places.places:
         best = places.places[0]
         said.append(

@@ -12,7 +12,7 @@ from vgvt.scenario.base import MisfitError
 from vgvt.scenario.explain import Key, Problem
 from vgvt.scenario.instruments import Grid
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
-from vgvt.scenario.planform import distance_off_m, outlines_m, part_at
+from vgvt.scenario.planform import chord_m, distance_off_m, outlines_m, part_at
 from vgvt.scenario.rig import Shaker, Suspension
 
 EDGE_TOLERANCE_M = 0.03
@@ -52,6 +52,15 @@ def placement_problems(
         key = ("suspension", "hook_m")
         problems.append(_off_the_aircraft(airframe, key, "the hook", suspension.hook_m, None, HOOK_TOLERANCE_M))
     return tuple(p for p in problems if p is not None)
+
+
+def place_problem(airframe: Airframe, key: Key, what: str, point: Sequence[float]) -> Problem | None:
+    """A problem for what is tied to a part from more than the part's chord away: (x, y) of a payload that is not there.
+
+    Parts without outline are held to the box, as sensors are; the body, which has no chord, to a hook's tolerance.
+    """
+    tolerance = max(HOOK_TOLERANCE_M, chord_m(airframe, part_at(airframe, point)))
+    return _off_the_aircraft(airframe, key, what, point, None, tolerance)
 
 
 def aircraft_box_m(airframe: Airframe) -> NDArray[np.float64]:

@@ -58,6 +58,11 @@ def distance_off_m(airframe: Airframe, part: str, position_m: Sequence[float]) -
     )
 
 
+def chord_m(airframe: Airframe, part: str) -> float:
+    """The longest chord of a beam, from forward to aft edge; 0 for the body and for a beam without edges."""
+    return 0.0 if part == "body" else float(np.ptp(_edges(_beam(airframe, part)), axis=1).max())
+
+
 def surface_height_m(airframe: Airframe, part: str, x_m: float, y_m: float) -> float:
     """Height z of a part over (x, y): its plane for a beam, its centre of gravity for the body.
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
 from vgvt.effects.action import Action
-from vgvt.effects.elements import Element, GroundSpring, PointPair, RotationSpring
+from vgvt.effects.elements import Element, GroundSpring, PointPair, RotationSpring, SuspensionCubic
 from vgvt.effects.registry import effects_of
 from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
@@ -55,9 +55,9 @@ class Plan:
     """A scenario with its airframe cut and every point placed.
 
     ``grid`` are the accelerometer points in the order of the scenario, ``drive``
-    the shaker's, ``further_drives`` those of more shakers; ``strike`` is where a hammer hits in
-    their place, its axis the direction of the hit. ``actions`` are what the scenario's effects do
-    to the run that the plan is for; their changes of the scenario are in ``scenario`` already.
+    the shaker's, ``further_drives`` those of more shakers; ``strike`` is where a hammer hits instead, its axis the
+    direction of the hit. ``actions`` are what the scenario's effects do to the run; their changes of the scenario
+    are in ``scenario`` already.
     """
 
     scenario: Scenario
@@ -77,11 +77,10 @@ class Plan:
             for k, element in enumerate(action.elements)
         )
 
-    @property
-    def gauged_springs(self) -> tuple[tuple[str, RotationSpring], ...]:
-        """The rotation springs whose moment the force gauge feels."""
-        springs = ((name, e) for name, e in self.elements if isinstance(e, RotationSpring))
-        return tuple((name, spring) for name, spring in springs if spring.gauge_per_m != 0)
+    def gauged_springs(self, exciter: int | None = None) -> tuple[tuple[str, RotationSpring], ...]:
+        """The rotation springs whose moment the force gauge of an exciter feels, or that of any."""
+        springs = ((n, e) for n, e in self.elements if isinstance(e, RotationSpring) and e.gauge_per_m != 0)
+        return tuple((n, spring) for n, spring in springs if exciter in (None, spring.exciter))
 
     @property
     def points(self) -> tuple[MeasurementPoint, ...]:
@@ -161,10 +160,13 @@ def _struck(layout: Plan, run: int) -> Plan:
 
 
 def _with_actions(ideal: Plan, actions: tuple[Action, ...]) -> Plan:
-    drive = ideal.drive
-    leans = [e.lean for action in actions for e in action.points if e.node == drive.dof.node]
-    axis = drive.axis + np.sum(leans, axis=0) if leans else drive.axis
-    return replace(ideal, actions=actions, drive=replace(drive, axis=axis / np.linalg.norm(axis)))
+    def leaning(drive: MeasurementPoint) -> MeasurementPoint:
+        leans = [np.array(e.lean) for action in actions for e in action.points if e.node == drive.dof.node]
+        axis = np.sum([drive.axis, *leans], axis=0)
+        return replace(drive, axis=axis / np.linalg.norm(axis))
+
+    first, *further = map(leaning, ideal.drives)
+    return replace(ideal, actions=actions, drive=first, further_drives=tuple(further))
 
 
 def plan(scenario: Scenario) -> Plan:
@@ -274,7 +276,7 @@ def _transducer_side_mass(layout: Plan) -> float:
 
 
 def _settle(layout: Plan, model: mujoco.MjModel, springs: list[str]) -> NDArray[np.float64]:
-    """The equilibrium (nq,) without the springs that will be trimmed to it: they are put on last and hold nothing."""
+    """The equilibrium (nq,) without the springs that will be trimmed to it: put on last, they hold nothing."""
     for name in springs:
         model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:
@@ -295,8 +297,7 @@ def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
         if element.owner == "airframe":
             add_element(spec, layout.parts, name, element)
     for point in layout.grid:
-        origin = layout.parts.origin_m[point.carrier]
-        spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - origin)
+        _add_site(spec, layout, point)
     return spec
 
 
@@ -310,8 +311,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
         name = f"accelerometer-{point.dof.node}"
         add_point_mass(spec, layout.parts, name, point.carrier, point.position_m, scenario.accelerometers.mass_kg)
         if point not in layout.grid:
-            origin = layout.parts.origin_m[point.carrier]
-            spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - origin)
+            _add_site(spec, layout, point)
     for k, drive in enumerate(layout.drives if layout.strike is None else ()):
         transducer = numbered(TRANSDUCER, k)
         add_point_mass(spec, layout.parts, transducer, drive.carrier, drive.position_m, transducer_mass_kg)
@@ -324,7 +324,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
     for name, element in layout.elements:
         if element.owner == "rig":
             add_element(spec, layout.parts, name, element)
-        if isinstance(element, GroundSpring | RotationSpring | PointPair):
+        if isinstance(element, GroundSpring | RotationSpring | PointPair | SuspensionCubic):
             springs.append(name)
     return spec, springs
 
@@ -345,6 +345,6 @@ def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
     for point in (*layout.run_points(run), *layout.drives):
         spec.add_sensor(name=point.site, type=kind.mjSENS_ACCELEROMETER, objtype=site, objname=point.site)
     rods = [numbered(STINGER, k) for k in range(len(layout.drives))] if layout.strike is None else []
-    for rod in (*rods, *(name for name, _ in layout.gauged_springs)):
+    for rod in (*rods, *(name for name, _ in layout.gauged_springs())):
         spec.add_sensor(name=f"{rod}-length", type=kind.mjSENS_TENDONPOS, objtype=tendon, objname=rod)
         spec.add_sensor(name=f"{rod}-rate", type=kind.mjSENS_TENDONVEL, objtype=tendon, objname=rod)

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.effects.elements import MountCompliance, PointPair, RattlingMass
+from vgvt.effects.elements import MountCompliance, PointPair, RattlingMass, SuspensionCubic
 from vgvt.simulation.airframe import ROOT, AirframeParts
-from vgvt.simulation.rig import GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass
+from vgvt.simulation.rig import FRAME_SITE, GRAVITY_M_PER_S2, HOOK_SITE, TRANSDUCER, add_point_mass, numbered
 
 # Far enough that a spring along a line keeps its direction; longer than any stretch for an open side.
 _FAR_M = 1000.0
@@ -21,10 +21,13 @@ def add_mount(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Mou
     The law k x, with the slope ratio · k where the pull exceeds the preload, is a plain spring of that slope and
     a one-sided one for the rest; the plain one's rest length takes the offset of the latter's corner.
     """
+    if element.gap_m > 0:
+        _add_mount_with_play(spec, name, element)
+        return
     del parts
     stiffness, ratio = element.stiffness_n_per_m, element.tension_ratio
     corner = -element.preload_n / stiffness
-    spec.body(TRANSDUCER).add_joint(
+    spec.body(numbered(TRANSDUCER, element.exciter)).add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE,
         axis=_UP,
@@ -37,6 +40,23 @@ def add_mount(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Mou
             name=name, stiffness=[(1 - ratio) * stiffness, 0.0, 0.0], springlength=[-_FAR_M, corner]
         )
         one_sided.wrap_joint(name, 1.0)
+
+
+def _add_mount_with_play(spec: mujoco.MjSpec, name: str, element: MountCompliance) -> None:
+    """A spring with a dead band below the corner, and the preload as the pull of one too soft to change on the way."""
+    corner = -element.preload_n / element.stiffness_n_per_m
+    spec.body(numbered(TRANSDUCER, element.exciter)).add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=_UP,
+        stiffness=[element.preload_n / _FAR_M, 0.0, 0.0],
+        springref=_FAR_M,
+        damping=[element.damping_n_s_per_m, 0.0, 0.0],
+    )
+    play = spec.add_tendon(
+        name=name, stiffness=[element.stiffness_n_per_m, 0.0, 0.0], springlength=[corner - element.gap_m, corner]
+    )
+    play.wrap_joint(name, 1.0)
 
 
 def add_rattling_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: RattlingMass) -> None:
@@ -76,6 +96,14 @@ def add_point_pair(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
             rod.wrap_pulley(1.0)
         rod.wrap_site(_site(spec, parts, ROOT, f"{name}/body-{k}", position + away_m * _UP))
         rod.wrap_site(_site(spec, parts, parts.carrier(part, position), f"{name}/end-{k}", position))
+
+
+def add_suspension_cubic(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: SuspensionCubic) -> None:
+    """A tendon along the suspension's spring, slack by its dead band until it is trimmed to the length as hung."""
+    del parts
+    rod = spec.add_tendon(name=name, stiffness=[0.0, 0.0, element.cubic_n_per_m3], springlength=[-_FAR_M, _FAR_M])
+    rod.wrap_site(FRAME_SITE)
+    rod.wrap_site(HOOK_SITE)
 
 
 def _site(spec: mujoco.MjSpec, parts: AirframeParts, carrier: str, name: str, position_m: NDArray[np.float64]) -> str:

@@ -24,12 +24,13 @@ from vgvt.effects.elements import (
     RattlingMass,
     Relaxation,
     RotationSpring,
+    SuspensionCubic,
     SuspensionFrame,
     WarmUp,
 )
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.airframe import AirframeParts
-from vgvt.simulation.contact_elements import add_mount, add_point_pair, add_rattling_mass
+from vgvt.simulation.contact_elements import add_mount, add_point_pair, add_rattling_mass, add_suspension_cubic
 from vgvt.simulation.coupled_elements import add_bend_twist, add_hinged_flap, add_suspension_frame
 from vgvt.simulation.damping import MODAL_DAMPING
 from vgvt.simulation.relaxation_elements import add_relaxation, add_warm_up
@@ -53,6 +54,7 @@ def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: E
         JointLaw: _add_joint_law,
         ModalDrag: _add_modal_drag,
         SuspensionFrame: add_suspension_frame,
+        SuspensionCubic: add_suspension_cubic,
         BendTwist: add_bend_twist,
         HingedFlap: add_hinged_flap,
         PointPair: add_point_pair,
@@ -111,7 +113,7 @@ def _add_absorber(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element:
     add_point_mass(spec, parts, name, carrier, position, element.mass_kg)
     _slide(
         spec.body(name),
-        f"{name}/absorber",
+        f"{name}/{element.kind}",
         np.array(element.direction),
         element.stiffness_n_per_m,
         element.damping_n_s_per_m,

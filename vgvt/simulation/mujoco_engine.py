@@ -152,7 +152,7 @@ def _stinger_push(layout: Plan, rig: Rig, sensors: NDArray[np.float64], exciter:
 
     push = -stinger.axial_stiffness_n_per_m * (of(f"{rod}-length") - stinger.length_m)
     push -= stinger.axial_damping_n_s_per_m * of(f"{rod}-rate")
-    for name, spring in layout.gauged_springs if exciter == 0 else ():
+    for name, spring in layout.gauged_springs(exciter):
         moment = -spring.stiffness_n_m_per_rad * of(f"{name}-length") - spring.damping_n_m_s_per_rad * of(
             f"{name}-rate"
         )

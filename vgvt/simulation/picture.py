@@ -20,7 +20,7 @@ from vgvt.simulation.assembly import Plan, Rig, driven_spec, hung_rig, plans
 from vgvt.simulation.drawing import METAL, draw_rig, span_m
 from vgvt.simulation.linear import linearise, site_row
 from vgvt.simulation.modes import eigenpairs
-from vgvt.simulation.rig import ARMATURE, FRAME_SITE, numbered
+from vgvt.simulation.rig import ARMATURE, FRAME_SITE, HOOK_SITE, numbered
 
 # The camera stands ahead of the aircraft and above, on the shaker's side.
 _AZIMUTH_DEG, _ELEVATION_DEG = 30.0, -19.0
@@ -134,7 +134,7 @@ def _camera_man(
     def shoot(qpos: NDArray[np.float64]) -> NDArray[np.uint8]:
         data = _posed(model, qpos)
         renderer.update_scene(data, camera, option)
-        _add_spring(renderer.scene, data.site(FRAME_SITE).xpos, data.site("hook").xpos, drawing.span_m)
+        _add_spring(renderer.scene, data.site(FRAME_SITE).xpos, data.site(HOOK_SITE).xpos, drawing.span_m)
         return np.asarray(renderer.render())
 
     try:

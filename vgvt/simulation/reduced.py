@@ -162,7 +162,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     mass = linear.mass - above * np.outer(drive, drive)
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt[0])
     damping = linear.damping.copy()
-    for _, spring in layout.gauged_springs:
+    for _, spring in layout.gauged_springs():
         joint = names.index(spring.axis)
         stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
         damping[:, joint] -= drive * spring.gauge_per_m * spring.damping_n_m_s_per_rad

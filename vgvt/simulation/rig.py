@@ -16,6 +16,7 @@ TRANSDUCER = "force-transducer"
 STINGER = "stinger"
 SUSPENSION = "suspension"
 FRAME_SITE = "frame"
+HOOK_SITE = "hook"
 ARMATURE = "armature"
 COIL = "coil"
 HAMMER = "hammer"
@@ -37,7 +38,7 @@ def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung
     """
     spec.option.gravity = [0.0, 0.0, -GRAVITY_M_PER_S2]
     hook = np.array(suspension.hook_m)
-    spec.body(ROOT).add_site(name="hook", pos=hook - parts.origin_m[ROOT])
+    spec.body(ROOT).add_site(name=HOOK_SITE, pos=hook - parts.origin_m[ROOT])
     sag = hung_mass_kg * GRAVITY_M_PER_S2 / suspension.stiffness_n_per_m
     top = hook + np.array([0.0, 0.0, suspension.free_length_m + sag])
     spec.worldbody.add_site(name=FRAME_SITE, pos=top)
@@ -48,7 +49,7 @@ def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung
         springlength=[suspension.free_length_m, suspension.free_length_m],
     )
     spring.wrap_site(FRAME_SITE)
-    spring.wrap_site("hook")
+    spring.wrap_site(HOOK_SITE)
     spec.joint("yaw").stiffness = [suspension.yaw_stiffness_n_m_per_rad, 0.0, 0.0]
     for name in ("yaw", "pitch", "roll"):
         spec.joint(name).damping = [suspension.rotation_damping_n_m_s_per_rad, 0.0, 0.0]

@@ -146,7 +146,7 @@ def _force_row(
     row = -inertia * (drive_row @ rate_rows)
     row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * tilt_rows(rig, (drive,))[0]
     row[n:] -= stinger.axial_damping_n_s_per_m * length_row
-    for _, spring in layout.gauged_springs if exciter == 0 else ():
+    for _, spring in layout.gauged_springs(exciter):
         joint = model.joint(spring.axis).dofadr[0]
         row[joint] -= spring.gauge_per_m * spring.stiffness_n_m_per_rad
         row[n + joint] -= spring.gauge_per_m * spring.damping_n_m_s_per_rad

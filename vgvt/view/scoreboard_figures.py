@@ -20,9 +20,9 @@ def bound_figure(table: pandas.DataFrame) -> Figure | None:
     """Root-mean-square frequency error of each mode against its Cramér–Rao bound, in Hz; None without any bound."""
     from plotly import graph_objects as go
 
-    figure = go.Figure()
+    figure, places = go.Figure(), _places(table)
     ends: list[float] = []
-    for k, (entry, part) in enumerate(_found(table).groupby("entry", sort=True)):
+    for entry, part in _found(table).groupby("entry", sort=True):
         points = []
         for (scenario, label), rows in part.groupby(["scenario", "label"], dropna=False):
             bound = _rms(_float(rows["frequency_bound_hz"]))
@@ -34,7 +34,7 @@ def bound_figure(table: pandas.DataFrame) -> Figure | None:
         x, y, words = zip(*points, strict=True)
         ends += [min(x), max(x)]
         figure.add_scatter(
-            x=x, y=y, text=words, mode="markers", name=str(entry), marker=_marker(k), hovertemplate=_HOVER
+            x=x, y=y, text=words, mode="markers", name=str(entry), marker=_marker(places[entry]), hovertemplate=_HOVER
         )
     if not ends:
         return None
@@ -54,21 +54,21 @@ def calibration_figure(table: pandas.DataFrame) -> Figure | None:
     from plotly import graph_objects as go
     from scipy.stats import norm
 
-    figure = go.Figure()
-    for k, (entry, part) in enumerate(_found(table).groupby("entry", sort=True)):
+    figure, places = go.Figure(), _places(table)
+    for entry, part in _found(table).groupby("entry", sort=True):
         z = np.abs(_float(part["claimed_hz"] - part["true_hz"]) / _float(part["frequency_std_hz"]))
         z = z[np.isfinite(z)]
         if z.size < 5:
             continue
         share = (z[:, None] <= norm.ppf((1 + _LEVELS) / 2)).mean(axis=0)
-        style = style_of(k)
+        style = style_of(places[entry])
         figure.add_scatter(
             x=_LEVELS,
             y=share,
             mode="lines+markers",
             name=f"{entry} ({z.size})",
             line={"color": style.colour, "dash": style.dash},
-            marker=_marker(k),
+            marker=_marker(places[entry]),
         )
     if not figure.data:
         return None
@@ -82,8 +82,8 @@ def front_figure(table: pandas.DataFrame) -> Figure | None:
     """Median seconds an identification against the median error over bound, one point per entry."""
     from plotly import graph_objects as go
 
-    figure = go.Figure()
-    for k, (entry, part) in enumerate(table.groupby("entry", sort=True)):
+    figure, places = go.Figure(), _places(table)
+    for entry, part in table.groupby("entry", sort=True):
         found = _found(part)
         ratio = np.abs(_float(found["claimed_hz"] - found["true_hz"]) / _float(found["frequency_bound_hz"]))
         ratio = ratio[np.isfinite(ratio)]
@@ -97,7 +97,7 @@ def front_figure(table: pandas.DataFrame) -> Figure | None:
                 mode="markers+text",
                 textposition="top center",
                 name=str(entry),
-                marker=_marker(k),
+                marker=_marker(places[entry]),
                 showlegend=False,
                 hovertemplate="%{text}: %{x:.2f} s, %{y:.2f} times the bound<extra></extra>",
             )
@@ -122,9 +122,16 @@ def _rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
 
 
-def _marker(k: int) -> dict[str, Any]:
-    style = style_of(k)
-    return {"color": style.colour, "symbol": style.symbol, "size": 8, "opacity": 0.8}
+def _places(table: pandas.DataFrame) -> dict[Any, int]:
+    """Every entry's place in the alphabet, so that it looks the same in all figures."""
+    return {entry: k for k, entry in enumerate(sorted(table["entry"].unique()))}
+
+
+def _marker(place: int) -> dict[str, Any]:
+    """Styles repeat after six entries: the next six have hollow symbols, then dotted ones."""
+    style, round_ = style_of(place), place // 6
+    symbol = style.symbol + ("", "-open", "-open-dot", "-dot")[round_ % 4]
+    return {"color": style.colour, "symbol": symbol, "size": 8, "opacity": 0.8}
 
 
 def _laid_out(figure: Figure, x_title: str, y_title: str, log: bool) -> Figure:

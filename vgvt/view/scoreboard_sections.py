@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vgvt.view.columns import least, mean, root_mean_square, stated
+from vgvt.view.columns import least, mean, median, root_mean_square, stated
 from vgvt.view.html_page import escaped
 
 if TYPE_CHECKING:
@@ -95,7 +95,10 @@ def _modes_table(rows: pandas.DataFrame) -> str:
     if len(false):
         where = ", ".join(f"{f:.2f}" for f in sorted(stated(false["claimed_hz"]))[:12])
         many = _more(len(false))
-        remark = f'<p class="note">False claims in {campaigns} campaigns: {len(false)}, at {where} Hz{many}.</p>'
+        split = int((false["split"] == True).sum())  # noqa: E712  missing is not split
+        twice = f" {split} of them are modes claimed twice." if split else ""
+        remark = f'<p class="note">False claims in {campaigns} campaigns: {len(false)}, at {where} Hz{many}.{twice}</p>'
+    remark += _cost_and_fit(rows.drop_duplicates("seed_number"))
     reasons = sorted({str(r) for r in rows["reason"].dropna() if r})
     remark += f'<p class="note">{escaped("; ".join(reasons[:3]))}</p>' if reasons else ""
     if not body:
@@ -104,6 +107,18 @@ def _modes_table(rows: pandas.DataFrame) -> str:
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>{remark}'
     )
+
+
+def _cost_and_fit(claims: pandas.DataFrame) -> str:
+    """One line on what holds for a claim as a whole: medians over the campaigns."""
+    parts = [
+        (median(stated(claims["frf_fit_percent"])), "responses fit {:.1f} % (NRMSE)"),
+        (median(stated(claims["nu_gap"])), "ν-gap at most {:.3f}"),
+        (median(stated(claims["wall_s"])), "{:.1f} s"),
+        (median(stated(claims["peak_memory_mib"])), "{:.0f} MiB"),
+    ]
+    words = ", ".join(form.format(value) for value, form in parts if np.isfinite(value))
+    return f'<p class="note">Median of a campaign: {words}.</p>' if words else ""
 
 
 def failures_section(table: pandas.DataFrame) -> str:

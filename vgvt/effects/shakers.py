@@ -1,0 +1,32 @@
+"""Which of several shakers an effect is on: one of them by its number, or all."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+from vgvt.data import InputError
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import Shaker
+
+
+def shaker_choice() -> Any:
+    """The field of an effect that says which shaker it is on."""
+    return dataclasses.field(default=0, metadata={"doc": "which shaker, counted from 1; 0 for all"})
+
+
+def chosen_shakers(scenario: Scenario, shaker: int, effect: str) -> tuple[int, ...]:
+    """Positions in ``scenario.shakers`` of the shaker of a number, or of all; InputError where there is none."""
+    count = len(scenario.shakers)
+    if not 0 <= shaker <= count:
+        numbers = "0 or 1" if count == 1 else f"a number from 1 to {count}, or 0 for all"
+        where = f"scenario {scenario.name}: effect {effect}: shaker"
+        raise InputError(where, f"is {shaker}, and the scenario has {count}", f"Write {numbers}.")
+    return tuple(range(count)) if shaker == 0 else (shaker - 1,)
+
+
+def with_shakers(scenario: Scenario, chosen: tuple[int, ...], change: Callable[[Shaker], Shaker]) -> Scenario:
+    """The scenario with some of its shakers changed."""
+    first, *further = (change(s) if k in chosen else s for k, s in enumerate(scenario.shakers))
+    return scenario.model_copy(update={"shaker": first, "further_shaker": tuple(further)})
