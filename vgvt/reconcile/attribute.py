@@ -308,7 +308,7 @@ def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresho
     """
     if rival.held_out is None or before.held_out_chi2_per_dof is None:
         return False
-    excess = before.held_out_chi2_per_dof - 1.0
+    excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
     better = before.held_out_chi2_per_dof - rival.held_out
     split = rival.fit.problem.split
     lines = int(split.held.sum()) * rival.fit.problem.measured.frequency_hz.size

@@ -49,10 +49,13 @@ def freed(hypothesis: Hypothesis) -> Hypothesis:
 
 
 def places(problem: Problem) -> tuple[tuple[float, float], ...]:
-    """Points (x, y) over the aircraft: along the centre line, and along each beam at its middle."""
+    """Points (x, y) over the aircraft: the drive point, along the centre line, and along each beam at its middle."""
     airframe = problem.scenario.airframe
     x = [p[0] for p in airframe.body.outline_m] or [airframe.body.centre_of_gravity_m[0]]
-    points = [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
+    driven = problem.scenario.shaker.position_m
+    # What sits on the drive point is told from what hangs below the gauge by little: it must be offered there.
+    points = [(float(driven[0]), float(driven[1]))]
+    points += [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
     for beam in expanded_beams(airframe):
         forward, aft = edge_lines_m(beam)
         middle = (forward + aft) / 2
