@@ -78,7 +78,8 @@ def test_settings_reach_the_identifier(vgvt, campaign_file: Path) -> None:
     items = vgvt("list", "identifiers", "--json").document["items"]
     settings = next(item["settings"] for item in items if item["name"] == "quadrature")
     key = next(s for s in settings if s["type"] == "float")["name"]
-    document = vgvt("identify", campaign_file, "--setting", f"{key}=3.5", "--json").document
+    chosen = ("--identifier", "quadrature", "--setting", f"{key}=3.5")
+    document = vgvt("identify", campaign_file, *chosen, "--json").document
     assert float(document["settings"][key]) == 3.5
 
 
@@ -101,7 +102,7 @@ def test_cite_names_what_a_run_used(vgvt, simulations) -> None:
     vgvt("run", "quick", "--no-report")
     keys = {entry["key"] for entry in vgvt("cite", "runs/quick", "--json").document["entries"]}
     assert {"vgvt", "todorov2012mujoco"} <= keys
-    assert keys == {entry["key"] for entry in vgvt("cite", "quadrature", "--json").document["entries"]}
+    assert keys == {entry["key"] for entry in vgvt("cite", "auto", "--json").document["entries"]}
 
 
 def test_doctor(vgvt) -> None:

@@ -285,7 +285,7 @@ def test_identify_writes_the_page_of_a_campaign_without_truth(vgvt, campaign_fil
 
 
 def test_every_mode_with_a_sigma_peak_states_it_as_a_number(vgvt, campaign_file) -> None:
-    modes = vgvt("identify", campaign_file, "--json").document["modes"]
+    modes = vgvt("identify", campaign_file, "--identifier", "quadrature", "--json").document["modes"]
     assert modes
     for mode in modes:
         flag = next(flag for flag in mode["flags"] if flag.startswith("sigma_peak_hz="))

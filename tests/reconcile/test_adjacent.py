@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import problem
+from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit, jacobian
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.surrogate import anchor
 
 
@@ -75,3 +76,20 @@ def test_beside_a_known_structure_is_what_assembling_gives(case: Problem, name: 
     fast = anchor(case, u, hypothesis, np.zeros(0), slopes=False, beside=bare.assembled).predict(u, np.zeros(0))
     assert np.linalg.norm(exact - before) > 1e-6 * np.linalg.norm(before)
     assert np.linalg.norm(fast - exact) < 0.1 * np.linalg.norm(exact - before)
+
+
+def test_a_channel_of_a_later_run_is_changed_too(tmp_path: Path) -> None:
+    """Runs share a structure and differ in what is done to their channels."""
+    whole = small_scenario()
+    half = {"runs": (tuple(range(1, 11)), tuple(range(11, 21)))}
+    roving = whole.model_copy(update={"acquisition": whole.acquisition.model_copy(update=half)})
+    case = make_problem(campaign_of(roving, 1), roving, lines=60, cache=tmp_path)
+    last = case.measured.channels[-1]
+    assert last.run > 0
+    bare = anchor(case, np.zeros(case.size), slopes=False)
+    before = bare.predict(np.zeros(case.size), np.zeros(0))
+    hypothesis = (fixed("channel-gain", {"channels": str(last.dof), "gain_error": 0.1}),)
+    fast = anchor(case, np.zeros(case.size), hypothesis, np.zeros(0), slopes=False, beside=bare.assembled)
+    changed = np.abs(fast.predict(np.zeros(case.size), np.zeros(0)) / before - 1).max(axis=1)
+    np.testing.assert_allclose(changed[-1], 0.1, rtol=1e-6)
+    assert changed[:-1].max() < 1e-9

@@ -11,6 +11,8 @@ import pytest
 from reconciled_case import drawn_scores, problem
 
 from vgvt.effects import available_effects
+from vgvt.reconcile import place_control
+from vgvt.reconcile.attribute import Addition, Rival
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, place_of
@@ -53,6 +55,17 @@ def at(x_m: float, y_m: float) -> Any:
 def test_places_nearer_than_a_station_are_one_place() -> None:
     near, far = at(0.5 + 0.9 * APART_M, 1.0), at(0.5, -1.0)
     assert distinct_places([at(0.5, 1.0), near, far, at(0.5, 1.0)]) == ((0.5, 1.0), (0.5, -1.0))
+
+
+def test_what_does_as_well_elsewhere_joins_the_round_among_its_rivals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A checkpoint finds every member of the set among the rivals."""
+    own, elsewhere_fit = leaving(noise(0)), leaving(noise(0))
+    trial = place_control.ElsewhereTrial("there", elsewhere_fit)
+    monkeypatch.setattr(place_control, "elsewhere", lambda winner, progress=None: (trial,))
+    winner, other = (Rival(f, 20.0, 20.0, 1.0) for f in (own, elsewhere_fit))
+    found = place_control.controlled(Addition(winner, (winner,), (winner,), 2.0), lambda f: other, 5.0)
+    assert found.equivalent == (winner, other)
+    assert set(found.equivalent) <= set(found.rivals)
 
 
 @pytest.mark.slow

@@ -31,12 +31,14 @@ class Change:
     """What an effect does to some runs of the nominal aircraft: its action there, and what it edits.
 
     ``runs`` count from 0; ``before`` is the scenario that the effect finds, ``layout`` the edited plan and its actions.
+    ``filtered`` where it changes the channels of any run of the campaign: runs of one structure may differ in that.
     """
 
     runs: frozenset[int]
     action: Action
     before: Scenario
     layout: Plan
+    filtered: bool
 
     @property
     def edits(self) -> bool:
@@ -69,7 +71,7 @@ def adjacent(
                     return None
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
         return None
-    filtered = any(c.action.channels for c in changes)
+    filtered = any(c.filtered for c in changes)
     return tuple(replace(g, filtered=g.filtered or filtered) for g in found)
 
 
@@ -121,6 +123,7 @@ def _moved(problem: Problem, cells: float, group: Group, change: Change, chosen:
 def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tuple[Change, ...]:
     """What an effect does to the nominal aircraft, runs that it treats alike together."""
     kinds: list[tuple[Scenario, Scenario, tuple[Action, ...], list[int]]] = []
+    filtered = False
     for run in range(len(start.scenario.acquisition.run_nodes)):
         scenario, actions = start.scenario, []
         for other in others:
@@ -128,6 +131,7 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
             scenario = actions[-1].scenario or scenario
         actions.append(effect.act(scenario, run))
         edited = actions[-1].scenario or scenario
+        filtered = filtered or bool(actions[-1].channels)
         for before, after, known, runs in kinds:
             alike = [(a.elements, a.points) for a in actions] == [(a.elements, a.points) for a in known]
             # Filters differ by run too, but it is the prediction's chain that asks for them.
@@ -137,7 +141,7 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
         else:
             kinds.append((scenario, edited, tuple(actions), [run]))
     return tuple(
-        Change(frozenset(runs), actions[-1], before, _layout(start, after, actions))
+        Change(frozenset(runs), actions[-1], before, _layout(start, after, actions), filtered)
         for before, after, actions, runs in kinds
     )
 

@@ -47,7 +47,7 @@ def controlled(
     """
     trials = elsewhere(addition.winner.fit, progress)
     added = [judged(t.fit) for t in trials if as_good(t.fit, addition.winner.fit, set_nats)]
-    return replace(addition, equivalent=(*addition.equivalent, *added))
+    return replace(addition, equivalent=(*addition.equivalent, *added), rivals=(*addition.rivals, *added))
 
 
 def elsewhere(winner: Fit, progress: Callable[[float, str], None] | None = None) -> tuple[ElsewhereTrial, ...]:
