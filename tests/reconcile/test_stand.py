@@ -10,6 +10,7 @@ from vgvt.effects import available_effects
 from vgvt.reconcile.fit import Fit, calibrate
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.surrogate import Anchor
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +66,11 @@ def test_a_fit_is_needed_to_stand_on(stand: Stand) -> None:
     """What is left after projection is orthogonal to everything the scores do."""
     assert isinstance(stand.fit, Fit)
     np.testing.assert_allclose(stand.basis.T @ stand.left, 0, atol=1e-6 * np.linalg.norm(stand.misfit))
+
+
+def test_a_response_that_runs_away_is_no_candidate(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A marched joint can diverge: the variant is impossible, and the screen goes on."""
+    shape = stand.fit.problem.measured.values.shape
+    monkeypatch.setattr(Anchor, "mechanical", lambda self, u, e: np.full(shape, np.nan + 0j))
+    assert stand.change(heavier(), {"mass_kg": 1e-3}) is None
+    assert stand.followed(heavier(), {"mass_kg": 1e-3}) is None

@@ -100,6 +100,8 @@ class Stand:
         except NoStructureError:
             return None
         best, reached = self._cost(here, null.scores)
+        if not np.isfinite(best):
+            return None
         scores, share = null.scores, 1.0
         for _ in range(_FOLLOWED):
             move = -self.inverse @ (null.tangent.T @ reached + scores)
@@ -115,9 +117,13 @@ class Stand:
         return best, scores[: null.u.size]
 
     def _cost(self, here: Anchor, scores: Array) -> tuple[float, Array]:
-        """Square sum of misfit and scores, and the misfit."""
+        """Square sum of misfit and scores, infinite where there is no response, and the misfit."""
         count = self.fit.u.size
-        misfit = data_misfit(self.fit.problem, here.predict(scores[:count], scores[count:]), self.fit.sigma)
+        try:
+            predicted = here.predict(scores[:count], scores[count:])
+        except NoStructureError:
+            return np.inf, np.zeros(self.fit.points)
+        misfit = data_misfit(self.fit.problem, predicted, self.fit.sigma)
         return float(misfit @ misfit + scores @ scores), misfit
 
 

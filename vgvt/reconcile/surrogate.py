@@ -72,8 +72,11 @@ class Anchor:
         return self.u0.size + self.e0.size
 
     def predict(self, u: Array, e: Array) -> ComplexArray:
-        """A/F (C, L) of every channel at scores u and e."""
-        return self.mechanical(u, e) * self.chain(u, e)
+        """A/F (C, L) of every channel at scores u and e; NoStructureError where a joint's march runs away."""
+        found = self.mechanical(u, e) * self.chain(u, e)
+        if not np.isfinite(found).all():
+            raise NoStructureError("the response is not finite")
+        return found
 
     def chain(self, u: Array, e: Array) -> ComplexArray:
         """The measuring chain's factor (C, L)."""
