@@ -36,6 +36,10 @@ def test_the_slope_holds_no_curvature(stand: Stand) -> None:
     assert near is not None
     assert np.linalg.norm(near / 1e-6 - slope) < 0.02 * np.linalg.norm(slope)
     assert np.linalg.norm(stand.projected(far)) / 5e-3 > 2 * own
+    rough = stand.slope(hypothesis, {}, mass, rough=True)
+    assert rough is not None
+    exact = near / 1e-6
+    assert np.linalg.norm(slope - exact) < 0.2 * np.linalg.norm(rough - exact)
 
 
 def test_the_unknowns_follow_what_they_can_imitate(stand: Stand) -> None:

@@ -32,6 +32,8 @@ FAR = ((0.15, 4), (0.05, 3), (0.0, 20))
 _LONGEST_STEP = 1.5
 _ENOUGH = 1e-3
 _REJECTIONS = 5
+# Standard deviations that a tolerance reaches.
+_WITHIN = 3.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +79,8 @@ class Fit:
             missing = problem.measured.values[own[0]] / sigma - here
             # |missing - a here|² + (a / sd)² / 2, the square sum of complex values against the score's.
             share = (here.conj() @ missing).real / ((here.conj() @ here).real + 0.5 / nuisance.sd**2)
-            found[own[0]] *= 1 + share
+            # Many lines leave the prior no say: beyond its tolerance a gain is a miss, whatever they prefer.
+            found[own[0]] *= 1 + float(np.clip(share, -_WITHIN * nuisance.sd, _WITHIN * nuisance.sd))
         return found
 
     @property
