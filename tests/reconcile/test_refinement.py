@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import scipy.linalg
-from reconciled_case import small_scenario
+from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.effects.beams import with_beams
+from vgvt.reconcile.problem import CELLS, make_problem
 from vgvt.reconcile.refinement import meshed, towards
+from vgvt.reconcile.surrogate import anchor
 from vgvt.reconcile.uncertain import prepared
 from vgvt.scenario import Scenario
+from vgvt.simulation import simulate
 from vgvt.simulation.reduced import Layouts, structure
 
 TOP_HZ = 60.0
@@ -47,3 +53,26 @@ def test_a_chain_gets_the_frequencies_of_the_other() -> None:
     error = np.abs(after[:count] / wanted[:count] - 1).max()
     # Eigenvectors stay, hence eigenvalues are met exactly; the suspension's damping and weight take no part.
     assert error < 1e-6 < np.abs(before[:count] / wanted[:count] - 1).max()
+
+
+def test_the_highest_modes_flexibility_brings_the_response_nearer(tmp_path: Path) -> None:
+    """A chain of 36 cells, whose modes the refinement gives to one of 12: between them the rest counts, too."""
+    scenario = small_scenario()
+    beams = tuple(b.model_copy(update={"cells": 36}) for b in scenario.airframe.beam)
+    fine = scenario.model_copy(update={"airframe": scenario.airframe.model_copy(update={"beam": beams})})
+    campaign = simulate(without_instrument_noise(fine), engine="linear").campaign
+    case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
+    u = np.zeros(case.size)
+    # What 36 cells lack of a continuum is a ninth of what 12 lack.
+    u[case.unknowns.index(CELLS)] = -np.arctanh(1 / 9) / CELLS.sd
+    nothing = np.zeros(len(case.refinement.places))
+    bare = replace(
+        case,
+        refinement=replace(case.refinement, flexibility=nothing),
+        coarseness=replace(case.coarseness, flexibility=nothing),
+    )
+    left = [
+        np.median(np.abs(anchor(p, u, slopes=False).predict(u, np.zeros(0)) / case.measured.values - 1))
+        for p in (case, bare)
+    ]
+    assert left[0] < 0.95 * left[1]
