@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from reconciled_case import small_scenario
-from test_surrogate import silent
+from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import with_effect
@@ -34,7 +33,7 @@ def driven(scenario: Scenario, volt: float) -> Scenario:
     return scenario.model_copy(update={"excitation": sweep})
 
 
-SCENARIO = driven(silent(small_scenario()), 1.0)
+SCENARIO = driven(without_instrument_noise(small_scenario()), 1.0)
 
 
 @pytest.fixture(scope="module")
