@@ -25,7 +25,7 @@ class CubicRootStiffness:
         "natural frequencies of the modes that turn the root rise with level, peaks lean right; third harmonics, "
         "and second ones where gravity preloads the joint"
     )
-    confused_with: ClassVar[tuple[str, ...]] = ("root-friction", "root-freeplay")
+    confused_with: ClassVar[tuple[str, ...]] = ("root-compliance", "root-friction", "root-freeplay")
     separating_test: ClassVar[str] = "sweep at two or three force levels, and up and down"
     reference: ClassVar[str] = (
         "Nayfeh and Mook, Nonlinear Oscillations, 1979, chapter 4 (Duffing); "

@@ -28,7 +28,7 @@ class RootFriction:
         "frequencies fall with level, from those of a rigid root to those of the slipping joint; damping is highest in "
         "between; third harmonics"
     )
-    confused_with: ClassVar[tuple[str, ...]] = ("amplitude-dependent-damping", "root-freeplay")
+    confused_with: ClassVar[tuple[str, ...]] = ("root-compliance", "amplitude-dependent-damping", "root-freeplay")
     separating_test: ClassVar[str] = "sweep at three or more force levels: damping falls again at the loudest"
     reference: ClassVar[str] = (
         "Den Hartog, Trans. ASME 53, 1931 (forced vibration with Coulomb friction); "

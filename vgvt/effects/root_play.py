@@ -28,7 +28,12 @@ class RootFreeplay:
         "strong softening at low level unless the weight holds the joint against a stop, jumps, odd harmonics; the "
         "linear frequencies return at high level"
     )
-    confused_with: ClassVar[tuple[str, ...]] = ("root-friction", "cubic-root-stiffness", "local-absorber")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "root-compliance",
+        "root-friction",
+        "cubic-root-stiffness",
+        "local-absorber",
+    )
     separating_test: ClassVar[str] = "preload the joint with a soft cord: the softening goes"
     reference: ClassVar[str] = (
         "Kholodar, Nature of freeplay-induced aeroelastic oscillations, J. Aircraft 51, 2014; "

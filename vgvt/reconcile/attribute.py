@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -12,19 +12,13 @@ from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.localise import Place, localise
+from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.residual import Residual, independent_values, residual
-from vgvt.reconcile.screen import Screened, screen
+from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shortened
 from vgvt.reconcile.thresholds import Thresholds
 
-_SHORT_LIST, _A_FAMILY = 6, 2
-_BIASED = 1.5
-_SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
-_FORGIVING = ((0.6, 4), (0.1, 8))
-# Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
-# a damping may find the rest, one that only settles sizes finds what the closed form says.
-_OPEN, _SETTLED = 0.25, 0.75
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # Worse by more than what a superfluous parameter costs in evidence.
 _LOST = 10.0
@@ -32,8 +26,6 @@ _LOST = 10.0
 _HELD_OUT_NATS = 1.0
 # What 'much better' means where held-out data are still missed: this share of what was too much.
 _MUCH = 0.25
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,17 +98,24 @@ def attribute(
         if k > 0 and residual(current, thresholds).adequate:
             break
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
+        straight, bent = linear_first(current.problem, left)
         before = residual(current, thresholds)
-        chosen = _shortened(current, left, before, thresholds, _part(tell, k / most, (k + 0.5) / most))
-        rivals = _fit_all(current, chosen, before, _part(tell, (k + 0.5) / most, (k + 1) / most))
+        here = part(tell, k / most, (k + 1) / most)
+        chosen = shortened(current, straight, before, thresholds.evidence_nats, part(here, 0.0, 0.5))
+        rivals = _fit_all(current, chosen, before, part(here, 0.5, 0.8))
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
             if current is not null:
                 before = residual(current, thresholds)
                 rivals = _against(current, [r.fit for r in rivals])
-        passed = [r for r in rivals if r.gain_nats >= thresholds.evidence_nats]
-        confirmed = [r for r in passed if _confirmed(r, current, before, thresholds)]
-        vetoed += [r for r in passed if r not in confirmed]
+        confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        twins = _twins(bent, confirmed, before)
+        if twins:
+            later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9))
+            more = _fit_all(current, later, before, part(here, 0.9, 1.0))
+            rivals = _against(current, [r.fit for r in (*rivals, *more)])
+            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
         winner = max(confirmed, key=lambda r: r.gain_nats)
@@ -132,51 +131,20 @@ def attribute(
     )
 
 
-def _part(tell: Progress, start: float, stop: float) -> Progress:
-    """Progress of a part of the work."""
-
-    def inner(fraction: float, message: str) -> None:
-        tell(start + (stop - start) * fraction, message)
-
-    return inner
+def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
+    """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
+    return rival.gain_nats >= thresholds.evidence_nats and _confirmed(rival, current, before, thresholds)
 
 
-def _shortened(
-    current: Fit, left: Sequence[Hypothesis], before: Residual, thresholds: Thresholds, tell: Progress
-) -> tuple[Screened, ...]:
-    """The short list of a round. Where much is left, half of it from a stand that still forgives misplaced peaks.
+def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual) -> list[Hypothesis]:
+    """Of the nonlinear joints, those that a name could be mistaken for; all, where there is no name and should be one.
 
-    A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
-    Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
+    One level tells them from their linear likeness by little, and each costs marches over whole records.
     """
-    if before.train_chi2_per_dof < _BIASED:
-        return short_list(screen(current, left, tell), _SHORT_LIST, needed=thresholds.evidence_nats)
-    near = screen(current, left, _part(tell, 0.0, 0.5))
-    nothing = np.zeros(current.u.size)
-    coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
-    far = screen(coarse, left, _part(tell, 0.5, 1.0))
-    # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
-    place = next((p for p in localise(current).places if p.position_m is not None), None)
-    spot = None if place is None else place.position_m
-    chosen = [] if place is None else _swinging(current, far, place)
-    chosen += [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
-    return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
-
-
-def short_list(
-    screened: Sequence[Screened], count: int, *, needed: float = 1.0, forgiving: bool = False
-) -> tuple[Screened, ...]:
-    """The best variants, at most two of an effect, that a fit could take to the nats ``needed``."""
-    chosen: list[Screened] = []
-    for s in screened:
-        same = sum(1 for c in chosen if c.hypothesis.name == s.hypothesis.name)
-        # Every place of a placed effect is tried where its fit starts from afar: one start is enough.
-        most = 1 if forgiving and "x_m" in s.hypothesis.settings else _A_FAMILY
-        settled = all(p.neutral is not None for p in freed(s.hypothesis).parameters)
-        worth = (_SETTLED if settled else _OPEN) * needed
-        if s.visible and s.gain_nats > worth and same < most and len(chosen) < count:
-            chosen.append(s)
-    return tuple(chosen)
+    if not confirmed:
+        return [] if before.adequate else list(bent)
+    names = {r.name for r in confirmed}
+    return [h for h in bent if names & set(h.cls.confused_with)]  # type: ignore[attr-defined]
 
 
 def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress) -> tuple[Rival, ...]:
@@ -186,7 +154,7 @@ def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: P
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
         if len(found) >= _AT_LEAST and best > _FAR_AHEAD * s.gain_nats and best > 0.4 * current.chi2:
             continue
-        fitted = _fitted(current, s, before, _part(tell, i / len(chosen), (i + 1) / len(chosen)))
+        fitted = _fitted(current, s, before, part(tell, i / len(chosen), (i + 1) / len(chosen)))
         if fitted is not None:
             found.append(fitted)
     return _against(current, found)
@@ -201,7 +169,7 @@ def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> 
     own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
     start = np.concatenate([current.e, hypothesis.scores({**own, **s.values})])
     u = current.u if s.start is None else s.start
-    stages = NEAR if before.train_chi2_per_dof < _BIASED else FAR
+    stages = NEAR if before.train_chi2_per_dof < BIASED else FAR
 
     def tell(fraction: float, message: str) -> None:
         progress(fraction, f"{message} {hypothesis.name}")
@@ -217,58 +185,6 @@ def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> 
             return found
         return max(found, again, key=lambda f: f.evidence_nats)
     return found
-
-
-def _best_place(
-    current: Fit, screened: Sequence[Screened], chosen: Screened, spot: tuple[float, float, float] | None
-) -> Screened:
-    """The best of a placed effect's variants, by short fits that forgive misplaced peaks, with what they arrived at.
-
-    Tried are the best ones of the screen and those next to ``spot`` (x, y, z), from where a free force explains most.
-    """
-    if "x_m" not in chosen.hypothesis.settings:
-        return chosen
-    best, found = -np.inf, chosen
-    same = [c for c in screened if c.hypothesis.name == chosen.hypothesis.name]
-    tried = same[:_BEST] if spot is not None else same[: _BEST + _NEAREST]
-    if spot is not None:
-        x, y, _ = spot
-        rest = same[_BEST:]
-        tried += sorted(rest, key=lambda s: _distance(s, x, y))[:_NEAREST]
-    for s in tried:
-        # Its frequency is what the screen knows best; where it sits, a biased calibration has smeared.
-        start = np.concatenate([current.e, s.hypothesis.scores(chosen.values)])
-        nothing = np.zeros(current.u.size)
-        try:
-            near = fit(
-                current.problem, (*current.hypotheses, s.hypothesis), nothing, start, _SHORT, judged=_SHORT[-1][0]
-            )
-        except NoStructureError:
-            continue
-        if near.evidence_nats > best:
-            here = {k: v[0] for k, v in near.values(len(current.hypotheses)).items()}
-            best, found = near.evidence_nats, replace(s, values=here, start=near.u)
-    return found
-
-
-def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[Screened]:
-    """Placed effects that swing, at the place and frequency that the residual itself shows, from the prior's middle."""
-    if place.type != "resonant" or place.position_m is None:
-        return []
-    x, y, _ = place.position_m
-    found: list[Screened] = []
-    for s in sorted((s for s in screened if "x_m" in s.hypothesis.settings), key=lambda s: _distance(s, x, y)):
-        tuned = {p.name: place.size for p in s.hypothesis.parameters if p.unit == "Hz"}
-        if tuned and s.hypothesis.name not in {f.hypothesis.name for f in found}:
-            here = replace(s.hypothesis, settings={**s.hypothesis.settings, "x_m": x, "y_m": y})
-            found.append(replace(s, hypothesis=here, values=tuned, start=np.zeros(current.u.size)))
-    return found
-
-
-def _distance(s: Screened, x_m: float, y_m: float) -> float:
-    """How far a placed variant is from a point, in metres."""
-    settings = s.hypothesis.settings
-    return float(np.hypot(settings["x_m"] - x_m, settings["y_m"] - y_m))
 
 
 def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vgvt.data import InputError
-from vgvt.effects.elements import JointLaw
+from vgvt.effects.elements import HingedFlap, JointLaw
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
@@ -24,16 +24,26 @@ _ANOTHER_LEVEL = 1.3
 
 def depends_on_level(problem: Problem, hypothesis: Hypothesis) -> bool:
     """Whether the prediction knows a nonlinear joint in what a hypothesis adds."""
+    return any(isinstance(e, JointLaw) for e in _elements(problem, hypothesis))
+
+
+def _bends(problem: Problem, hypothesis: Hypothesis) -> bool:
+    """Whether a hypothesis adds a joint whose stiffness depends on level, known to the prediction or not."""
+    elements = _elements(problem, hypothesis)
+    return any(isinstance(e, JointLaw) or (isinstance(e, HingedFlap) and e.gap_rad > 0) for e in elements)
+
+
+def _elements(problem: Problem, hypothesis: Hypothesis) -> tuple[object, ...]:
+    """What a nonlinear hypothesis adds to the first run, in the middle of its range; nothing for a linear one."""
     if hypothesis.linear:
-        return False
+        return ()
     effect = hypothesis.effect({p.name: _share(p, 0.5) for p in hypothesis.parameters})
     if effect is None:
-        return False
+        return ()
     try:
-        elements = effect.act(problem.scenario, 0).elements
+        return tuple(effect.act(problem.scenario, 0).elements)
     except (InputError, ValueError):
-        return False
-    return any(isinstance(e, JointLaw) for e in elements)
+        return ()
 
 
 def level_grid(hypothesis: Hypothesis) -> list[dict[str, float]]:
@@ -51,19 +61,24 @@ def several_levels(problem: Problem) -> bool:
     return bool(size.max() > _ANOTHER_LEVEL * size.min())
 
 
-def worth_trying(problem: Problem, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Hypotheses without what one level cannot tell apart anyway: there, one variant of a nonlinear effect is enough.
+def linear_first(problem: Problem, hypotheses: Sequence[Hypothesis]) -> tuple[list[Hypothesis], list[Hypothesis]]:
+    """Hypotheses to try at once, and those that can wait: at one level, joints whose stiffness depends on it.
 
-    Each costs marches over whole records, and the verdict will ask for another level whichever variant it is.
+    There one variant of an effect is enough: each costs marches over whole records, and whichever variant it is, the
+    verdict will ask for another level.
     """
     if several_levels(problem):
-        return list(hypotheses)
-    found: list[Hypothesis] = []
+        return list(hypotheses), []
+    at_once: list[Hypothesis] = []
+    later: dict[str, Hypothesis] = {}
     for hypothesis in hypotheses:
-        twins = any(known.name == hypothesis.name for known in found)
-        if not (twins and depends_on_level(problem, hypothesis)):
-            found.append(hypothesis)
-    return found
+        if hypothesis.name in later:
+            continue
+        if _bends(problem, hypothesis):
+            later[hypothesis.name] = hypothesis
+        else:
+            at_once.append(hypothesis)
+    return at_once, list(later.values())
 
 
 def _share(p: Parameter, share: float) -> float:

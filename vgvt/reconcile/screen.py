@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -18,14 +19,14 @@ from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.level_grid import depends_on_level, level_grid, worth_trying
+from vgvt.reconcile.level_grid import depends_on_level, level_grid
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
 _COARSE, _FINE = 0.06, 0.015
 _CHECKED, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
-# As many variants as any short list could ask for, and as many again.
-_BEST = 24
+# More than any short list asks for, in all and of one effect.
+_SLOTS, _OF_ONE = 9, 3
 _SIZED = 0.8
 _SHARES = (1.0, 0.5, 0.25, 0.125)
 
@@ -46,20 +47,26 @@ class Screened:
 
 
 def screen(
-    null: Fit, hypotheses: Sequence[Hypothesis], progress: Callable[[float, str], None] | None = None
+    null: Fit,
+    hypotheses: Sequence[Hypothesis],
+    progress: Callable[[float, str], None] | None = None,
+    *,
+    least_nats: float = _WORTH_CHECKING,
 ) -> tuple[Screened, ...]:
     """All variants by what they could buy, best first; an effect that leaves A/F alone is not ``visible``.
 
-    Sizes come from a closed form for every variant; the most promising ones are then checked at those sizes.
+    Sizes come from a closed form for every variant; the most promising ones are then checked at those sizes, down to
+    what is promised ``least_nats``.
     """
     stand = Stand.of(null)
     tell = progress or (lambda fraction, message: None)
     sized: list[Screened] = []
-    hypotheses = worth_trying(null.problem, hypotheses)
     for k, hypothesis in enumerate(hypotheses):
         tell(_SIZED * k / len(hypotheses), f"screen {hypothesis.name}")
         sized += _at_sizes(stand, hypothesis)
-    found = _check_the_best(stand, sized, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising"))
+    found = _check_the_best(
+        stand, sized, least_nats, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising")
+    )
     done = (
         replace(s, remaining=stand.cost - 2 * s.gain_nats, start=null.u if s.start is None else s.start) for s in found
     )
@@ -71,9 +78,7 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     if depends_on_level(stand.fit.problem, hypothesis):
         return [max((_at(stand, hypothesis, v) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)]
     grid = _grid(stand, hypothesis)
-    # What swings is narrow, and nothing that the unknowns imitate: along a scan rough slopes will do.
-    rough = len(grid) > 1
-    sized = sorted((_sized(stand, hypothesis, values, rough=rough) for values in grid), key=lambda s: -s.gain_nats)
+    sized = sorted((_sized(stand, hypothesis, values) for values in grid), key=lambda s: -s.gain_nats)
     if len(grid) == 1 or sized[0].gain_nats <= _WORTH_REFINING:
         return sized[:1]
     scanned = next(name for name in grid[0] if grid[0][name] != grid[1][name])
@@ -84,19 +89,26 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     return sorted([*sized[:_CHECKED], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
 
 
-def _check_the_best(stand: Stand, sized: list[Screened], tell: Callable[[float], None]) -> list[Screened]:
-    """The best of every variant's sizes, checked from the most promising on until the best ones are all checked.
+def _check_the_best(
+    stand: Stand, sized: list[Screened], least_nats: float, tell: Callable[[float], None]
+) -> list[Screened]:
+    """The best of every variant's sizes, checked from the most promising on until no short list could ask for more.
 
-    The closed form seldom promises too little: what it puts far behind those that hold theirs stays unchecked.
+    The closed form seldom promises too little: what it puts behind those that hold theirs stays unchecked.
     """
     waiting = sorted(sized, key=lambda s: -s.gain_nats)
     best: dict[Hypothesis, Screened] = {}
+    held: dict[Hypothesis, float] = {}
     for k, s in enumerate(waiting):
         tell(k / len(waiting))
-        good = sorted((b.gain_nats for b in best.values()), reverse=True)
-        enough = len(good) >= _BEST and s.gain_nats < good[_BEST - 1]
-        checked = s if enough or s.gain_nats < _WORTH_CHECKING else _checked(stand, s)
+        ahead = [h.name for h, gain in held.items() if gain > s.gain_nats]
+        enough = ahead.count(s.hypothesis.name) >= _OF_ONE or sum(
+            min(n, _OF_ONE) for n in Counter(ahead).values()
+        ) >= _SLOTS  # fmt: skip
+        checked = s if enough or s.gain_nats < least_nats else _checked(stand, s)
         known = best.get(s.hypothesis)
+        if checked is not s:
+            held[s.hypothesis] = max(checked.gain_nats, held.get(s.hypothesis, -math.inf))
         if known is None or checked.gain_nats > known.gain_nats:
             best[s.hypothesis] = checked
     return list(best.values())
@@ -121,16 +133,18 @@ def _checked(stand: Stand, s: Screened) -> Screened:
     return s if best is None else best
 
 
-def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], *, rough: bool = False) -> Screened:
-    """The best sizes of an effect whose other values are given, by the closed form, checked at what it gives."""
+def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:
+    """The best sizes of an effect whose other values are given, by the closed form; what has none, as it is."""
     switches = [p for p in hypothesis.parameters if p.neutral is not None and p.name not in start]
     neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
     if not switches:
-        return _at(stand, hypothesis, start)
+        reached = stand.linearly_followed(hypothesis, start)
+        gain = -math.inf if reached is None else 0.5 * (stand.cost - reached)
+        return Screened(hypothesis, start, gain)
     left = stand.left
     columns, used = [], []
     for p in switches:
-        slope = stand.slope(hypothesis, {**start, **neutral}, p, rough=rough)
+        slope = stand.slope(hypothesis, {**start, **neutral}, p)
         if slope is not None and np.abs(slope).max() * step_from_neutral(p) > 1e-9:
             columns.append(stand.projected(slope))
             used.append(p)

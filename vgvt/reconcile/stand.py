@@ -1,7 +1,7 @@
 """A fitted model as a place to stand on: what an effect would change there, and what the unknowns could make up for.
 
 An effect that the unknowns imitate well is seen in what is left between two large changes. Its derivative is
-therefore extrapolated to no size at all, and at a finite size the unknowns are moved along before χ² is taken.
+therefore taken at no size at all, and at a finite size the unknowns are moved along before χ² is taken.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.first_order import FirstOrder
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit
-from vgvt.reconcile.surrogate import Anchor, anchor
+from vgvt.reconcile.surrogate import Anchor, anchor, groups_at
 
 Array = NDArray[np.float64]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
@@ -30,11 +31,12 @@ _LONGEST = 1.5
 class Stand:
     """A fit with the basis (2 N + scores, scores) of what its scores imitate, and its misfit with and without that.
 
-    ``inverse`` (scores, scores) is of the tangent's normal matrix.
+    ``inverse`` (scores, scores) is of the tangent's normal matrix; ``motions`` are what slopes are taken from.
     """
 
     fit: Fit
-    groups: tuple[Group, ...]
+    here: Anchor
+    motions: FirstOrder | None
     basis: Array
     misfit: Array
     left: Array
@@ -48,7 +50,12 @@ class Stand:
         here = anchor(null.problem, null.u, null.hypotheses, null.e, slopes=False)
         misfit = np.concatenate([data_misfit(null.problem, null.predicted, null.sigma), null.scores])
         inverse = scipy.linalg.inv(null.tangent.T @ null.tangent + np.eye(null.scores.size))
-        return cls(null, here.assembled, basis, misfit, misfit - basis @ (basis.T @ misfit), inverse)
+        return cls(null, here, FirstOrder.of(here), basis, misfit, misfit - basis @ (basis.T @ misfit), inverse)
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """The structures that it stands on."""
+        return self.here.assembled
 
     @property
     def cost(self) -> float:
@@ -69,24 +76,49 @@ class Stand:
         moved = data_misfit(null.problem, predicted, null.sigma) - self.misfit[: null.points]
         return np.concatenate([moved, np.zeros(null.scores.size)])
 
-    def slope(
-        self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, *, rough: bool = False
-    ) -> Array | None:
-        """Derivative of the misfit vector in a size at its neutral value; None if impossible.
-
-        Its curvature is taken off, unless a ``rough`` one will do, at half the work.
-        """
-        neutral = float(p.neutral or 0.0)
-        step = step_from_neutral(p)
+    def slope(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> Array | None:
+        """Derivative of the misfit vector in a size at its neutral value; None if impossible."""
+        neutral, step = float(p.neutral or 0.0), step_from_neutral(p)
+        if self.motions is not None:
+            found = self._linear_change(hypothesis, {**values, p.name: neutral + step})
+            if found is not None:
+                return found / step
+        # Curvature is taken off by a second step.
         near = self.change(hypothesis, {**values, p.name: neutral + step})
-        twice = None if rough else self.change(hypothesis, {**values, p.name: neutral + 2 * step})
+        twice = self.change(hypothesis, {**values, p.name: neutral + 2 * step})
         if near is None:
             return None
         return near / step if twice is None else (4 * near - twice) / (2 * step)
 
+    def _linear_change(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
+        """:meth:`change` to first order in what structure and measuring chain become; None where there is none."""
+        null, problem = self.fit, self.fit.problem
+        added = (*null.hypotheses, _with_values(hypothesis, values))
+        there = groups_at(problem, null.u, added, null.e, self.groups)
+        if there is None or self.motions is None:
+            return None
+        moved = self.motions.change(there)
+        if moved is None:
+            return None
+        plain = self.here.chain(null.u, null.e)
+        out = plain * moved
+        if any(g.filtered for g in there):
+            filtered = Anchor(problem, added, null.u, null.e, (), there, filtered=True).chain(null.u, null.e)
+            out = out + null.predicted * (filtered / plain - 1)
+        change = data_misfit(problem, problem.measured.values + out, null.sigma)
+        return np.concatenate([change, np.zeros(null.scores.size)])
+
     def projected(self, vectors: Array) -> Array:
         """What of vectors (2 N + scores, …) no score can imitate."""
         return np.asarray(vectors - self.basis @ (self.basis.T @ vectors))
+
+    def linearly_followed(self, hypothesis: Hypothesis, values: dict[str, float]) -> float | None:
+        """Least square sum with an effect at some values, the unknowns following in one step; None if impossible."""
+        moved = self.change(hypothesis, values)
+        if moved is None:
+            return None
+        left = self.left + self.projected(moved)
+        return float(left @ left)
 
     def followed(self, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, Array] | None:
         """Least square sum with an effect at some values, the unknowns following, and their scores; None if impossible.

@@ -162,9 +162,7 @@ def anchor(
     where that is enough. ``groups`` are those at u and e, where they are known. NoStructureError where there is none.
     """
     scores = np.zeros(0) if e is None else e
-    if groups is None and beside is not None:
-        groups = _beside(problem, u, beside, hypotheses, scores)
-    groups = assembled(problem, u, hypotheses, scores) if groups is None else groups
+    groups = groups_at(problem, u, hypotheses, scores, beside) if groups is None else groups
     if groups is None:
         raise NoStructureError("no such structure")
     sides = _sides(problem, u, hypotheses, scores, groups) if slopes else None
@@ -174,6 +172,18 @@ def anchor(
         raise NoStructureError("no mass matrix") from error
     filtered = any(g.filtered for g in groups)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered)
+
+
+def groups_at(
+    problem: Problem,
+    u: Array,
+    hypotheses: tuple[Hypothesis, ...],
+    e: Array,
+    beside: tuple[Group, ...] | None = None,
+) -> tuple[Group, ...] | None:
+    """Groups at scores u and e, next to those ``beside`` (without the last hypothesis) where that is enough."""
+    near = None if beside is None else _beside(problem, u, beside, hypotheses, e)
+    return assembled(problem, u, hypotheses, e) if near is None else near
 
 
 def _beside(

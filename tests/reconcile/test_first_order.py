@@ -1,0 +1,95 @@
+"""First-order changes of A/F against differences of whole predictions, for what is added, edited, moved or weighed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects, parameters_of
+from vgvt.reconcile.first_order import FirstOrder
+from vgvt.reconcile.fit import Fit, calibrate
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.surrogate import anchor
+
+NOTHING = np.zeros(0)
+
+
+@pytest.fixture(scope="module")
+def null(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """The calibrated scenario."""
+    return calibrate(problem(tmp_path_factory.mktemp("cache"), 1))
+
+
+def differenced(null: Fit, name: str, settings: dict[str, Any], size: str, step: float) -> tuple[Any, Any]:
+    """A change by the motions and by differences, extrapolated from two steps."""
+    here = anchor(null.problem, null.u, slopes=False)
+
+    def there(value: float) -> Any:
+        cls = available_effects()[name]
+        others = {p.name: getattr(cls(), p.name) for p in parameters_of(cls)}
+        hypothesis = Hypothesis(cls, {**others, **settings, size: value})
+        return anchor(null.problem, null.u, (hypothesis,), NOTHING, slopes=False, beside=here.assembled)
+
+    motions = FirstOrder.of(here)
+    assert motions is not None
+    plain = here.mechanical(null.u, NOTHING)
+    near, twice = (there(k * step).mechanical(null.u, NOTHING) - plain for k in (1, 2))
+    return motions.change(there(step).assembled), (4 * near - twice) / 2
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "size", "step", "within"),
+    [
+        ("added-mass", {"x_m": 0.9, "y_m": 1.1}, "mass_kg", 1e-3, 0.01),
+        ("local-absorber", {"x_m": 0.9, "y_m": 1.1, "frequency_hz": 12.0}, "mass_kg", 1e-4, 0.01),
+        ("roving-sensor-mass", {}, "mass_kg", 1e-4, 0.01),
+        ("stiffness-asymmetry", {"torsion": 0.0}, "bending", 1e-3, 0.01),
+        ("drive-point-offset", {"dy_m": 0.0}, "dx_m", 2e-4, 0.01),
+        ("suspension-damping", {}, "damping_n_s_per_m", 0.05, 0.01),
+        ("stinger-moment", {}, "rotational_stiffness_n_m_per_rad", 1e-3, 0.01),
+        ("suspension-stiffness", {}, "stiffness_change", 0.01, 0.01),
+        # Where it sits, a sensor's row turns with the chord too: known to a few per cent.
+        ("sensor-position-error", {"dy_m": 0.0}, "dx_m", 1e-3, 0.1),
+    ],
+)
+def test_agrees_with_differences(
+    null: Fit, name: str, settings: dict[str, Any], size: str, step: float, within: float
+) -> None:
+    change, wanted = differenced(null, name, settings, size, step)
+    assert np.linalg.norm(wanted) > 0
+    assert np.linalg.norm(change - wanted) < within * np.linalg.norm(wanted)
+
+
+def test_nothing_changed_changes_nothing(null: Fit) -> None:
+    here = anchor(null.problem, null.u, slopes=False)
+    motions = FirstOrder.of(here)
+    assert motions is not None
+    change = motions.change(here.assembled)
+    assert change is not None and not change.any()
+
+
+def test_other_coordinates_are_no_small_change(null: Fit) -> None:
+    here = anchor(null.problem, null.u, slopes=False)
+    motions = FirstOrder.of(here)
+    assert motions is not None
+    group = here.assembled[0]
+    fewer = replace(group, structure=replace(group.structure, joints=("other", *group.structure.joints[1:])))
+    assert motions.change((fewer,)) is None
+
+
+def test_a_filtered_channel_is_part_of_the_slope(null: Fit) -> None:
+    """A gain error multiplies what the channel shows: the slope of one is the prediction itself."""
+    stand = Stand.of(null)
+    gain = Hypothesis(available_effects()["channel-gain"], {"channels": "response"})
+    (size,) = gain.parameters
+    slope = stand.slope(gain, {}, size)
+    assert slope is not None
+    problem_ = null.problem
+    shown = (null.predicted / problem_.measured.sigma)[problem_.split.train]
+    wanted = np.sqrt(2) * np.concatenate([shown.real.ravel(), shown.imag.ravel()])
+    assert np.linalg.norm(slope[: wanted.size] - wanted) < 0.05 * np.linalg.norm(wanted)

@@ -1,0 +1,131 @@
+"""Which variants a round fits: the best of the screen, and where much is left, from stands that forgive more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vgvt.reconcile.candidates import freed
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.localise import Place, localise
+from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.screen import Screened, screen
+
+_SHORT_LIST, _A_FAMILY = 6, 2
+BIASED = 1.5
+"""Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
+_SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
+_FORGIVING = ((0.6, 4), (0.1, 8))
+# Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
+# a damping may find the rest, one that only settles sizes finds what the closed form says.
+_OPEN, _SETTLED = 0.25, 0.75
+
+Progress = Callable[[float, str], None]
+
+
+def shortened(
+    current: Fit, left: Sequence[Hypothesis], before: Residual, needed: float, tell: Progress
+) -> tuple[Screened, ...]:
+    """The short list of a round. Where much is left, half of it from a stand that still forgives misplaced peaks.
+
+    A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
+    Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
+    """
+    if before.train_chi2_per_dof < BIASED:
+        return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST, needed=needed)
+    near = screen(current, left, part(tell, 0.0, 0.5))
+    nothing = np.zeros(current.u.size)
+    coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
+    far = screen(coarse, left, part(tell, 0.5, 1.0))
+    # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
+    place = next((p for p in localise(current).places if p.position_m is not None), None)
+    spot = None if place is None else place.position_m
+    chosen = [] if place is None else _swinging(current, far, place)
+    chosen += [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
+    return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
+
+
+def part(tell: Progress, start: float, stop: float) -> Progress:
+    """Progress of a part of the work."""
+
+    def inner(fraction: float, message: str) -> None:
+        tell(start + (stop - start) * fraction, message)
+
+    return inner
+
+
+def short_list(
+    screened: Sequence[Screened], count: int, *, needed: float = 1.0, forgiving: bool = False
+) -> tuple[Screened, ...]:
+    """The best variants, at most two of an effect, that a fit could take to the nats ``needed``."""
+    chosen: list[Screened] = []
+    for s in screened:
+        same = sum(1 for c in chosen if c.hypothesis.name == s.hypothesis.name)
+        # Every place of a placed effect is tried where its fit starts from afar: one start is enough.
+        most = 1 if forgiving and "x_m" in s.hypothesis.settings else _A_FAMILY
+        settled = all(p.neutral is not None for p in freed(s.hypothesis).parameters)
+        worth = (_SETTLED if settled else _OPEN) * needed
+        if s.visible and s.gain_nats > worth and same < most and len(chosen) < count:
+            chosen.append(s)
+    return tuple(chosen)
+
+
+def second_list(current: Fit, left: Sequence[Hypothesis], needed: float, tell: Progress) -> tuple[Screened, ...]:
+    """Of what is asked for after the others, the few that promise most where the calibration stands."""
+    return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST // 2, needed=needed)
+
+
+def _best_place(
+    current: Fit, screened: Sequence[Screened], chosen: Screened, spot: tuple[float, float, float] | None
+) -> Screened:
+    """The best of a placed effect's variants, by short fits that forgive misplaced peaks, with what they arrived at.
+
+    Tried are the best ones of the screen and those next to ``spot`` (x, y, z), from where a free force explains most.
+    """
+    if "x_m" not in chosen.hypothesis.settings:
+        return chosen
+    best, found = -np.inf, chosen
+    same = [c for c in screened if c.hypothesis.name == chosen.hypothesis.name]
+    tried = same[:_BEST] if spot is not None else same[: _BEST + _NEAREST]
+    if spot is not None:
+        x, y, _ = spot
+        rest = same[_BEST:]
+        tried += sorted(rest, key=lambda s: _distance(s, x, y))[:_NEAREST]
+    for s in tried:
+        # Its frequency is what the screen knows best; where it sits, a biased calibration has smeared.
+        start = np.concatenate([current.e, s.hypothesis.scores(chosen.values)])
+        nothing = np.zeros(current.u.size)
+        try:
+            near = fit(
+                current.problem, (*current.hypotheses, s.hypothesis), nothing, start, _SHORT, judged=_SHORT[-1][0]
+            )
+        except NoStructureError:
+            continue
+        if near.evidence_nats > best:
+            here = {k: v[0] for k, v in near.values(len(current.hypotheses)).items()}
+            best, found = near.evidence_nats, replace(s, values=here, start=near.u)
+    return found
+
+
+def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[Screened]:
+    """Placed effects that swing, at the place and frequency that the residual itself shows, from the prior's middle."""
+    if place.type != "resonant" or place.position_m is None:
+        return []
+    x, y, _ = place.position_m
+    found: list[Screened] = []
+    for s in sorted((s for s in screened if "x_m" in s.hypothesis.settings), key=lambda s: _distance(s, x, y)):
+        tuned = {p.name: place.size for p in s.hypothesis.parameters if p.unit == "Hz"}
+        if tuned and s.hypothesis.name not in {f.hypothesis.name for f in found}:
+            here = replace(s.hypothesis, settings={**s.hypothesis.settings, "x_m": x, "y_m": y})
+            found.append(replace(s, hypothesis=here, values=tuned, start=np.zeros(current.u.size)))
+    return found
+
+
+def _distance(s: Screened, x_m: float, y_m: float) -> float:
+    """How far a placed variant is from a point, in metres."""
+    settings = s.hypothesis.settings
+    return float(np.hypot(settings["x_m"] - x_m, settings["y_m"] - y_m))
