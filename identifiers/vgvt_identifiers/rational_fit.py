@@ -14,28 +14,25 @@ leakage after Pintelon, Schoukens and Vandersteen, Automatica 33(5), 1997.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt_identifiers.rational_problem import (
+    LEAKAGE_BACKGROUND,
+    Block,
+    RationalProblem,
+    columns,
+    mirror,
+    pole_columns,
+    projected,
+)
+
+__all__ = ["Block", "RationalFit", "fit_rational", "pole_evidence"]
+
 _RELOCATIONS = 8
 _STEPS = 40
-_LEAKAGE_BACKGROUND = 2
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Block:
-    """Rows that share their weights: values (R, K), weight (K,) = 1 / standard deviation, and row scales (R,).
-
-    ``leakage`` (K,) is 1/F of the run, or None for responses free of leakage.
-    """
-
-    values: NDArray[np.complex128]
-    weight: NDArray[np.float64]
-    row_scale: NDArray[np.float64]
-    leakage: NDArray[np.complex128] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,34 +59,12 @@ class RationalFit:
         """The smooth responses (R,) of one block at any frequency of the window."""
         x = (2 * np.pi * frequency_hz - self.centre_rad_s) / self.half_width_rad_s
         scaled = (self.poles - 1j * self.centre_rad_s) / self.half_width_rad_s
-        mirror = _mirror(scaled, self.centre_rad_s / self.half_width_rad_s) if self.mirrored else None
-        row = _columns(np.array([x]), scaled, mirror, self.backgrounds[block].shape[1] - self._mirrors())[0]
+        images = mirror(scaled, self.centre_rad_s / self.half_width_rad_s) if self.mirrored else None
+        row = columns(np.array([x]), scaled, images, self.backgrounds[block].shape[1] - self._mirrors())[0]
         return np.asarray(np.hstack([self.residues[block] / self.half_width_rad_s, self.backgrounds[block]]) @ row)
 
     def _mirrors(self) -> int:
         return self.poles.size if self.mirrored else 0
-
-
-@dataclass(frozen=True, slots=True)
-class _Problem:
-    """A window in the scaled variable x = (omega - centre) / half width, in which the poles are z."""
-
-    x: NDArray[np.float64]
-    blocks: tuple[Block, ...]
-    background: int
-    mirror_at: float | None
-
-    def design(self, block: Block, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Weighted columns (K, m): poles, their mirror images if wanted, background, leakage."""
-        mirror = None if self.mirror_at is None else _mirror(z, self.mirror_at)
-        columns = [_columns(self.x, z, mirror, self.background)]
-        if block.leakage is not None:
-            columns.append(_columns(self.x, z, None, _LEAKAGE_BACKGROUND) * block.leakage[:, None])
-        return np.asarray(np.hstack(columns) * block.weight[:, None])
-
-    def data(self, block: Block) -> NDArray[np.complex128]:
-        """Weighted rows as columns (K, R)."""
-        return np.asarray((block.values * block.row_scale[:, None]).T * block.weight[:, None])
 
 
 def fit_rational(
@@ -110,10 +85,10 @@ def fit_rational(
     """
     omega = 2 * np.pi * frequency_hz
     centre, half = float(omega[0] + omega[-1]) / 2, float(omega[-1] - omega[0]) / 2
-    unknowns = start_poles.size * (2 + 2 * mirrored) + background + _LEAKAGE_BACKGROUND
+    unknowns = start_poles.size * (2 + 2 * mirrored) + background + LEAKAGE_BACKGROUND
     if frequency_hz.size < unknowns:
         raise ValueError(f"{frequency_hz.size} lines cannot hold {unknowns} unknowns a row")
-    problem = _Problem((omega - centre) / half, blocks, background, centre / half if mirrored else None)
+    problem = RationalProblem.of((omega - centre) / half, blocks, background, centre / half if mirrored else None)
     z = _stable((start_poles - 1j * centre) / half)
     if relocate:
         z = _relocated(problem, z)
@@ -132,118 +107,53 @@ def pole_evidence(
     """
     omega = 2 * np.pi * frequency_hz
     centre, half = fit.centre_rad_s, fit.half_width_rad_s
-    problem = _Problem((omega - centre) / half, blocks, background, centre / half if fit.mirrored else None)
+    problem = RationalProblem.of((omega - centre) / half, blocks, background, centre / half if fit.mirrored else None)
     z = (fit.poles - 1j * centre) / half
-    full = _cost(problem, z)
+    full = problem.cost(z)
     rows = sum(b.values.shape[0] for b in blocks)
     per_row = 1 + fit.mirrored + sum(b.leakage is not None for b in blocks) / len(blocks)
     penalty = (2 + 2 * rows * per_row) * np.log(2 * rows * omega.size)
-    rest = np.array([_cost(problem, np.delete(z, i)) for i in range(z.size)])
+    rest = np.array([problem.cost(np.delete(z, i)) for i in range(z.size)])
     return np.asarray(2 * (rest - full) / max(fit.chi_square, 1e-300) - penalty)
-
-
-def _columns(
-    x: NDArray[np.float64], z: NDArray[np.complex128], mirror: NDArray[np.complex128] | None, background: int
-) -> NDArray[np.complex128]:
-    poles = 1 / (1j * x[:, None] - z)
-    images = [] if mirror is None else [1 / (1j * x[:, None] - mirror)]
-    return np.hstack([poles, *images, _legendre(x, background)])
-
-
-def _legendre(x: NDArray[np.float64], terms: int) -> NDArray[np.float64]:
-    """Legendre polynomials (K, terms) by their recurrence."""
-    columns = [np.ones_like(x), x]
-    for n in range(1, terms - 1):
-        columns.append(((2 * n + 1) * x * columns[n] - n * columns[n - 1]) / (n + 1))
-    return np.stack(columns[:terms], axis=1)
-
-
-def _mirror(z: NDArray[np.complex128], centre: float) -> NDArray[np.complex128]:
-    """Scaled positions of the conjugate poles."""
-    return np.asarray((z + 1j * centre).conj() - 1j * centre)
 
 
 def _stable(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
     return np.asarray(-np.maximum(np.abs(z.real), 1e-12) + 1j * z.imag)
 
 
-def _cost(problem: _Problem, z: NDArray[np.complex128]) -> float:
-    total = 0.0
-    for block in problem.blocks:
-        data = problem.data(block)
-        basis = np.linalg.qr(problem.design(block, z))[0]
-        total += float((np.abs(data - basis @ (basis.conj().T @ data)) ** 2).sum())
-    return total
-
-
-def _relocated(problem: _Problem, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _relocated(problem: RationalProblem, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Vector fitting: the zeros of sigma(s) become the next poles, as long as the error falls."""
-    best, best_cost = z, _cost(problem, z)
+    best, best_cost = z, problem.cost(z)
     for _ in range(_RELOCATIONS):
         left: list[NDArray[np.complex128]] = []
         right: list[NDArray[np.complex128]] = []
-        for block in problem.blocks:
-            basis = np.linalg.qr(problem.design(block, z))[0]
-            data = problem.data(block)
-            poles = 1 / (1j * problem.x[:, None] - z)
-            stacked = (data.T[:, :, None] * poles).transpose(1, 0, 2).reshape(data.shape[0], -1)
-            for matrix, out, shape in ((stacked, left, (-1, z.size)), (data, right, (-1,))):
-                out.append((matrix - basis @ (basis.conj().T @ matrix)).reshape(*shape))
+        poles = pole_columns(problem.x, z)
+        for stack, design in problem.designs(z):
+            basis = np.linalg.qr(design)[0]
+            stacked = (stack.data[:, :, :, None] * poles[:, None, :]).reshape(*stack.data.shape[:2], -1)
+            for matrix, out, shape in ((stacked, left, (-1, z.size)), (stack.data, right, (-1,))):
+                out.append((matrix - projected(basis, matrix)).reshape(*shape))
         sigma = -np.linalg.lstsq(np.vstack(left), np.concatenate(right), rcond=None)[0]
         moved = np.linalg.eigvals(np.diag(z) - np.outer(np.ones(z.size), sigma))
         z = _stable(moved.astype(np.complex128))
-        cost = _cost(problem, z)
+        cost = problem.cost(z)
         if cost >= best_cost * (1 - 1e-6):
             break
         best, best_cost = z, cost
     return np.asarray(best[np.argsort(best.imag)])
 
 
-def _linearised(
-    problem: _Problem, z: NDArray[np.complex128]
-) -> Iterator[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
-    """Per block the projected error (K, R) and its derivative (K, R, N) by the poles; it is analytic in z."""
-    size = z.size
-    for block in problem.blocks:
-        data = problem.data(block)
-        basis, triangle = np.linalg.qr(problem.design(block, z))
-        inside = basis.conj().T @ data
-        coefficients = np.linalg.lstsq(triangle, inside, rcond=None)[0]
-        square = block.weight[:, None] / (1j * problem.x[:, None] - z) ** 2
-        slopes = square[:, None, :] * coefficients[:size].T
-        if block.leakage is not None:
-            start = coefficients.shape[0] - size - _LEAKAGE_BACKGROUND
-            leaked = coefficients[start : start + size].T
-            slopes = slopes + square[:, None, :] * block.leakage[:, None, None] * leaked
-        flat = slopes.reshape(slopes.shape[0], -1)
-        flat = basis @ (basis.conj().T @ flat) - flat
-        yield data - basis @ inside, flat.reshape(slopes.shape)
-
-
-def _normal_equations(
-    problem: _Problem, z: NDArray[np.complex128]
-) -> tuple[float, NDArray[np.complex128], NDArray[np.complex128]]:
-    """Cost, J^H J (N, N) and J^H r (N,)."""
-    cost, gram, gradient = 0.0, np.zeros((z.size, z.size), complex), np.zeros(z.size, complex)
-    for error, slopes in _linearised(problem, z):
-        jacobian = slopes.reshape(-1, z.size)
-        cost += float((np.abs(error) ** 2).sum())
-        gram += jacobian.conj().T @ jacobian
-        gradient += jacobian.conj().T @ error.reshape(-1)
-    return cost, gram, gradient
-
-
-def _pole_std(problem: _Problem, z: NDArray[np.complex128], chi_square: float) -> NDArray[np.float64]:
+def _pole_std(problem: RationalProblem, z: NDArray[np.complex128], chi_square: float) -> NDArray[np.float64]:
     """Standard deviation (N,) of the real and of the imaginary part of z, the larger of two estimates.
 
     One takes all errors as independent, the other (White, Econometrica 48, 1980)
     lets the rows of a run share theirs, as noise of the force makes them do.
     """
     gram, meat = np.zeros((z.size, z.size), complex), np.zeros((z.size, z.size), complex)
-    for error, slopes in _linearised(problem, z):
+    for error, slopes in problem.linearised(z):
         jacobian = slopes.reshape(-1, z.size)
         gram += jacobian.conj().T @ jacobian
-        score = (slopes.conj() * error[:, :, None]).sum(axis=1)
+        score = (slopes.conj() * error[..., None]).sum(axis=2).reshape(-1, z.size)
         meat += score.T @ score.conj()
     inverse = np.linalg.pinv(gram)
     independent = np.diag(inverse).real * chi_square
@@ -251,16 +161,16 @@ def _pole_std(problem: _Problem, z: NDArray[np.complex128], chi_square: float) -
     return np.asarray(np.sqrt(np.maximum(np.maximum(independent, shared), 0) / 2))
 
 
-def _polished(problem: _Problem, z: NDArray[np.complex128], steps: int) -> tuple[NDArray[np.complex128], bool]:
+def _polished(problem: RationalProblem, z: NDArray[np.complex128], steps: int) -> tuple[NDArray[np.complex128], bool]:
     """Levenberg-Marquardt on the projected error, poles kept in the left half plane."""
     damping = 1e-3
-    cost, gram, gradient = _normal_equations(problem, z)
+    cost, gram, gradient = problem.normal_equations(z)
     for _ in range(steps):
         scale = np.diag(np.maximum(np.diag(gram).real, 1e-300))
         step = -np.linalg.solve(gram + damping * scale, gradient)
         trial = z + step
         if np.all(trial.real < 0):
-            trial_cost, trial_gram, trial_gradient = _normal_equations(problem, trial)
+            trial_cost, trial_gram, trial_gradient = problem.normal_equations(trial)
             if trial_cost <= cost:
                 fall = cost - trial_cost
                 small = np.all(np.abs(step) < 1e-6 * np.abs(z.real)) or fall < 1e-6 * cost
@@ -275,18 +185,20 @@ def _polished(problem: _Problem, z: NDArray[np.complex128], steps: int) -> tuple
     return z, False
 
 
-def _solution(problem: _Problem, z: NDArray[np.complex128], centre: float, half: float, converged: bool) -> RationalFit:
+def _solution(
+    problem: RationalProblem, z: NDArray[np.complex128], centre: float, half: float, converged: bool
+) -> RationalFit:
     order = np.argsort(z.imag)
     z = z[order]
-    cost = _cost(problem, z)
+    cost = problem.cost(z)
     residues: list[NDArray[np.complex128]] = []
     backgrounds: list[NDArray[np.complex128]] = []
     fitted: list[NDArray[np.complex128]] = []
     errors: list[NDArray[np.complex128]] = []
     freedom = 0
     images = 0 if problem.mirror_at is None else z.size
-    for block in problem.blocks:
-        design, data = problem.design(block, z), problem.data(block)
+    every = [d for stack, design in problem.designs(z) for d in zip(design, stack.data, strict=True)]
+    for block, (design, data) in zip(problem.blocks, every, strict=True):
         found = np.linalg.lstsq(design, data, rcond=None)[0].astype(np.complex128)
         smooth = z.size + images + problem.background
         unscale = 1 / (block.weight[:, None] * block.row_scale)

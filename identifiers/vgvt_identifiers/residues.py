@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt_identifiers.spectra import RunSpectra
+from vgvt_identifiers.weighted_rows import solve_rows
 
 _TRANSIENT_POLYNOMIALS = 2
 
@@ -67,29 +68,17 @@ def fit_residues(
     design = np.hstack([smooth, leaked])
     if 2 * int(alive.sum()) <= design.shape[1]:
         raise ValueError(f"{int(alive.sum())} lines cannot hold {design.shape[1]} real unknowns a response")
-    rows = len(run.responses)
-    found = np.zeros((rows, design.shape[1]))
-    residues, std = np.zeros((rows, poles.size), complex), np.zeros((rows, poles.size))
-    chi_square = np.zeros(rows)
-    for row in range(rows):
-        solved = _solve(design, run.accelerance[row], noise[row], alive)
-        found[row], chi_square[row] = solved.coefficients, solved.chi_square
-        # Columns are scaled to size one at the pole: a receptance residue is 1/|p|^2 of them.
-        scale = 1 / np.abs(poles) ** 2
-        residues[row] = (found[row, : poles.size] + 1j * found[row, poles.size : 2 * poles.size]) * scale
-        spread = solved.variance[: poles.size] + solved.variance[poles.size : 2 * poles.size]
-        std[row] = np.sqrt(spread * max(1.0, solved.chi_square)) * scale
+    solved = solve_rows(design, run.accelerance, np.where(alive, noise, np.inf))
+    found, count = solved.coefficients, poles.size
+    # Columns are scaled to size one at the pole: a receptance residue is 1/|p|^2 of them.
+    scale = 1 / np.abs(poles) ** 2
+    residues = np.asarray((found[:, :count] + 1j * found[:, count : 2 * count]) * scale, complex)
+    spread = solved.variance[:, :count] + solved.variance[:, count : 2 * count]
+    std = np.sqrt(spread * np.maximum(1.0, solved.chi_square)[:, None]) * scale
     fitted = np.asarray(found[:, : smooth.shape[1]] @ smooth.T, complex)
     rest = np.asarray(found[:, smooth.shape[1] :] @ leaked.T, complex)
     errors = np.asarray((run.accelerance - fitted - rest) * alive)
-    return Residues(poles, residues, std, fitted, rest, errors, chi_square)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Solved:
-    coefficients: NDArray[np.float64]
-    variance: NDArray[np.float64]
-    chi_square: float
+    return Residues(poles, residues, std, fitted, rest, errors, solved.chi_square)
 
 
 def _smooth_columns(
@@ -116,26 +105,3 @@ def _transient_columns(
     columns = np.hstack([above + below, 1j * (above - below), plain])
     inverse = np.divide(1, force, out=np.zeros_like(force), where=np.abs(force) > 0)
     return np.asarray(columns * inverse[:, None])
-
-
-def _solve(
-    design: NDArray[np.complex128],
-    values: NDArray[np.complex128],
-    variance: NDArray[np.float64],
-    alive: NDArray[np.bool_],
-) -> _Solved:
-    """Real coefficients (m,) of complex lines with variance E|error|^2; their variance if that is right."""
-    # Half of E|e|^2 belongs to each part of a complex error; infinite variance switches a line off.
-    floor = 1e-24 * float((np.abs(values) ** 2).max(initial=0.0)) + np.finfo(float).tiny
-    weight = np.where(alive & np.isfinite(variance), 1 / np.sqrt(np.maximum(variance, floor) / 2), 0.0)
-    weighted = design * weight[:, None]
-    matrix = np.vstack([weighted.real, weighted.imag])
-    size = np.sqrt((matrix**2).sum(axis=0))
-    size[size == 0] = 1.0
-    right = np.concatenate([values.real * weight, values.imag * weight])
-    basis, triangle = np.linalg.qr(matrix / size)
-    inverse = np.linalg.pinv(triangle, rcond=1e-12)
-    coefficients = inverse @ (basis.T @ right)
-    lines = 2 * int((weight > 0).sum())
-    misfit = float(((right - matrix @ (coefficients / size)) ** 2).sum()) / max(lines - design.shape[1], 1)
-    return _Solved(coefficients / size, (inverse**2).sum(axis=1) / size**2, misfit)

@@ -20,6 +20,7 @@ from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+_ROUND_OFF = 1e-10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +81,7 @@ class FirstOrder:
                 if not set(known.group.structure.joints) <= set(group.structure.joints):
                     return None
                 try:
-                    change = _Change.between(known, group)
+                    change = _Change.between(known, group, self.omega)
                     for run in known.runs:
                         if shared[run.rows].all():
                             out[known.group.channels[run.rows]] = change.moved(run, self.omega)
@@ -122,19 +123,22 @@ def _motions(here: Anchor, index: int, omega: Array) -> _Known:
 class _Change:
     """Differences of a changed group's arrays from a known one's; the ``old`` coordinates come first.
 
-    ``matrices`` are stiffness, damping and mass, None where nothing changes; ``axis``, ``tilt`` (C_g, n') and
-    ``masses_kg`` (C_g,) are over the known group's channels, zero for those that the changed one lacks.
+    ``factors`` are what stiffness, damping and mass make of the old motions, as (L,) by (n', r) by (r, n): what is
+    added moves with few of their combinations. ``coupled`` (L, n', n' - n) is the impedance to the new coordinates.
+    ``axis``, ``tilt`` (C_g, n') and ``masses_kg`` (C_g,) are over the known group's channels, zero for those that the
+    changed one lacks.
     """
 
     old: int
-    matrices: tuple[Array | None, ...]
+    factors: tuple[tuple[ComplexArray, Array, Array], ...]
+    coupled: ComplexArray
     drive: Array
     axis: Array
     tilt: Array
     masses_kg: Array
 
     @classmethod
-    def between(cls, known: _Known, there: Group) -> _Change:
+    def between(cls, known: _Known, there: Group, omega: Array) -> _Change:
         """The difference of two groups, the changed one's sensors included."""
         before = known.group
         joints = before.structure.joints
@@ -155,46 +159,47 @@ class _Change:
             heavy = _weight(t, there.rows[other[chosen]], there.masses_kg[other[chosen]], known.roving)
             light = _weight(s, before.rows[here[chosen]], before.masses_kg[here[chosen]], known.roving)
             mass = mass + (heavy - light) / len(runs)
-        matrices = tuple(c if c.any() else None for c in (t.stiffness - s.stiffness, t.damping - s.damping, mass))
+        old, factors = len(before.structure.joints), []
+        coupled = np.zeros((omega.size, len(joints), len(joints) - old), dtype=complex)
+        by_line = (np.ones(omega.size, complex), 1j * omega, -(omega**2) + 0j)
+        for line, matrix in zip(by_line, (t.stiffness - s.stiffness, t.damping - s.damping, mass), strict=True):
+            if matrix.any():
+                factors.append((line, *_few(matrix[:, :old])))
+                coupled += line[:, None, None] * matrix[:, old:]
         loads = masses if known.roving else np.zeros_like(masses)
-        return cls(len(before.structure.joints), matrices, t.drive - s.drive, axis, tilt, loads)
+        return cls(old, tuple(factors), coupled, t.drive - s.drive, axis, tilt, loads)
 
     def moved(self, run: _Run, omega: Array) -> ComplexArray:
         """What it adds to the readings (R, L) of a run."""
         old, rows, square = self.old, run.rows, omega**2
         axis, tilt = self.axis[rows], self.tilt[rows]
-        right = self.drive[:, None] + axis.T @ run.force.T - self._resisted(run.q, omega)
+        right = self.drive[:, None] + axis.T @ run.force.T - self._resisted(run.q)
         moved, felt = axis[:, :old] @ run.q.T, tilt[:, :old] @ run.q.T
         if self.drive.size > old:
             # Z_aa q_a = h_a + A_aᵀ f - Z_ar q, all at the old motion.
-            stiff = self._impedance(slice(old, None), omega)
-            stiff = stiff - np.einsum("la,ai,aj->lij", run.loading, axis[:, old:], axis[:, old:])
-            own = np.linalg.solve(stiff, right[old:].T[:, :, None])[:, :, 0]
-            right = right - np.einsum("lij,lj->il", self._impedance(slice(None), omega), own)
+            stiff = self.coupled[:, old:] - np.einsum("la,ai,aj->lij", run.loading, axis[:, old:], axis[:, old:])
+            own = np.linalg.solve(stiff, right[old:].T[:, :, None])
+            right = right - (self.coupled @ own)[:, :, 0].T
+            own = own[:, :, 0]
             moved, felt = moved + axis[:, old:] @ own.T, felt + tilt[:, old:] @ own.T
         # What the sensors weigh, and where they sit, loads the structure along their axes.
         load = run.loading.T * moved + square * self.masses_kg[rows, None] * run.displaced.T
         read = (run.adjoint @ (right[:old] + run.axis.T @ load).T[:, :, None])[:, :, 0].T
         return np.asarray(read - square * moved + felt)
 
-    def _resisted(self, q: ComplexArray, omega: Array) -> ComplexArray:
+    def _resisted(self, q: ComplexArray) -> ComplexArray:
         """What the changed matrices make of the old motions (L, n): forces (n', L)."""
-        both = np.concatenate([q.real.T, q.imag.T], axis=1)
-        out = np.zeros((self.drive.size, omega.size), dtype=complex)
-        for matrix, factor in zip(self.matrices, (1.0, 1j * omega, -(omega**2)), strict=True):
-            if matrix is not None:
-                parts = matrix[:, : self.old] @ both
-                out += factor * (parts[:, : omega.size] + 1j * parts[:, omega.size :])
+        out = np.zeros((self.drive.size, q.shape[0]), dtype=complex)
+        for line, left, right in self.factors:
+            out += left @ (line * (right @ q.T))
         return out
 
-    def _impedance(self, rows: slice, omega: Array) -> ComplexArray:
-        """Rows of the changed matrices' impedance to the new coordinates, (L, rows, n' - n)."""
-        shape = (omega.size, len(range(*rows.indices(self.drive.size))), self.drive.size - self.old)
-        out = np.zeros(shape, dtype=complex)
-        for matrix, factor in zip(self.matrices, (np.ones(omega.size), 1j * omega, -(omega**2)), strict=True):
-            if matrix is not None:
-                out += factor[:, None, None] * matrix[rows, self.old :]
-        return out
+
+def _few(matrix: Array) -> tuple[Array, Array]:
+    """A matrix as a product of as few columns and rows as it takes."""
+    left, size, right = np.linalg.svd(matrix, full_matrices=False)
+    count = max(1, int((size > _ROUND_OFF * size[0]).sum()))
+    return np.asarray(left[:, :count] * size[:count]), np.asarray(right[:count])
 
 
 def _weight(s: Structure, rows: NDArray[np.intp], masses_kg: Array, roving: bool) -> Array:
