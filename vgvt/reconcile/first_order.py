@@ -3,12 +3,16 @@
 With Z q = h + Aᵀ f, f the force of the roving accelerometers' inertia, and p Z = b of a reading b, a change of the
 structure moves the reading by p (dh + dAᵀ f + … - dZ q) + db q. Coordinates that a change adds are condensed onto the
 old ones first, line by line, which is exact to the same order: so a swinging mass needs no modes of its own.
+
+All motions are combinations of the anchor's modes and one static shape, all adjoints of those modes and one static
+shape a reading: matrices are projected on them once, whatever the number of runs and lines.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,20 +24,18 @@ from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-_ROUND_OFF = 1e-10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Run:
-    """One run's motions, over its R sensors, L lines and the structure's n coordinates.
+    """One run's motions, over its R sensors and L lines.
 
-    ``rows`` (R,) index the group's channels, ``axis`` (R, n) reads along the sensors. ``q`` (L, n) is the motion,
-    ``adjoint`` (L, R, n) p of every reading, ``force`` (L, R) the accelerometers' inertia force, ``displaced`` (L, R)
-    their displacement, ``loading`` (L, R) what multiplies it.
+    ``rows`` (R,) index the group's channels. ``q`` (m + 1, L) are the shares of the group's motions, ``adjoint``
+    (L, R, m) those of its modes in p of every reading; ``force`` (R, L) is the accelerometers' inertia force,
+    ``displaced`` (R, L) their displacement, ``loading`` (R, L) what multiplies it.
     """
 
     rows: NDArray[np.intp]
-    axis: Array
     q: ComplexArray
     adjoint: ComplexArray
     force: ComplexArray
@@ -43,10 +45,17 @@ class _Run:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Known:
-    """A group with the motions of its runs; the sensors' inertia along their axes loads each run where they rove."""
+    """A group with the motions of its runs.
+
+    ``motions`` (n, m + 1) are its modes and the static shape of the push that they miss; ``tests`` (m + C, n) its modes
+    and what they miss of a static force along each channel. ``roving`` where the sensors' inertia along their axes
+    loads each run by itself.
+    """
 
     group: Group
     roving: bool
+    motions: Array
+    tests: Array
     runs: tuple[_Run, ...]
 
 
@@ -80,8 +89,8 @@ class FirstOrder:
                     continue
                 if not set(known.group.structure.joints) <= set(group.structure.joints):
                     return None
+                change = _Change.between(known, group)
                 try:
-                    change = _Change.between(known, group, self.omega)
                     for run in known.runs:
                         if shared[run.rows].all():
                             out[known.group.channels[run.rows]] = change.moved(run, self.omega)
@@ -97,9 +106,8 @@ def _motions(here: Anchor, index: int, omega: Array) -> _Known:
     poles = poles_of(m, omega)
     inverse = (poles.vectors[None] * poles.reciprocal[:, None, :]) @ poles.left
     square = (omega**2)[:, None]
-    # What the modes left out do is static: a motion of the push, and one of every reading.
-    flexibility = np.linalg.inv(s.stiffness)
-    rest = flexibility - basis @ np.linalg.solve(m.stiffness, basis.T)
+    # What the modes left out do is static.
+    rest = np.linalg.inv(s.stiffness) - basis @ np.linalg.solve(m.stiffness, basis.T)
     pushed = inverse @ m.drive
     runs = []
     for rows in reduced.runs:
@@ -112,35 +120,41 @@ def _motions(here: Anchor, index: int, omega: Array) -> _Known:
         force = loading * displaced
         adjoint = towards @ inverse
         adjoint = adjoint + (towards @ answered) @ (loading[:, :, None] * loaded) @ (axis @ inverse)
-        q = (pushed + np.einsum("lma,la->lm", answered, force)) @ basis.T + rest @ s.drive
-        sensed = s.axis[group.rows[rows]]
-        static = square[:, :, None] * (sensed @ rest)
-        runs.append(_Run(rows, sensed, q, adjoint @ basis.T - static, force, displaced, loading))
-    return _Known(group, reduced.roving, tuple(runs))
+        shares = pushed + np.einsum("lma,la->lm", answered, force)
+        q = np.concatenate([shares.T, np.ones((1, omega.size))])
+        runs.append(_Run(rows, q, adjoint, force.T.copy(), displaced.T.copy(), loading.T.copy()))
+    motions = np.column_stack([basis, rest @ s.drive])
+    tests = np.concatenate([basis.T, s.axis[group.rows] @ rest])
+    return _Known(group, reduced.roving, motions, tests, tuple(runs))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Change:
-    """Differences of a changed group's arrays from a known one's; the ``old`` coordinates come first.
+    """Differences of a changed group's arrays from a known one's, between its t tests and its m + 1 motions.
 
-    ``factors`` are what stiffness, damping and mass make of the old motions, as (L,) by (n', r) by (r, n): what is
-    added moves with few of their combinations. ``coupled`` (L, n', n' - n) is the impedance to the new coordinates.
-    ``axis``, ``tilt`` (C_g, n') and ``masses_kg`` (C_g,) are over the known group's channels, zero for those that the
-    changed one lacks.
+    ``matrices`` are stiffness, damping and mass, each as ``(tests by motions, new by motions, tests by new, new by
+    new)`` of a new coordinates, None where nothing changes; ``drive`` (t,) and ``own_drive`` (a,) the push.
+    ``axis``, ``tilt`` (C, m + 1) and ``own_axis``, ``own_tilt`` (C, a) are what sensors read of motions and of new
+    coordinates, ``pulled`` (t, C) where a force along a sensor now acts besides, ``sensed`` (t, C) where it did, and
+    ``masses_kg`` (C,) what sensors weigh besides: over the known group's channels, zero where the changed one has none.
     """
 
-    old: int
-    factors: tuple[tuple[ComplexArray, Array, Array], ...]
-    coupled: ComplexArray
+    matrices: tuple[tuple[Array, Array, Array, Array] | None, ...]
     drive: Array
+    own_drive: Array
     axis: Array
     tilt: Array
+    own_axis: Array
+    own_tilt: Array
+    pulled: Array
+    sensed: Array
     masses_kg: Array
 
     @classmethod
-    def between(cls, known: _Known, there: Group, omega: Array) -> _Change:
+    def between(cls, known: _Known, there: Group) -> _Change:
         """The difference of two groups, the changed one's sensors included."""
         before = known.group
+        old = len(before.structure.joints)
         joints = before.structure.joints
         joints = (*joints, *(j for j in there.structure.joints if j not in set(joints)))
         s, t = before.structure.onto(joints), there.structure.onto(joints)
@@ -159,47 +173,54 @@ class _Change:
             heavy = _weight(t, there.rows[other[chosen]], there.masses_kg[other[chosen]], known.roving)
             light = _weight(s, before.rows[here[chosen]], before.masses_kg[here[chosen]], known.roving)
             mass = mass + (heavy - light) / len(runs)
-        old, factors = len(before.structure.joints), []
-        coupled = np.zeros((omega.size, len(joints), len(joints) - old), dtype=complex)
-        by_line = (np.ones(omega.size, complex), 1j * omega, -(omega**2) + 0j)
-        for line, matrix in zip(by_line, (t.stiffness - s.stiffness, t.damping - s.damping, mass), strict=True):
-            if matrix.any():
-                factors.append((line, *_few(matrix[:, :old])))
-                coupled += line[:, None, None] * matrix[:, old:]
-        loads = masses if known.roving else np.zeros_like(masses)
-        return cls(old, tuple(factors), coupled, t.drive - s.drive, axis, tilt, loads)
+        tests, motions, drive = known.tests, known.motions, t.drive - s.drive
+
+        def projected(d: Array) -> tuple[Array, Array, Array, Array] | None:
+            if not d.any():
+                return None
+            return tests @ d[:old, :old] @ motions, d[old:, :old] @ motions, tests @ d[:old, old:], d[old:, old:]
+
+        return cls(
+            tuple(projected(d) for d in (t.stiffness - s.stiffness, t.damping - s.damping, mass)),
+            tests @ drive[:old], drive[old:],
+            axis[:, :old] @ motions, tilt[:, :old] @ motions, axis[:, old:], tilt[:, old:],
+            tests @ axis[:, :old].T, tests @ before.structure.axis[before.rows].T,
+            masses if known.roving else np.zeros_like(masses),
+        )  # fmt: skip
 
     def moved(self, run: _Run, omega: Array) -> ComplexArray:
         """What it adds to the readings (R, L) of a run."""
-        old, rows, square = self.old, run.rows, omega**2
-        axis, tilt = self.axis[rows], self.tilt[rows]
-        right = self.drive[:, None] + axis.T @ run.force.T - self._resisted(run.q)
-        moved, felt = axis[:, :old] @ run.q.T, tilt[:, :old] @ run.q.T
-        if self.drive.size > old:
-            # Z_aa q_a = h_a + A_aᵀ f - Z_ar q, all at the old motion.
-            stiff = self.coupled[:, old:] - np.einsum("la,ai,aj->lij", run.loading, axis[:, old:], axis[:, old:])
-            own = np.linalg.solve(stiff, right[old:].T[:, :, None])
-            right = right - (self.coupled @ own)[:, :, 0].T
-            own = own[:, :, 0]
-            moved, felt = moved + axis[:, old:] @ own.T, felt + tilt[:, old:] @ own.T
+        rows, square = run.rows, omega**2
+        modes = run.adjoint.shape[2]
+        here = np.concatenate([np.arange(modes), modes + rows])
+        by_line = ((1.0 + 0j) * np.ones(omega.size), 1j * omega, -(1.0 + 0j) * square)
+        right = self.drive[here, None] + self.pulled[np.ix_(here, rows)] @ run.force
+        for line, matrix in zip(by_line, self.matrices, strict=True):
+            if matrix is not None:
+                right = right - line * (matrix[0][here] @ run.q)
+        moved, felt = self.axis[rows] @ run.q, self.tilt[rows] @ run.q
+        if self.own_drive.size:
+            own = self._own(run, by_line)
+            for line, matrix in zip(by_line, self.matrices, strict=True):
+                if matrix is not None:
+                    right = right - line * (matrix[2][here] @ own)
+            moved, felt = moved + self.own_axis[rows] @ own, felt + self.own_tilt[rows] @ own
         # What the sensors weigh, and where they sit, loads the structure along their axes.
-        load = run.loading.T * moved + square * self.masses_kg[rows, None] * run.displaced.T
-        read = (run.adjoint @ (right[:old] + run.axis.T @ load).T[:, :, None])[:, :, 0].T
+        load = run.loading * moved + square * self.masses_kg[rows, None] * run.displaced
+        right = right + self.sensed[np.ix_(here, rows)] @ load
+        read = (run.adjoint @ right[:modes].T[:, :, None])[:, :, 0].T - square * right[modes:]
         return np.asarray(read - square * moved + felt)
 
-    def _resisted(self, q: ComplexArray) -> ComplexArray:
-        """What the changed matrices make of the old motions (L, n): forces (n', L)."""
-        out = np.zeros((self.drive.size, q.shape[0]), dtype=complex)
-        for line, left, right in self.factors:
-            out += left @ (line * (right @ q.T))
-        return out
-
-
-def _few(matrix: Array) -> tuple[Array, Array]:
-    """A matrix as a product of as few columns and rows as it takes."""
-    left, size, right = np.linalg.svd(matrix, full_matrices=False)
-    count = max(1, int((size > _ROUND_OFF * size[0]).sum()))
-    return np.asarray(left[:, :count] * size[:count]), np.asarray(right[:count])
+    def _own(self, run: _Run, by_line: Sequence[NDArray[Any]]) -> ComplexArray:
+        """New coordinates (a, L) at the old motion: Z_aa q_a = h_a + A_aᵀ f - Z_ar q."""
+        axis = self.own_axis[run.rows]
+        right = self.own_drive[:, None] + axis.T @ run.force
+        stiff = -np.einsum("al,ai,aj->lij", run.loading, axis, axis).astype(complex)
+        for line, matrix in zip(by_line, self.matrices, strict=True):
+            if matrix is not None:
+                right = right - line * (matrix[1] @ run.q)
+                stiff += line[:, None, None] * matrix[3]
+        return np.asarray(np.linalg.solve(stiff, right.T[:, :, None])[:, :, 0].T)
 
 
 def _weight(s: Structure, rows: NDArray[np.intp], masses_kg: Array, roving: bool) -> Array:

@@ -6,6 +6,7 @@ unknowns (one QR); the effect's sizes then have a closed form. Resonances are sc
 
 from __future__ import annotations
 
+import heapq
 import itertools
 import math
 from collections import Counter
@@ -24,7 +25,7 @@ from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
 _COARSE, _FINE = 0.06, 0.015
-_CHECKED, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
+_KEPT, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
 # More than any short list asks for, in all and of one effect.
 _SLOTS, _OF_ONE = 9, 3
 _SIZED = 0.8
@@ -86,51 +87,59 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     others = {k: v for k, v in sized[0].values.items() if k not in switches}
     centre, steps = sized[0].values[scanned], math.exp(_FINE) ** np.array([-3, -2, -1, 1, 2, 3])
     again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}) for s in steps]
-    return sorted([*sized[:_CHECKED], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
+    return sorted([*sized[:_KEPT], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
 
 
 def _check_the_best(
     stand: Stand, sized: list[Screened], least_nats: float, tell: Callable[[float], None]
 ) -> list[Screened]:
-    """The best of every variant's sizes, checked from the most promising on until no short list could ask for more.
+    """The best of every variant's sizes, looked at ever closer, the most promising first, while it could be asked for.
 
-    The closed form seldom promises too little: what it puts behind those that hold theirs stays unchecked.
+    First what it does at a size, unknowns following in one step, then in as many as it takes: neither promises much too
+    little, and what is behind those that hold theirs stays at its promise.
     """
-    waiting = sorted(sized, key=lambda s: -s.gain_nats)
+    queue = [(-s.gain_nats, k, 0, s) for k, s in enumerate(sized)]
+    heapq.heapify(queue)
     best: dict[Hypothesis, Screened] = {}
-    held: dict[Hypothesis, float] = {}
-    for k, s in enumerate(waiting):
-        tell(k / len(waiting))
-        ahead = [h.name for h, gain in held.items() if gain > s.gain_nats]
-        enough = ahead.count(s.hypothesis.name) >= _OF_ONE or sum(
-            min(n, _OF_ONE) for n in Counter(ahead).values()
-        ) >= _SLOTS  # fmt: skip
-        checked = s if enough or s.gain_nats < least_nats else _checked(stand, s)
-        known = best.get(s.hypothesis)
-        if checked is not s:
-            held[s.hypothesis] = max(checked.gain_nats, held.get(s.hypothesis, -math.inf))
-        if known is None or checked.gain_nats > known.gain_nats:
-            best[s.hypothesis] = checked
+    held: list[str] = []
+    while queue:
+        _, k, closer, s = heapq.heappop(queue)
+        tell(1 - len(queue) / len(sized))
+        # Those that held theirs came off the queue before: they are ahead of whatever is left.
+        enough = held.count(s.hypothesis.name) >= _OF_ONE
+        enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= _SLOTS
+        if closer < 2 and not enough and s.gain_nats >= least_nats and _checkable(stand, s):
+            found = _at_its_size(stand, s) if closer == 0 else _at(stand, s.hypothesis, s.values)
+            heapq.heappush(queue, (-found.gain_nats, k, closer + 1, found))
+            continue
+        if s.hypothesis not in best:
+            best[s.hypothesis] = s
+            if closer == 2:
+                held.append(s.hypothesis.name)
     return list(best.values())
 
 
-def _checked(stand: Stand, s: Screened) -> Screened:
-    """What a variant buys in truth at the sizes that the closed form gave, or at parts of them.
+def _checkable(stand: Stand, s: Screened) -> bool:
+    return s.visible and not depends_on_level(stand.fit.problem, s.hypothesis)
+
+
+def _at_its_size(stand: Stand, s: Screened) -> Screened:
+    """What a variant buys at the sizes that the closed form gave, or at parts of them, the unknowns following linearly.
 
     Effects saturate, and what the unknowns can imitate they cannot follow far in a few steps: a part that holds what
     the closed form promises of it is a start from where a fit finds the rest.
     """
-    if not s.visible or depends_on_level(stand.fit.problem, s.hypothesis):
-        return s
     neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
-    best = None
+    best = replace(s, gain_nats=-math.inf)
     for share in _SHARES:
-        part = {k: n + share * (s.values[k] - n) for k, n in neutral.items()}
-        found = _at(stand, s.hypothesis, {**s.values, **part})
-        best = found if best is None or found.gain_nats > best.gain_nats else best
-        if found.gain_nats >= 0.5 * share * (2 - share) * s.gain_nats:
+        values = {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items()}}
+        reached = stand.linearly_followed(s.hypothesis, values)
+        gain = -math.inf if reached is None else 0.5 * (stand.cost - reached)
+        if gain > best.gain_nats:
+            best = replace(s, values=values, gain_nats=gain)
+        if gain >= 0.5 * share * (2 - share) * s.gain_nats:
             break
-    return s if best is None else best
+    return best
 
 
 def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:
