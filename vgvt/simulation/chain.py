@@ -9,7 +9,6 @@ order; the ends and torsion leave an error of second order in the cell length.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,21 +75,14 @@ def cut(beam: Beam) -> Chain:
     """Cut a beam (mirror image already written out) into its chain."""
     table = StationTable.of(beam)
     edges = np.linspace(0.0, table.length_m, beam.cells + 1)
-    cells = list(pairwise(edges))
-    hinge_arcs = [table.compliance("bending_stiffness_n_m2", a, b)[1] for a, b in cells]
-    ends = [*hinge_arcs[1:], table.length_m]
+    arcs = table.compliances("bending_stiffness_n_m2", edges)[1]
+    stub, *pieces = table.moments(np.array([0.0, *arcs, table.length_m]))
+    hinges = _cell_hinges(table, arcs, edges)
+    positions = table.point_m(arcs)
     links = [
-        Link(
-            name=f"{beam.name}-{i + 1:02d}",
-            position_m=table.point_m(arc),
-            start_arc_m=arc,
-            twist_arc_m=cells[i][1],
-            hinges=_cell_hinges(table, arc, *cells[i]),
-            moments=table.moments(arc, ends[i]),
-        )
-        for i, arc in enumerate(hinge_arcs)
+        Link(f"{beam.name}-{i + 1:02d}", positions[i], float(arcs[i]), float(edges[i + 1]), hinges[i], piece)
+        for i, piece in enumerate(pieces)
     ]
-    stub = table.moments(0.0, hinge_arcs[0])
     root = _root_hinges(table)
     if root:
         links.insert(0, Link(f"{beam.name}-root", table.point_m(0.0), 0.0, 0.0, root, stub))
@@ -98,19 +90,26 @@ def cut(beam: Beam) -> Chain:
     return Chain(beam.name, beam.parent, table, tuple(links), stub)
 
 
-def _cell_hinges(table: StationTable, arc_m: float, start_m: float, stop_m: float) -> tuple[Hinge, ...]:
-    tangent, normal, aft = table.frame(arc_m)
+def _cell_hinges(
+    table: StationTable, arcs_m: NDArray[np.float64], edges_m: NDArray[np.float64]
+) -> list[tuple[Hinge, ...]]:
+    """Hinges of the cells between edges (K + 1,), at arc lengths (K,)."""
+    tangent, normal, aft = np.moveaxis(table.frames(arcs_m), 1, 0)
     # A positive rotation lifts the tip along the normal (bending) or sweeps it aft (in-plane).
     axes = {
         "bending": ("bending_stiffness_n_m2", np.cross(tangent, normal)),
         "in-plane": ("in_plane_stiffness_n_m2", np.cross(tangent, aft)),
         "torsion": ("torsional_stiffness_n_m2", tangent),
     }
-    return tuple(
-        Hinge(kind, axis, 1.0 / table.compliance(column, start_m, stop_m)[0])
-        for kind, (column, axis) in axes.items()
+    kinds = [
+        [
+            Hinge(kind, axis, 1.0 / compliance)
+            for axis, compliance in zip(turns, table.compliances(column, edges_m)[0].tolist(), strict=True)
+        ]
+        for kind, (column, turns) in axes.items()
         if getattr(table.beam.stations, column) is not None
-    )
+    ]
+    return list(zip(*kinds, strict=True))
 
 
 def _root_hinges(table: StationTable) -> tuple[Hinge, ...]:

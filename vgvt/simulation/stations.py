@@ -45,10 +45,14 @@ class StationTable:
         columns = [np.interp(arc_m, self.axis.arc_length_m, self.axis.position_m[:, k]) for k in range(3)]
         return np.stack(columns, axis=-1)
 
+    def frames(self, arc_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rows tangent, normal and aft at arc lengths (K,), shape (K, 3, 3), orthonormal."""
+        i = self._segment(arc_m)
+        return np.stack([self.axis.tangent[i], self.axis.normal[i], self.axis.aft[i]], axis=1)
+
     def frame(self, arc_m: float) -> NDArray[np.float64]:
-        """Rows tangent, normal and aft at an arc length, shape (3, 3), orthonormal."""
-        i = self._segment(np.asarray(arc_m))
-        return np.array([self.axis.tangent[i], self.axis.normal[i], self.axis.aft[i]])
+        """Rows tangent, normal and aft at one arc length, shape (3, 3), orthonormal."""
+        return np.asarray(self.frames(np.array([arc_m]))[0])
 
     def nearest_arc_m(self, position_m: NDArray[np.float64]) -> float:
         """Arc length of the point of the axis nearest to a position (3,)."""
@@ -59,41 +63,45 @@ class StationTable:
         i = int(np.argmin(distance))
         return float(self.axis.arc_length_m[i] + along[i] * self.axis.segment_length_m[i])
 
-    def compliance(self, name: str, start_m: float, stop_m: float) -> tuple[float, float]:
-        """Integral of 1/stiffness over a cell, rad/(N m), and the arc length of its centroid."""
-        arc, weight = self._gauss(start_m, stop_m)
+    def compliances(self, name: str, edges_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Integral of 1/stiffness over the cells between edges (K + 1,), rad/(N m), and the arcs of its centroids."""
+        arc, weight, first = self._gauss(edges_m)
         share = weight / self.column(name, arc)
-        total = float(share.sum())
-        return total, float((share * arc).sum() / total)
+        total = np.add.reduceat(share, first)
+        return total, np.add.reduceat(share * arc, first) / total
 
-    def moments(self, start_m: float, stop_m: float) -> MassMoments:
-        """Mass moments of the piece between two arc lengths.
+    def moments(self, edges_m: NDArray[np.float64]) -> tuple[MassMoments, ...]:
+        """Mass moments of the K pieces between arc lengths (K + 1,).
 
         A section is thin: its mass lies along the chord, so the inertia about
         the normal equals the pitch inertia and that about the chord is zero.
         """
-        arc, weight = self._gauss(start_m, stop_m)
+        arc, weight, first = self._gauss(edges_m)
         mass = weight * self.column("mass_kg_per_m", arc)
         pitch = weight * self.column("pitch_inertia_kg_m", arc)
         aft = self.axis.aft[self._segment(arc)]
         centre = self.point_m(arc) + self.column("cg_offset_m", arc)[:, None] * aft
-        second = np.einsum("g,gi,gj->ij", mass, centre, centre) + np.einsum("g,gi,gj->ij", pitch, aft, aft)
-        return MassMoments(float(mass.sum()), mass @ centre, second)
+        moment = mass[:, None] * centre
+        second = moment[:, :, None] * centre[:, None, :] + (pitch[:, None] * aft)[:, :, None] * aft[:, None, :]
+        pieces = (np.add.reduceat(values, first) for values in (mass, moment, second))
+        return tuple(MassMoments(float(m), c, s) for m, c, s in zip(*pieces, strict=True))
 
     def _segment(self, arc_m: NDArray[np.float64]) -> NDArray[np.intp]:
         last = self.axis.arc_length_m.size - 2
         return np.clip(np.searchsorted(self.axis.arc_length_m, arc_m, side="right") - 1, 0, last)
 
-    def _gauss(self, start_m: float, stop_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Gauss points and weights between two arc lengths, split at the stations, shapes (G,)."""
-        return _gauss(self.axis.arc_length_m.tobytes(), start_m, stop_m)
+    def _gauss(self, edges_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
+        """Gauss points and weights (G,) between edges (K + 1,), split at the stations, and each piece's first (K,)."""
+        return _gauss(self.axis.arc_length_m.tobytes(), np.asarray(edges_m, dtype=float).tobytes())
 
 
 # The same for every variant of an aircraft whose stations stay where they are. To be read, not changed.
-@lru_cache(maxsize=4096)
-def _gauss(stations: bytes, start_m: float, stop_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    arcs = np.frombuffer(stations)
-    edges = np.concatenate([[start_m], arcs[(arcs > start_m) & (arcs < stop_m)], [stop_m]])
-    half = np.diff(edges)[:, None] / 2
-    middle = (edges[:-1, None] + edges[1:, None]) / 2
-    return (middle + half * _POINTS).ravel(), (half * _WEIGHTS).ravel()
+@lru_cache(maxsize=256)
+def _gauss(stations: bytes, edges: bytes) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
+    arcs, ends = np.frombuffer(stations), np.frombuffer(edges)
+    inner = arcs[(arcs > ends[0]) & (arcs < ends[-1])]
+    splits = np.union1d(ends, inner)
+    half = np.diff(splits)[:, None] / 2
+    middle = (splits[:-1, None] + splits[1:, None]) / 2
+    first = np.searchsorted(splits, ends[:-1]) * _POINTS.size
+    return (middle + half * _POINTS).ravel(), (half * _WEIGHTS).ravel(), first
