@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
@@ -20,6 +21,8 @@ from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shorte
 from vgvt.reconcile.thresholds import Thresholds
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
+# As many as a far-off round fits to the end.
+_FINALISTS = 4
 # Worse by more than what a superfluous parameter costs in evidence.
 _LOST = 10.0
 # Held-out data must speak for a name by more than chance fluctuation.
@@ -149,31 +152,59 @@ def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Resid
 
 def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
+    near = before.train_chi2_per_dof < BIASED
+    if not near and len(chosen) > _FINALISTS:
+        chosen, tell = _finalists(current, chosen, part(tell, 0.0, 0.4)), part(tell, 0.4, 1.0)
     found: list[Fit] = []
     for i, s in enumerate(chosen):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
         if len(found) >= _AT_LEAST and best > _FAR_AHEAD * s.gain_nats and best > 0.4 * current.chi2:
             continue
-        fitted = _fitted(current, s, before, part(tell, i / len(chosen), (i + 1) / len(chosen)))
+        fitted = _fitted(current, s, NEAR if near else FAR, part(tell, i / len(chosen), (i + 1) / len(chosen)))
         if fitted is not None:
             found.append(fitted)
     return _against(current, found)
 
 
-def _fitted(current: Fit, s: Screened, before: Residual, progress: Progress) -> Fit | None:
-    """A candidate fitted from where the screen left it; its place is freed where it has one.
+def _finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple[Screened, ...]:
+    """Those of the short list that do best by a few steps that forgive misplaced peaks, at what these arrived at."""
+    coarse = FAR[:1]
+    found: list[tuple[float, Screened]] = []
+    for i, s in enumerate(chosen):
+        hypothesis, start = _start(current, s)
+        u = current.u if s.start is None else s.start
+        told = _naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
+        try:
+            there = fit(
+                current.problem, (*current.hypotheses, hypothesis), u, start, coarse, told, judged=coarse[-1][0]
+            )
+        except NoStructureError:
+            continue
+        here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
+        found.append((there.evidence_nats, replace(s, values={**s.values, **here}, start=there.u)))
+    found.sort(key=lambda f: -f[0])
+    return tuple(s for _, s in found[:_FINALISTS])
+
+
+def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64]]:
+    """A candidate with its place freed where it has one, and the scores (parameters,) of all effects to start from."""
+    hypothesis = freed(s.hypothesis)
+    own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
+    return hypothesis, np.concatenate([current.e, hypothesis.scores({**own, **s.values})])
+
+
+def _naming(tell: Progress, hypothesis: Hypothesis) -> Progress:
+    """Progress that says which candidate is fitted."""
+    return lambda fraction, message: tell(fraction, f"{message} {hypothesis.name}")
+
+
+def _fitted(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...], tell: Progress) -> Fit | None:
+    """A candidate fitted from where the screen left it.
 
     A model with one effect more can do as well as the one without: a fit that lost its way is done again from there.
     """
-    hypothesis = freed(s.hypothesis)
-    own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
-    start = np.concatenate([current.e, hypothesis.scores({**own, **s.values})])
-    u = current.u if s.start is None else s.start
-    stages = NEAR if before.train_chi2_per_dof < BIASED else FAR
-
-    def tell(fraction: float, message: str) -> None:
-        progress(fraction, f"{message} {hypothesis.name}")
-
+    hypothesis, start = _start(current, s)
+    u, tell = current.u if s.start is None else s.start, _naming(tell, hypothesis)
     try:
         found = fit(current.problem, (*current.hypotheses, hypothesis), u, start, stages, tell)
     except NoStructureError:
