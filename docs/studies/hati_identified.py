@@ -135,17 +135,20 @@ def _stated(claim: ModalModel | None, name: str, modes: int) -> tuple[float | No
     return tuple(float(v) if v == v else None for v in values)
 
 
+# The peak of the process from its own account: getrusage hands the parent's peak on to a child.
 _TIMED = """
-import os, resource, sys, time
+import os, re, sys, time
+def peak_mib():
+    return int(re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read())[1]) / 1024
 from vgvt.files import open_campaign
 from vgvt.identification.registry import make_identifier
 from vgvt.identification.run import run_identifier
 campaign, method = open_campaign(sys.argv[1]), make_identifier(sys.argv[2])
-idle = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+idle = peak_mib()
 wall, own = time.perf_counter(), time.process_time()
 modes = len(run_identifier(method, campaign))
 wall, own = time.perf_counter() - wall, time.process_time() - own
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+peak = peak_mib()
 print(modes, wall, own, idle, peak, os.getloadavg()[0])
 """
 

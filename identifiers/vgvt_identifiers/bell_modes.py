@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import modal_assurance
+from vgvt_identifiers.line_averages import averaged, lines_to_average
 from vgvt_identifiers.output_spectra import Decomposition
 from vgvt_identifiers.residues import fit_residues
 from vgvt_identifiers.sigma_plot import SigmaPeak
@@ -62,18 +63,40 @@ def bell_modes(
     refused: dict[str, list[float]] = {}
     for line, order in peaks:
         at_hz = float(found.frequency_hz[line])
-        bell = mode_bell(found, line, options.least_mac, options.drop_db, order)
-        fit = fit_bell(found, bell, options.general)
-        why = _refusal(found, fit, at_hz, options)
+        used, bell, fit = _fitted(found, line, order, options)
+        why = _refusal(used, fit, at_hz, options)
         if fit is None or why is not None:
             refused.setdefault(str(why), []).append(at_hz)
             continue
-        modes.append(_mode(found, at_hz, bell, _with_doubt(found, bell, fit, options)))
+        mode = _mode(used, at_hz, bell, _with_doubt(used, bell, fit, options))
+        modes.append(mode if used is found else _at_full_resolution(mode, found, used))
     distinct = _distinct(modes, refused)
     remarks = tuple(
         f"peaks not claimed, {why}: {', '.join(f'{f:.3f}' for f in sorted(at))} Hz" for why, at in refused.items()
     )
     return distinct, remarks
+
+
+def _fitted(
+    found: Decomposition, line: int, order: int, options: BellOptions
+) -> tuple[Decomposition, Bell, FittedBell | None]:
+    """The bell around a line and its fit; of averages of lines where single ones have no shape for their noise."""
+    bell = mode_bell(found, line, options.least_mac, options.drop_db, order)
+    fit = fit_bell(found, bell, options.general)
+    lines = 1 if fit is not None else lines_to_average(found, line, order, options.least_mac)
+    if not 1 < lines <= found.frequency_hz.size // 2:
+        return found, bell, fit
+    means = averaged(found, lines)
+    bell = mode_bell(means, min(line // lines, means.frequency_hz.size - 1), options.least_mac, options.drop_db, order)
+    return means, bell, fit_bell(means, bell, options.general)
+
+
+def _at_full_resolution(mode: BellMode, found: Decomposition, means: Decomposition) -> BellMode:
+    """The same with the single lines that its averages were made of."""
+    lines = 0 if means.window is None else means.window[0].size
+    every = (mode.bell.lines[:, None] * lines + np.arange(lines)).reshape(-1)
+    bell = Bell(every, np.repeat(mode.bell.order, lines), mode.bell.vector)
+    return replace(mode, bell=bell, flags=(*mode.flags, f"lines_averaged={lines}"))
 
 
 def _refusal(found: Decomposition, fit: FittedBell | None, at_hz: float, options: BellOptions) -> str | None:
@@ -127,7 +150,20 @@ def _mode(found: Decomposition, at_hz: float, bell: Bell, fit: FittedBell) -> Be
         flags.append("fit_not_converged")
     if poor:
         flags.append("poor_fit")
+    if _ends_early(found, bell):
+        flags.append("doubtful_shape_turns")
     return BellMode(at_hz, bell, fit, tuple(flags))
+
+
+def _ends_early(found: Decomposition, bell: Bell) -> bool:
+    """Whether the shape changes before half power on a side: what is under such a bell is more than one mode.
+
+    Two modes closer than their half-power widths are one peak of a matrix of rank one; the fraction fits
+    a part of it well, and its standard deviations say nothing of the other mode.
+    """
+    value = found.values[bell.order, bell.lines]
+    inside = np.array([bell.lines[0] > 0, bell.lines[-1] < found.frequency_hz.size - 1])
+    return bool((inside & (value[[0, -1]] > 0.5 * value.max())).any())
 
 
 def _distinct(modes: list[BellMode], refused: dict[str, list[float]]) -> tuple[BellMode, ...]:

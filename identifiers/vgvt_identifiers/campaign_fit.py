@@ -11,15 +11,18 @@ from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.drifting_poles import RunStates, fit_runs, refined_runs
 from vgvt_identifiers.likelihood_fit import noise_after, weighted_problem
 from vgvt_identifiers.pole_covariance import parameter_covariance, pole_covariance, pole_deviations
-from vgvt_identifiers.pole_fit import PoleProblem, fit_poles
+from vgvt_identifiers.pole_fit import PoleProblem, PoleState, evaluate, fit_poles
 from vgvt_identifiers.pole_search import search_poles
 from vgvt_identifiers.pole_verdict import Verdict, VerdictRules, judge_poles
 from vgvt_identifiers.run_noise import RunNoise, first_noise
-from vgvt_identifiers.spectra import CampaignSpectra
+from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
 
 _ROUNDS = 4
 _LINES_PER_POLE = 12
 _STEPS = 6
+_LAST_STEPS = 30
+_LOWER_TERMS, _FEWEST_LOWER_TERMS = 4, 2  # powers of 1/s that stand for the modes below the band
+_FALSE_TERMS = 1e-3  # chance that noise alone asks for the larger number
 _FALSE_RING = 0.1  # chance that noise alone gives a pole a transient
 _ALIKE = 0.2  # rms difference in log colour below which responses share their weights
 _KNOWN = 0.5  # a run knows a pole by itself when its standard deviation is less than this part of the damping
@@ -45,8 +48,7 @@ def searched_fit(
 ) -> CampaignFit:
     """The whole way from poles (N,) rad/s that are roughly known, which may be none, to a settled fit of all runs."""
     problems = tuple(
-        weighted_problem(spectra.frequency_hz, (r,), (first_noise(r.variance, r.force, r.accelerance),), shared=True)
-        for r in spectra.runs
+        _problem(spectra.frequency_hz, r, first_noise(r.variance, r.force, r.accelerance), True) for r in spectra.runs
     )
     room = min(most, spectra.frequency_hz.size // _LINES_PER_POLE)
     found = search_poles(problems, start[:room], false_alarm=rules.false_alarm, most=room)
@@ -58,35 +60,73 @@ def settled_fit(
 ) -> CampaignFit:
     """The fit from the states of a search, with the noise that it leaves, without poles that then count for nothing."""
     dropped: list[tuple[complex, str]] = []
+    lower_terms = _LOWER_TERMS
     forces = tuple(r.force for r in spectra.runs)
     for last in (*[False] * (_ROUNDS - 1), True):
         noise = tuple(noise_after(s, (f,))[0] for s, f in zip(states.states, forces, strict=True))
         problems = tuple(
-            weighted_problem(spectra.frequency_hz, (run,), (level,), shared=_alike(level))
+            _problem(spectra.frequency_hz, run, level, _alike(level), lower_terms)
             for run, level in zip(spectra.runs, noise, strict=True)
         )
         states = refined_runs(problems, states.poles, np.array([s.poles for s in states.states]), _STEPS)
+        if lower_terms > _FEWEST_LOWER_TERMS and not _asks_for_terms(problems, states):
+            lower_terms = _FEWEST_LOWER_TERMS
+            problems = tuple(replace(p, lower_terms=lower_terms) for p in problems)
         verdicts = judge_poles(problems, states, band_hz, rules)
         gone = [i for i, v in enumerate(verdicts) if not v.kept]
         if last or not gone:
             break
         dropped += [(complex(states.poles[i]), verdicts[i].reason) for i in gone]
         states = without(states, problems, gone)
-    problems = tuple(_with_rings(p, s.ring_gain[0]) for p, s in zip(problems, states.states, strict=True))
-    states = refined_runs(problems, states.poles, np.array([s.poles for s in states.states]), _STEPS)
+    problems = tuple(_with_rings(p, s) for p, s in zip(problems, states.states, strict=True))
+    states = refined_runs(problems, states.poles, np.array([s.poles for s in states.states]), _LAST_STEPS)
     return CampaignFit(problems, states, noise, verdicts, tuple(dropped))
 
 
-def _with_rings(problem: PoleProblem, ring_gain: NDArray[np.float64]) -> PoleProblem:
+def _problem(
+    frequency_hz: NDArray[np.float64], run: RunSpectra, noise: RunNoise, shared: bool, lower_terms: int = _LOWER_TERMS
+) -> PoleProblem:
+    return replace(weighted_problem(frequency_hz, (run,), (noise,), shared=shared), lower_terms=lower_terms)
+
+
+def _asks_for_terms(problems: tuple[PoleProblem, ...], states: RunStates) -> bool:
+    """True where the modes below the band, rigid-body motions mostly, need more than the fewest terms to stand for."""
+    from scipy.special import chdtri
+
+    fewer = tuple(replace(p, lower_terms=_FEWEST_LOWER_TERMS) for p in problems)
+    rise = sum(evaluate(p, s.poles).cost - s.cost for p, s in zip(fewer, states.states, strict=True))
+    rows = sum(r.values.shape[0] for p in problems for r in p.rows)
+    return rise > float(chdtri(rows * (_LOWER_TERMS - _FEWEST_LOWER_TERMS), _FALSE_TERMS))
+
+
+def _with_rings(problem: PoleProblem, state: PoleState) -> PoleProblem:
     """The problem of one run with transients for those poles alone that ring at its ends, as far as noise lets it show.
 
-    Transients that are not there would only take away from what is known of the poles.
+    Transients that are not there would only take away from what is known of the poles. Of transients that are alike
+    each may be spared, but not all: where they are missed together, the weakest goes, and the others are asked again.
     """
     from scipy.special import chdtri
 
     rows = problem.rows[0]
-    ringing = ring_gain > float(chdtri(2 * rows.values.shape[0], _FALSE_RING))
-    return replace(problem, rows=(replace(rows, ringing=ringing),))
+    unknowns = 2 * rows.values.shape[0]
+    needed, ringing = float(chdtri(unknowns, _FALSE_RING)), np.ones(state.poles.size, bool)
+    while (silent := ringing & (state.ring_gain[0] <= needed)).any():
+        fewer, trial = _ringing(problem, ringing & ~silent, state.poles)
+        if silent.sum() > 1 and trial.cost - state.cost > float(chdtri(unknowns * int(silent.sum()), _FALSE_RING)):
+            ringing[np.flatnonzero(silent)[np.argmin(state.ring_gain[0][silent])]] = False
+            fewer, trial = _ringing(problem, ringing, state.poles)
+        else:
+            ringing = ringing & ~silent
+        problem, state = fewer, trial
+    return problem
+
+
+def _ringing(
+    problem: PoleProblem, ringing: NDArray[np.bool_], poles: NDArray[np.complex128]
+) -> tuple[PoleProblem, PoleState]:
+    """The problem with these transients (N,), and its state at poles (N,)."""
+    changed = replace(problem, rows=(replace(problem.rows[0], ringing=ringing),))
+    return changed, evaluate(changed, poles)
 
 
 def without(states: RunStates, problems: tuple[PoleProblem, ...], gone: list[int]) -> RunStates:
@@ -116,7 +156,7 @@ def poles_of_runs(spectra: CampaignSpectra, fit: CampaignFit) -> tuple[RunModes,
         if len(spectra.runs) > 1:
             # What this run cannot tell by itself stays where all runs together put it.
             poles = np.where(free, state.poles, fit.states.poles)
-            state = fit_poles(problem, poles, _STEPS, free)
+            state = fit_poles(problem, poles, _LAST_STEPS, free)
         covariance = pole_covariance(problem, state, (noise,), (run.force,), free)
         std_hz, std_ratio = pole_deviations(state.poles, covariance)
         runs.append(

@@ -27,9 +27,9 @@ from vgvt_identifiers.bell_modes import (
 )
 from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.merged_claim import merged_claim
+from vgvt_identifiers.misfit_weights import residues_beside_others
 from vgvt_identifiers.non_modes import flag_non_modes
 from vgvt_identifiers.output_spectra import ReferenceMatrix, force_referenced, reference_matrix
-from vgvt_identifiers.residues import fit_residues
 from vgvt_identifiers.sigma_plot import sigma_peaks
 from vgvt_identifiers.singular_bell import FittedBell
 from vgvt_identifiers.spectra import CampaignSpectra, campaign_spectra
@@ -138,7 +138,7 @@ class Cfdd:
         run_modes = []
         for k, run in enumerate(spectra.runs):
             poles = [m.pole if (f := fits[k]) is None else pole_of(f) for m, fits in zip(modes, own, strict=True)]
-            residues = fit_residues(run, spectra.frequency_hz, np.array(poles)).residues.T
+            residues = residues_beside_others(run, spectra.frequency_hz, np.array(poles)).residues.T
             run_modes.append(
                 RunModes(
                     run.run,

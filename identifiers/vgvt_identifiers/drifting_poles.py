@@ -19,7 +19,8 @@ from vgvt_identifiers.pole_fit import PoleProblem, PoleState, evaluate, fit_pole
 _FREQUENCY_SPREAD = 2e-3
 _DAMPING_SPREAD = 0.1
 _STEPS = 12
-_HALVINGS = 6
+_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-9, 1e8  # of Levenberg and Marquardt
+_SETTLED = 1e-3  # fall of a run's error that is worth no further step
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,22 +69,28 @@ def refined_runs(
 ) -> RunStates:
     """The same from common poles (N,) and poles (runs, N) of every run.
 
-    Each step solves for the common poles first, with every run's own ones taken
-    as what they would become, and then for the runs; it is halved where a run's error does not fall.
+    Each step solves for the common poles first, with every run's own ones taken as what they would become, and then
+    for the runs, each damped as Levenberg and Marquardt do it; a run whose error does not fall stays where it is.
     """
     if len(problems) == 1:
         return fit_runs(problems, own[0], steps)
     states = [evaluate(p, o) for p, o in zip(problems, own, strict=True)]
-    for _ in range(steps):
+    damping = np.full(len(problems), _DAMPING)
+    for _ in range(steps if common.size else 0):
         pull = _pull(common)
-        moved, targets = _solved(states, common, pull)
-        common = _stable_move(common, moved)
-        fall = 0.0
-        for run, problem in enumerate(problems):
-            before = states[run].cost + _penalty(states[run].poles, common, pull)
-            states[run] = _stepped(problem, states[run], targets[run], common, pull)
-            fall += before - states[run].cost - _penalty(states[run].poles, common, pull)
-        if fall < 1e-3 * len(problems):
+        best, targets = _solved(states, common, pull, damping)
+        moved = common + limited_step(common, best - common)
+        before = np.array([s.cost + _penalty(s.poles, common, pull) for s in states])
+        trials = [evaluate(p, _moved(s, t)) for p, s, t in zip(problems, states, targets, strict=True)]
+        stays = np.array([s.cost + _penalty(s.poles, moved, pull) for s in states])
+        after = np.array([t.cost + _penalty(t.poles, moved, pull) for t in trials])
+        better = after <= stays
+        fall = float((before - np.where(better, after, stays)).sum())
+        damping = np.where(better & (fall >= 0), np.maximum(damping / 10, _LEAST_DAMPING), damping * 10)
+        if fall >= 0:
+            common = moved
+            states = [t if chosen else s for s, t, chosen in zip(states, trials, better, strict=True)]
+        if (better.all() and abs(fall) < _SETTLED * len(problems)) or damping.min() > _MOST_DAMPING:
             break
     cost = sum(s.cost + _penalty(s.poles, common, _pull(common)) for s in states)
     return RunStates(common, tuple(states), float(cost))
@@ -112,25 +119,25 @@ def _common_information(states: tuple[PoleState, ...], pull: NDArray[np.float64]
     """What the runs together tell of the common poles, (2 N, 2 N), their own ones being unknown."""
     total = np.zeros((pull.size, pull.size))
     for state in states:
-        inverse = np.linalg.inv(state.information + np.diag(pull))
+        inverse = _inverse(state.information + np.diag(pull))
         total += np.diag(pull) - pull[:, None] * inverse * pull
     return total
 
 
 def _solved(
-    states: list[PoleState], common: NDArray[np.complex128], pull: NDArray[np.float64]
+    states: list[PoleState], common: NDArray[np.complex128], pull: NDArray[np.float64], damping: NDArray[np.float64]
 ) -> tuple[NDArray[np.complex128], list[NDArray[np.float64]]]:
-    """The best common poles (N,) of the quadratic model, and each run's poles (2 N,) there."""
-    size = pull.size
+    """The best common poles (N,) of the quadratic model with ``damping`` (runs,), and each run's poles (2 N,) there."""
     left, right = 1e-9 * np.diag(pull), 1e-9 * pull * _split(common)
     inverses = []
-    for state in states:
-        inverse = np.linalg.inv(state.information + np.diag(pull))
+    for state, damped in zip(states, damping, strict=True):
+        inverse = _inverse(state.information + np.diag(pull + damped * np.diag(state.information)))
         here = _split(state.poles)
         left += np.diag(pull) - pull[:, None] * inverse * pull
         right += pull * (here + inverse @ (state.gradient - pull * here))
         inverses.append(inverse)
-    best = np.linalg.solve(left, right) if size else right
+    size = np.sqrt(np.diag(left))
+    best = np.linalg.solve(left / size[:, None] / size, right / size) / size
     targets = [
         _split(s.poles) + inverse @ (s.gradient + pull * (best - _split(s.poles)))
         for s, inverse in zip(states, inverses, strict=True)
@@ -138,25 +145,10 @@ def _solved(
     return _joined(np.asarray(best)), targets
 
 
-def _stable_move(common: NDArray[np.complex128], best: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    return common + limited_step(common, best - common)
+def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    size = np.sqrt(np.diag(matrix))
+    return np.asarray(np.linalg.inv(matrix / size[:, None] / size) / size[:, None] / size)
 
 
-def _stepped(
-    problem: PoleProblem,
-    state: PoleState,
-    target: NDArray[np.float64],
-    common: NDArray[np.complex128],
-    pull: NDArray[np.float64],
-) -> PoleState:
-    """The run after one step, halved until its error falls; where none helps it stays."""
-    step = limited_step(state.poles, _joined(target) - state.poles)
-    before = state.cost + _penalty(state.poles, common, pull)
-    if np.all(np.abs(step) < 1e-9 * np.abs(state.poles.real)):
-        return state
-    for _ in range(_HALVINGS):
-        trial = evaluate(problem, state.poles + step)
-        if trial.cost + _penalty(trial.poles, common, pull) <= before:
-            return trial
-        step = step / 4
-    return state
+def _moved(state: PoleState, target: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return np.asarray(state.poles + limited_step(state.poles, _joined(target) - state.poles))

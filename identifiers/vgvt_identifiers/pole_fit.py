@@ -21,6 +21,7 @@ _STEPS = 30
 _FACTOR = 2.0  # no pole changes its damping by more, or moves by more of its own widths, in one step
 _RANK = 1e-13
 _NARROWEST = 1e-6
+_LEAST_TILT = 0.15  # least imaginary over real part: a damping ratio of 0.99
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,7 +159,7 @@ def projected_slopes(problem: PoleProblem, state: PoleState) -> Iterator[tuple[i
             coefficients = solved.solve(target)
             wide, ringing = columns.smooth.shape[0], rows.transients(columns.count)
             turned = _slope_factors(coefficients, columns.count, wide, ringing)[0]
-            yield which, row, (turned.T @ solved.projected()).view(np.complex128)
+            yield which, row, (turned.T @ solved.projected).view(np.complex128)
 
 
 class _Columns:
@@ -214,7 +215,7 @@ def _solve(columns: _Columns, rows: FitRows) -> _Part:
         found[group] = solved.coefficients.T
         cost += float((solved.error**2).sum())
         turned = _slope_factors(solved.coefficients, columns.count, wide, ringing)
-        gradient += np.einsum("rcq,cr->q", turned, solved.slopes @ solved.error.T)
+        gradient += np.einsum("rcq,cr->q", turned, solved.projected @ solved.error.T)
         information += np.einsum("rcp,cd,rdq->pq", turned, solved.schur, turned, optimize=True)
         gain += _gains(solved, 0, columns.count)
         ring_gain[ringing] += _gains(solved, wide, ringing.size)
@@ -245,22 +246,26 @@ def _real(rows: NDArray[np.complex128]) -> NDArray[np.float64]:
 
 
 class _Projection:
-    """Weighted least squares of targets (R, 2 K) on functions (m, 2 K), and the slopes (c, 2 K) beside them."""
+    """Weighted least squares of targets (R, 2 K) on functions (m, 2 K).
 
-    __slots__ = ("_functions", "_inverse", "_mixed", "_size", "coefficients", "error", "inverse", "schur", "slopes")
+    ``projected`` (c, 2 K) are the slopes without what the functions can imitate, ``schur`` (c, c) their Gram matrix.
+    """
+
+    __slots__ = ("_functions", "_inverse", "_size", "coefficients", "error", "inverse", "projected", "schur")
 
     def __init__(
         self, functions: NDArray[np.float64], slopes: NDArray[np.float64], target: NDArray[np.float64]
     ) -> None:
-        self._functions, self.slopes = functions, slopes
+        self._functions = functions
         gram = functions @ functions.T
         self._size = np.sqrt(np.diag(gram))
         self._size[self._size == 0] = 1.0
         self._inverse = np.linalg.pinv(gram / self._size[:, None] / self._size, rcond=_RANK, hermitian=True)
-        self._mixed = (functions @ slopes.T) / self._size[:, None]
         self.coefficients = self.solve(target)
         self.error = target - self.coefficients.T @ functions
-        self.schur = slopes @ slopes.T - self._mixed.T @ self._inverse @ self._mixed
+        # The difference of two Gram matrices would lose what is known of a pole that the functions nearly imitate.
+        self.projected = slopes - self.solve(slopes).T @ functions
+        self.schur = self.projected @ self.projected.T
         self.inverse = self._inverse / self._size[:, None] / self._size
 
     def solve(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -272,10 +277,6 @@ class _Projection:
     def _solved(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
         moments = (self._functions @ target.T) / self._size[:, None]
         return np.asarray((self._inverse @ moments) / self._size[:, None])
-
-    def projected(self) -> NDArray[np.float64]:
-        """The slopes (c, 2 K) without what the functions can imitate."""
-        return np.asarray(self.slopes - (self._inverse @ self._mixed / self._size[:, None]).T @ self._functions)
 
 
 def _slope_factors(
@@ -331,7 +332,9 @@ def limited_step(poles: NDArray[np.complex128], step: NDArray[np.complex128]) ->
     # What is a millionth as wide as it is high in frequency no record resolves.
     most = np.maximum(np.minimum((1 - 1 / _FACTOR) * width, width - _NARROWEST * np.abs(poles)), 0.0)
     real = np.clip(step.real, -(_FACTOR - 1) * width, most)
-    return np.asarray(real + 1j * np.clip(step.imag, -_FACTOR * width, _FACTOR * width))
+    # On the real axis a pole meets its conjugate: their residues grow without bounds, and digits are lost.
+    lowest = _LEAST_TILT * (width - real) - poles.imag
+    return np.asarray(real + 1j * np.maximum(np.clip(step.imag, -_FACTOR * width, _FACTOR * width), lowest))
 
 
 def _expected_fall(state: PoleState, step: NDArray[np.complex128]) -> float:

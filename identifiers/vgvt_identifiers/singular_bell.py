@@ -21,6 +21,7 @@ from vgvt_identifiers.output_spectra import Decomposition
 _FEWEST_LINES = 7
 _RELATIVE_FLOOR = 1e-4
 _GAP_LINES = 3
+_NUMERATOR_FLOOR = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,22 +137,52 @@ class _Problem:
 
     def error(self, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weighted error of the logarithm (L,)."""
-        if self.window is None:
-            model = self._density(self.frequency_hz, parameters)
-        else:
-            offsets, weights = self.window
-            model = self._density(self.frequency_hz[:, None] + offsets, parameters) @ weights
+        model = self._averaged(self._density(self._lines(), parameters))
         return np.asarray((self.log_value - np.log(model) - parameters[2]) / self.scatter)
 
-    def _density(self, frequency_hz: NDArray[np.float64], parameters: NDArray[np.float64]) -> NDArray[np.float64]:
-        natural = self.centre_hz + self.half_hz * parameters[0]
+    def slope(self, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Derivative (L, 5) of the error."""
+        lines = self._lines()
+        density = self._density(lines, parameters)
+        slopes = [self._averaged(density * part) for part in self._log_slopes(lines, parameters)]
+        shape = np.stack(slopes, axis=1) / self._averaged(density)[:, None]
+        columns = np.hstack([shape[:, :2], np.ones((shape.shape[0], 1)), shape[:, 2:]])
+        return np.asarray(-columns / self.scatter[:, None])
+
+    def _lines(self) -> NDArray[np.float64]:
+        return self.frequency_hz if self.window is None else self.frequency_hz[:, None] + self.window[0]
+
+    def _averaged(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return values if self.window is None else np.asarray(values @ self.window[1])
+
+    def _parts(
+        self, frequency_hz: NDArray[np.float64], parameters: NDArray[np.float64]
+    ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+        """Natural frequency, and the two parts of the denominator that are squared, spring over mass and damping."""
+        natural = float(self.centre_hz + self.half_hz * parameters[0])
         half = self.half_hz * np.exp(parameters[1])  # zeta times the natural frequency
+        return natural, (natural**2 - frequency_hz**2) / (2 * natural), half * frequency_hz / natural
+
+    def _density(self, frequency_hz: NDArray[np.float64], parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        _, elastic, damping = self._parts(frequency_hz, parameters)
         y = (frequency_hz - self.centre_hz) / self.half_hz
-        receptance = ((natural**2 - frequency_hz**2) / (2 * natural)) ** 2 + (half * frequency_hz / natural) ** 2
         numerator = 1.0 + np.zeros_like(y)
         if self.general:
             numerator = (1 + parameters[3] * y) ** 2 + parameters[4] * y**2
-        return np.asarray(np.maximum(numerator, 1e-12) * frequency_hz**4 / receptance)
+        return np.asarray(np.maximum(numerator, _NUMERATOR_FLOOR) * frequency_hz**4 / (elastic**2 + damping**2))
+
+    def _log_slopes(
+        self, frequency_hz: NDArray[np.float64], parameters: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], ...]:
+        """Derivatives of the logarithm of the density by frequency, damping, tilt and rest."""
+        natural, elastic, damping = self._parts(frequency_hz, parameters)
+        size = elastic**2 + damping**2
+        stiffer = elastic * (1 + (frequency_hz / natural) ** 2) - 2 * damping**2 / natural
+        y = (frequency_hz - self.centre_hz) / self.half_hz
+        tilted = 1 + parameters[3] * y
+        numerator = tilted**2 + parameters[4] * y**2
+        moves = np.where(numerator > _NUMERATOR_FLOOR, y / np.maximum(numerator, _NUMERATOR_FLOOR), 0.0)
+        return -self.half_hz * stiffer / size, -2 * damping**2 / size, 2 * tilted * moves, y * moves
 
 
 def _start(frequency: NDArray[np.float64], value: NDArray[np.float64], step_hz: float) -> tuple[float, float]:
@@ -189,7 +220,10 @@ def _solved(problem: _Problem, shared_lines: float) -> FittedBell | None:
     def error(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
         return problem.error(np.concatenate([parameters, np.zeros(5 - size)]))
 
-    solution = least_squares(error, start[:size], bounds=(low, high), x_scale="jac", max_nfev=200)
+    def slope(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        return problem.slope(np.concatenate([parameters, np.zeros(5 - size)]))[:, :size]
+
+    solution = least_squares(error, start[:size], jac=slope, bounds=(low, high), x_scale="jac", max_nfev=200)
     natural = problem.centre_hz + problem.half_hz * float(solution.x[0])
     half = problem.half_hz * float(np.exp(solution.x[1]))
     inside = problem.frequency_hz[0] <= natural <= problem.frequency_hz[-1]

@@ -171,11 +171,12 @@ def line_variance(
     difference = sum(t * ratio[:, i : lines - 4 + i] for i, t in enumerate(taps))
     spread = sum(t**2 / magnitude[i : lines - 4 + i] ** 2 for i, t in enumerate(taps))
     rough = np.pad(np.abs(difference) ** 2 / spread, ((0, 0), (2, 2)), mode="edge")
-    level = np.minimum(_median(rough) / np.log(2), _median(local_noise_power) / _MEDIAN_OF_NOISE)
+    level = np.minimum(running_median(rough) / np.log(2), running_median(local_noise_power) / _MEDIAN_OF_NOISE)
     return np.asarray(level / magnitude**2)
 
 
-def _median(noise: NDArray[np.float64]) -> NDArray[np.float64]:
+def running_median(noise: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Median (R, K) over the 25 lines around every line of powers (R, K)."""
     from scipy.ndimage import median_filter
 
     # Row by row: the filter of one dimension is several times faster than the same one in two.

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vgvt.data import Campaign, ChannelRole, Outcome, modal_assurance
+from vgvt.data import Campaign, ChannelRole, Direction, Dof, Outcome, modal_assurance
 from vgvt.identification import run_identifier
 from vgvt.identification.example import Example
+from vgvt_identifiers.bell_modes import BellOptions, bell_modes
 from vgvt_identifiers.cfdd import Cfdd
 from vgvt_identifiers.cfdd_output_only import CfddOutputOnly
-from vgvt_identifiers.output_spectra import force_referenced, reference_matrix
+from vgvt_identifiers.output_spectra import ReferenceMatrix, force_referenced, reference_matrix
 from vgvt_identifiers.spectra import campaign_spectra
 from vgvt_identifiers.steady_responses import steadiness
 
@@ -181,3 +182,19 @@ def test_without_dividing_by_the_force_spectra_peak_at_combined_resonances() -> 
 def test_settings_out_of_range_are_bad_input(cls: type, setting: str) -> None:
     with pytest.raises(ValueError, match=setting):
         cls(**{setting: -1.0})
+
+
+@pytest.mark.parametrize(("second_hz", "turns"), [(15.5, True), (22.0, False)])
+def test_one_bell_over_two_modes_is_doubted(second_hz: float, turns: bool) -> None:
+    """Two modes of orthogonal shapes under one force; half-power widths of 0.6 Hz hide 0.5 Hz, not 7 Hz."""
+    frequency = np.arange(10.0, 27.0, 0.01)
+    poles = [2 * np.pi * f * (-0.02 + 1j * np.sqrt(1 - 0.02**2)) for f in (15.0, second_hz)]
+    s = 2j * np.pi * frequency
+    shapes = np.kron([[1.0, 1.0], [1.0, -1.0]], np.ones(4))
+    values = sum(v[:, None] * s**2 / ((s - p) * (s - np.conj(p))) for v, p in zip(shapes, poles, strict=True))
+    dofs = tuple(Dof(n + 1, Direction.PLUS_Z) for n in range(8))
+    variance = np.full(values[:, None].shape, 1e-4)
+    found = force_referenced(ReferenceMatrix(frequency, dofs, dofs[:1], values[:, None], variance, ()))
+    modes, _ = bell_modes(found, [(int(np.argmax(found.values[0])), 0)], BellOptions())
+    assert len(modes) == 1
+    assert ("doubtful_shape_turns" in modes[0].flags) == turns

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vgvt_identifiers.rational_fit import Block, fit_rational
+from vgvt_identifiers.rational_problem import RationalProblem
 
 
 def poles_of(frequency_hz: np.ndarray, damping: np.ndarray) -> np.ndarray:
@@ -123,3 +124,30 @@ def test_errors_shrink_with_the_root_of_the_number_of_responses() -> None:
 def test_too_few_lines_are_refused() -> None:
     with pytest.raises(ValueError, match="5 lines cannot hold 8 unknowns"):
         fit_rational(np.arange(10.0, 10.5, 0.1), (block(np.ones((2, 5), complex)),), np.array([-1 + 64j]))
+
+
+def test_stacked_blocks_are_worth_what_they_are_alone() -> None:
+    """Blocks of one size are solved together, others beside them; each must count as if it were the only one."""
+    generator = np.random.default_rng(6)
+    x = np.linspace(-1.0, 1.0, 40)
+    z = np.array([-0.05 + 0.2j, -0.1 - 0.4j])
+
+    def noisy(rows: int, leaks: bool) -> Block:
+        values = generator.standard_normal((rows, x.size)) + 1j * generator.standard_normal((rows, x.size))
+        leakage = generator.standard_normal(x.size) + 1j if leaks else None
+        return Block(values, generator.uniform(0.5, 2.0, x.size), generator.uniform(0.5, 2.0, rows), leakage)
+
+    blocks = (noisy(2, True), noisy(2, True), noisy(3, True), noisy(3, False))
+    together = RationalProblem.of(x, blocks, 3, 4.0)
+    assert [s.data.shape[0] for s in together.stacks] == [2, 1, 1]
+    alone = [RationalProblem.of(x, (b,), 3, 4.0) for b in blocks]
+    np.testing.assert_allclose(together.cost(z), sum(p.cost(z) for p in alone), rtol=1e-12)
+    cost, gram, gradient = together.normal_equations(z)
+    parts = [p.normal_equations(z) for p in alone]
+    np.testing.assert_allclose(cost, together.cost(z), rtol=1e-12)
+    np.testing.assert_allclose(gram, sum(p[1] for p in parts), rtol=1e-10)
+    np.testing.assert_allclose(gradient, sum(p[2] for p in parts), rtol=1e-10)
+    # The cost falls as its gradient says: twice the real part of conj(gradient) dz.
+    step = 1e-6 * np.array([1.0 + 0.5j, -0.3j])
+    rise = (together.cost(z + step) - together.cost(z - step)) / 2
+    np.testing.assert_allclose(rise, 2 * (gradient.conj() @ step).real, rtol=1e-4)

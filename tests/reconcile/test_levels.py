@@ -14,7 +14,7 @@ from vgvt.effects import available_effects
 from vgvt.effects.conformance import with_effect
 from vgvt.reconcile.data import measured_frfs
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.level_grid import depends_on_level, level_grid, several_levels
+from vgvt.reconcile.level_grid import depends_on_level, level_grid, linear_first, several_levels
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.surrogate import anchor
 from vgvt.scenario import Scenario
@@ -114,6 +114,20 @@ def test_levels_are_seen_in_the_force(case: Problem) -> None:
     assert not several_levels(case)
     force = np.concatenate([case.measured.force, 4 * case.measured.force])
     assert several_levels(replace(case, measured=replace(case.measured, force=force)))
+
+
+def test_joints_come_second_at_one_level(case: Problem) -> None:
+    """There one variant of each is enough; at two levels all are tried with the others."""
+    known = available_effects()
+    soft = Hypothesis(known["root-compliance"])
+    flap = Hypothesis(known["control-surface-freeplay"], {"item": "flap-outer"})
+    twice = [Hypothesis(known["root-friction"], {"kind": kind}) for kind in ("bending", "torsion")]
+    at_once, later = linear_first(case, [twice[0], soft, twice[1], flap])
+    assert at_once == [soft]
+    assert later == [twice[0], flap]
+    force = np.concatenate([case.measured.force, 4 * case.measured.force])
+    two = replace(case, measured=replace(case.measured, force=force))
+    assert linear_first(two, [soft, *twice]) == ([soft, *twice], [])
 
 
 def test_only_what_the_prediction_knows_is_looked_for_on_a_grid(case: Problem) -> None:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_BACKGROUND = (-1, 0, 1, 2)
-"""Powers of s, real coefficients, that stand for the modes below and above."""
+BACKGROUND = (-1, 0, 1, 2)
+"""Powers of s, real coefficients, that stand for the modes below and above at least."""
 _NEAR = 40
 _SPREAD = 300
 
@@ -62,17 +62,17 @@ def accelerance(frequency_hz: Array, poles: Complex, residues: Complex) -> Compl
     return np.asarray(s**2 * (residues.T @ above + residues.conj().T @ below))
 
 
-def weighted_slopes(lines: Lines, poles: Complex, weight: Array) -> Array:
+def weighted_slopes(lines: Lines, poles: Complex, weight: Array, background: tuple[int, ...] = BACKGROUND) -> Array:
     """Gram matrix (2 M, 2 M) of the pole slopes, per unit of residue, freed of what residues and background imitate.
 
-    ``weight`` (K,) is 4 |F|² / G on the ``lines``. Rows: M slopes for the residues' real, M for their imaginary parts.
+    ``weight`` (K,) is 4 |F|² / G on the ``lines``; ``background`` are the powers of s of the rest.
+    Rows: M slopes for the residues' real, M for their imaginary parts.
     """
     s = 2j * np.pi * lines.frequency_hz[:, None]
     above, below = 1 / (s - poles), 1 / (s - poles.conj())
-    middle = np.abs(s[s.size // 2])
     root = np.sqrt(weight * lines.width_hz)
-    columns = _stacked(np.hstack([s**2 * _pair(above, below), (s / middle) ** _BACKGROUND]), root)
-    slopes = _stacked(s**2 * _pair(above**2, below**2), root)
+    columns = stacked(np.hstack([mode_columns(lines, poles), background_columns(lines, background)]), root)
+    slopes = stacked(s**2 * _pair(above**2, below**2), root)
     size = np.linalg.norm(columns, axis=0)
     basis, _ = np.linalg.qr(columns / np.where(size > 0, size, 1.0))
     left = slopes - basis @ (basis.T @ slopes)
@@ -142,5 +142,18 @@ def _pair(above: Complex, below: Complex) -> Complex:
     return np.hstack([above + below, 1j * (above - below)])
 
 
-def _stacked(columns: Complex, root: Array) -> Array:
+def mode_columns(lines: Lines, poles: Complex) -> Complex:
+    """Accelerances (K, 2 M) of poles (M,), rad/s, with residues 1, then with residues j, on ``lines``."""
+    s = 2j * np.pi * lines.frequency_hz[:, None]
+    return np.asarray(s**2 * _pair(1 / (s - poles), 1 / (s - poles.conj())))
+
+
+def background_columns(lines: Lines, powers: tuple[int, ...]) -> Complex:
+    """Powers of s on ``lines``, (K, P), with s one in size in the middle."""
+    s = 2j * np.pi * lines.frequency_hz[:, None]
+    return np.asarray((s / np.abs(s[s.size // 2])) ** powers)
+
+
+def stacked(columns: Complex, root: Array) -> Array:
+    """Real parts above imaginary parts of columns (K, C) times ``root`` (K,), (2 K, C)."""
     return np.vstack([columns.real * root[:, None], columns.imag * root[:, None]])

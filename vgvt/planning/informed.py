@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vgvt.planning.fisher import accelerance, mean_weights
 from vgvt.planning.proposal import RIGID
-from vgvt.planning.system import System, run_information, systems_of
+from vgvt.planning.system import Seen, System, run_information, systems_of
 from vgvt.scenario import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.simulation.acquisition import record
@@ -42,6 +42,7 @@ def estimates(scenario: Scenario, numbers: Iterable[int]) -> Iterator[NDArray[np
     """
     layouts, systems, time = plans(scenario), systems_of(scenario), sample_times_s(scenario)
     modes = _elastic(systems[0])
+    told = [(system, run_information(system, run)[1]) for run, system in enumerate(systems)]
     weights = _weights(systems, modes)
     readings = []
     for run, layout in enumerate(layouts):
@@ -54,10 +55,10 @@ def estimates(scenario: Scenario, numbers: Iterable[int]) -> Iterator[NDArray[np
     for k in numbers:
         seed = int(named_stream(scenario.seed, "plan", k).integers(2**31))
         runs = []
-        for run, (layout, system, clean) in enumerate(zip(layouts, systems, readings, strict=True)):
+        for run, (layout, known, clean) in enumerate(zip(layouts, told, readings, strict=True)):
             seeded = replace(layout, scenario=layout.scenario.model_copy(update={"seed": seed}))
             taken = record(seeded, run, drive_commands(scenario, run, time), clean.copy())
-            runs.append(_fitted(system, np.asarray(taken.samples, dtype=np.float64), taken.sample_rate_hz, modes))
+            runs.append(_fitted(*known, np.asarray(taken.samples, dtype=np.float64), taken.sample_rate_hz, modes))
         poles = np.array(runs)
         estimated = np.array([np.abs(poles) / (2 * np.pi), -poles.real / np.abs(poles)])
         yield (weights * estimated).sum(axis=1)
@@ -77,9 +78,9 @@ def _weights(systems: tuple[System, ...], modes: NDArray[np.intp]) -> NDArray[np
     for run, system in enumerate(systems):
         values[:, run] = system.modes.natural_frequency_hz[modes], system.modes.damping_ratio[modes]
         information, seen = run_information(system, run)
-        told = np.array(information.deviations())
+        least = np.array(information.deviations())
         for k, mode in enumerate(modes):
-            deviations[:, run, k] = told[:, seen.unknown == mode][:, 0]
+            deviations[:, run, k] = least[:, seen.unknown == mode][:, 0]
     return np.array(
         [
             [mean_weights(v, d) for v, d in zip(value.T, deviation.T, strict=True)]
@@ -89,9 +90,12 @@ def _weights(systems: tuple[System, ...], modes: NDArray[np.intp]) -> NDArray[np
 
 
 def _fitted(
-    system: System, samples: NDArray[np.float64], rate_hz: float, modes: NDArray[np.intp]
+    system: System, seen: Seen, samples: NDArray[np.float64], rate_hz: float, modes: NDArray[np.intp]
 ) -> NDArray[np.complex128]:
-    """Poles (M,), rad/s, of modes (M,) from one run: samples (channels, N), drive and force before responses."""
+    """Poles (M,), rad/s, of modes (M,) from one run: samples (channels, N), drive and force before responses.
+
+    The unknowns are those of the prediction.
+    """
     band_hz = system.layout.scenario.excitation.band_hz
     count = samples.shape[1]
     lines = np.arange(count // 2 + 1) * rate_hz / count
@@ -106,5 +110,8 @@ def _fitted(
     dofs = tuple(system.modes.dofs[i] for i in system.sensors)
     ratio = responses / force
     run = RunSpectra(1, system.modes.references[0], dofs, force, ratio, own, ratio, own)
-    problem = weighted_problem(f, (run,), (noise,), shared=True)
-    return fit_poles(problem, system.modes.poles[modes], _STEPS).poles
+    powers = np.array(seen.background)
+    lower, upper = int((powers <= 0).sum()), int((powers > 0).sum())
+    problem = replace(weighted_problem(f, (run,), (noise,), shared=True), lower_terms=lower, upper_terms=upper)
+    poles = fit_poles(problem, system.modes.poles[seen.unknown], _STEPS).poles
+    return np.asarray(poles[np.searchsorted(seen.unknown, modes)])

@@ -16,6 +16,7 @@ from vgvt.planning.fisher import (
     lines_for,
     weighted_slopes,
 )
+from vgvt.planning.unknowns import unknowns
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.assembly import Plan, plans
 from vgvt.simulation.command import sent_commands
@@ -26,7 +27,7 @@ from vgvt.simulation.truth import assemble_truth, driven_state_space
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_BEYOND = 1.15  # modes as near to the band as this factor are unknowns too; the others are background
+_BEYOND = 1.15  # modes as near to the band as this factor may make the responses change within it
 _SAMPLES_PER_CYCLE = 8
 
 
@@ -62,12 +63,14 @@ class System:
 class Seen:
     """What a run would see over ``lines``: ``unknown`` are the indices of the modes whose poles it must find.
 
+    ``background`` are the powers of s that stand for all other modes;
     ``energy`` (K,) is |F|², N² s²; ``noise`` (K,) of a response and ``felt`` (K,) of the force, per Hz;
     ``response`` (D, K) the accelerance at all points.
     """
 
     lines: Lines
     unknown: NDArray[np.intp]
+    background: tuple[int, ...]
     energy: Array
     noise: Array
     felt: Array
@@ -75,8 +78,11 @@ class Seen:
 
     def weight(self, sensors: NDArray[np.intp] | tuple[int, ...]) -> Array:
         """4 |F|² / G (K,) of a response when all of ``sensors`` (S,) share the noise of one force."""
-        power = (np.abs(self.response[list(sensors)]) ** 2).sum(axis=0)
-        return np.asarray(4 * self.energy / (self.noise + self.felt * power))
+        return _weight(self.energy, self.noise, self.felt, self.response[list(sensors)])
+
+
+def _weight(energy: Array, noise: Array, felt: Array, measured: Complex) -> Array:
+    return np.asarray(4 * energy / (noise + felt * (np.abs(measured) ** 2).sum(axis=0)))
 
 
 def systems_of(scenario: Scenario) -> tuple[System, ...]:
@@ -126,14 +132,15 @@ def command_energy(layout: Plan, run: int, lines: Lines) -> Array:
 def seen_by(system: System, run: int = 0) -> Seen:
     """What a run of the system's own scenario would see, before sensors are chosen."""
     low, high = system.layout.scenario.excitation.band_hz
-    frequency = system.modes.natural_frequency_hz
-    unknown = np.flatnonzero((frequency >= low / _BEYOND) & (frequency <= high * _BEYOND))
-    poles = system.modes.poles
-    lines = lines_for((low, high), poles[unknown])
+    frequency, poles = system.modes.natural_frequency_hz, system.modes.poles
+    lines = lines_for((low, high), poles[(frequency >= low / _BEYOND) & (frequency <= high * _BEYOND)])
     f = lines.frequency_hz
     energy = np.abs(system.force_per_volt(f)) ** 2 * command_energy(system.layout, run, lines)
+    noise, felt = response_noise(system.layout, f), force_noise(system.layout, f)
     response = accelerance(f, poles, system.residues)
-    return Seen(lines, unknown, energy, response_noise(system.layout, f), force_noise(system.layout, f), response)
+    inside, measured = np.flatnonzero((frequency >= low) & (frequency <= high)), response[list(system.sensors)]
+    asked = unknowns(lines, poles, inside, _weight(energy, noise, felt, measured), measured)
+    return Seen(lines, asked.modes, asked.background, energy, noise, felt, response)
 
 
 def information_by_response(
@@ -141,7 +148,7 @@ def information_by_response(
 ) -> tuple[Complex, Array]:
     """Unknown poles (U,) and what each point tells about them (D, 2 U, 2 U), ``together`` (S,) measured at once."""
     poles = system.modes.poles[seen.unknown]
-    gram = weighted_slopes(seen.lines, poles, seen.weight(together))
+    gram = weighted_slopes(seen.lines, poles, seen.weight(together), seen.background)
     return poles, information_of_responses(gram, system.residues[seen.unknown])
 
 

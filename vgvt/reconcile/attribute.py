@@ -104,13 +104,17 @@ def attribute(
         straight, bent = linear_first(current.problem, left)
         before = residual(current, thresholds)
         here = part(tell, k / most, (k + 1) / most)
-        chosen = shortened(current, straight, before, thresholds.evidence_nats, part(here, 0.0, 0.5))
-        rivals = _fit_all(current, chosen, before, part(here, 0.5, 0.8))
+        rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6))
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
             if current is not null:
                 before = residual(current, thresholds)
-                rivals = _against(current, [r.fit for r in rivals])
+                found = [r.fit for r in rivals]
+                if current.evidence_nats > null.evidence_nats + thresholds.evidence_nats:
+                    # What was screened where the calibration had lost its way says little of where it belongs.
+                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8))
+                    found += [r.fit for r in again]
+                rivals = _against(current, found)
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before)
         if twins:
@@ -132,6 +136,14 @@ def attribute(
     return Attribution(
         start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
     )
+
+
+def _tried(
+    current: Fit, hypotheses: Sequence[Hypothesis], before: Residual, thresholds: Thresholds, tell: Progress
+) -> tuple[Rival, ...]:
+    """The most promising of some hypotheses, fitted."""
+    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6))
+    return _fit_all(current, chosen, before, part(tell, 0.6, 1.0))
 
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
@@ -249,9 +261,9 @@ def _judged(current: Fit, found: Fit) -> Rival:
 def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
     """Held-out data must be met better than before; where nothing is held out there is no name.
 
-    Where they are still missed, much better: a wrong effect often takes a little of what another one leaves. Where the
-    unknowns had imitated the effect, far out of their tolerances, the data were met already: then the tolerances must
-    speak for the name by as much as a name needs, and the held-out data not against it.
+    Where they are still missed, much better: a wrong effect often takes a little of what another one leaves, held-out
+    data or tolerances. Where the unknowns had imitated the effect, far out of their tolerances, the data were met
+    already: then the tolerances must speak for the name by as much as a name needs, and the held-out data not against.
     """
     if rival.held_out is None or before.held_out_chi2_per_dof is None:
         return False
@@ -263,10 +275,10 @@ def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresho
     worth = min(1.0, independent_values(rho[split.held]) / (2 * lines))
     nats = worth * lines * better
     tolerances_nats = 0.5 * float(current.scores @ current.scores - rival.fit.scores @ rival.fit.scores)
-    if tolerances_nats >= thresholds.evidence_nats and nats > -_HELD_OUT_NATS:
-        return True
     if rival.held_out > before.limits.held_out_per_dof and better < _MUCH * excess:
         return False
+    if tolerances_nats >= thresholds.evidence_nats and nats > -_HELD_OUT_NATS:
+        return True
     return nats > _HELD_OUT_NATS
 
 

@@ -23,7 +23,7 @@ from vgvt.reconcile.surrogate import Anchor, anchor
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-STAGES = ((0.6, 4), (0.15, 4), (0.0, 30))
+STAGES = ((0.6, 4), (0.15, 4), (0.0, 60))
 """Coarseness and most iterations of each stage of the continuation: a stage ends where nothing is gained."""
 NEAR = ((0.0, 12),)
 """For a start that is near already."""

@@ -28,6 +28,8 @@ _COARSE, _FINE = 0.06, 0.015
 _KEPT, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
 # More than any short list asks for, in all and of one effect.
 _SLOTS, _OF_ONE = 9, 3
+# Variants of one effect that are looked at in small.
+_LOOKED_AT = 6
 _SIZED = 0.8
 _SHARES = (1.0, 0.5, 0.25, 0.125)
 
@@ -95,27 +97,34 @@ def _check_the_best(
 ) -> list[Screened]:
     """The best of every variant's sizes, looked at ever closer, the most promising first, while it could be asked for.
 
-    First what it does at a size, unknowns following in one step, then in as many as it takes: neither promises much too
-    little, and what is behind those that hold theirs stays at its promise.
+    First a small part of the size, then as much of it as holds: what is behind those that hold theirs stays at its
+    promise. A stand that is far off promises everything; of one effect only the first few are then looked at.
     """
     queue = [(-s.gain_nats, k, 0, s) for k, s in enumerate(sized)]
     heapq.heapify(queue)
     best: dict[Hypothesis, Screened] = {}
     held: list[str] = []
+    known: dict[str, list[float]] = {}
     while queue:
         _, k, closer, s = heapq.heappop(queue)
         tell(1 - len(queue) / len(sized))
+        name = s.hypothesis.name
         # Those that held theirs came off the queue before: they are ahead of whatever is left.
-        enough = held.count(s.hypothesis.name) >= _OF_ONE
+        enough = held.count(name) >= _OF_ONE
         enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= _SLOTS
         if closer < 2 and not enough and s.gain_nats >= least_nats and _checkable(stand, s):
-            found = _at_its_size(stand, s) if closer == 0 else _at(stand, s.hypothesis, s.values)
-            heapq.heappush(queue, (-found.gain_nats, k, closer + 1, found))
-            continue
-        if s.hypothesis not in best:
+            seen = known.setdefault(name, [])
+            if closer == 0 and len(seen) >= _LOOKED_AT:
+                s = replace(s, gain_nats=min(s.gain_nats, min(seen)))
+            else:
+                found = _checked(stand, s) if closer else _in_small(stand, s)
+                seen += [] if closer else [found.gain_nats]
+                heapq.heappush(queue, (-found.gain_nats, k, closer + 1, found))
+                continue
+        if s.hypothesis not in best or s.gain_nats > best[s.hypothesis].gain_nats:
             best[s.hypothesis] = s
             if closer == 2:
-                held.append(s.hypothesis.name)
+                held.append(name)
     return list(best.values())
 
 
@@ -123,23 +132,34 @@ def _checkable(stand: Stand, s: Screened) -> bool:
     return s.visible and not depends_on_level(stand.fit.problem, s.hypothesis)
 
 
-def _at_its_size(stand: Stand, s: Screened) -> Screened:
-    """What a variant buys at the sizes that the closed form gave, or at parts of them, the unknowns following linearly.
+def _parted(s: Screened, share: float) -> dict[str, float]:
+    """Values with a share of the sizes."""
+    neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
+    return {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items()}}
+
+
+def _in_small(stand: Stand, s: Screened) -> Screened:
+    """A variant whose promise is what a small part of its size lets expect of the whole by the closed form."""
+    sized = any(p.neutral is not None for p in s.hypothesis.parameters)
+    share = _SHARES[-1] if sized else 1.0
+    reached = stand.followed(s.hypothesis, _parted(s, share))
+    gain = -math.inf if reached is None else 0.5 * (stand.cost - reached[0]) / (share * (2 - share))
+    return replace(s, gain_nats=min(gain, s.gain_nats))
+
+
+def _checked(stand: Stand, s: Screened) -> Screened:
+    """What a variant buys in truth at the sizes that the closed form gave, or at parts of them.
 
     Effects saturate, and what the unknowns can imitate they cannot follow far in a few steps: a part that holds what
     the closed form promises of it is a start from where a fit finds the rest.
     """
-    neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
-    best = replace(s, gain_nats=-math.inf)
+    best = None
     for share in _SHARES:
-        values = {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items()}}
-        reached = stand.linearly_followed(s.hypothesis, values)
-        gain = -math.inf if reached is None else 0.5 * (stand.cost - reached)
-        if gain > best.gain_nats:
-            best = replace(s, values=values, gain_nats=gain)
-        if gain >= 0.5 * share * (2 - share) * s.gain_nats:
+        found = _at(stand, s.hypothesis, _parted(s, share))
+        best = found if best is None or found.gain_nats > best.gain_nats else best
+        if found.gain_nats >= 0.5 * share * (2 - share) * s.gain_nats:
             break
-    return best
+    return s if best is None else best
 
 
 def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:

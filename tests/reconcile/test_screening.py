@@ -1,0 +1,85 @@
+"""The screen looks closer only at what could be asked for, and far-off rounds fit only their best to the end."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.effects.added_inertia import AddedInertia
+from vgvt.effects.local_absorber import LocalAbsorber
+from vgvt.reconcile.attribute import _FINALISTS, _finalists
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import Fit, calibrate
+from vgvt.reconcile.screen import screen
+from vgvt.reconcile.stand import Stand
+
+NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "stiffness-asymmetry")
+
+
+@pytest.fixture(scope="module")
+def null(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """A calibrated scenario that lacks an absorber."""
+    absorber = LocalAbsorber(mass_kg=0.004, frequency_hz=12.0, x_m=0.9, y_m=1.1)
+    return calibrate(problem(tmp_path_factory.mktemp("cache"), 1, absorber))
+
+
+@pytest.fixture(scope="module")
+def hypotheses(null: Fit) -> Any:
+    return candidates(null.problem, {n: available_effects()[n] for n in NAMES})
+
+
+def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the effects whose unknowns were followed all the way, as they come."""
+    seen: list[str] = []
+    followed = Stand.followed
+
+    def spy(self: Stand, hypothesis: Any, values: dict[str, float]) -> Any:
+        seen.append(hypothesis.name)
+        return followed(self, hypothesis, values)
+
+    monkeypatch.setattr(Stand, "followed", spy)
+    return seen
+
+
+def test_the_true_effect_comes_first(null: Fit, hypotheses: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And of its many places only a few are looked at closely."""
+    seen = counted(monkeypatch)
+    found = screen(null, hypotheses)
+    assert found[0].hypothesis.name == "local-absorber"
+    assert 11 < found[0].values["frequency_hz"] < 13
+    assert len({s.hypothesis for s in found}) == len(found) == len(hypotheses)
+    places = sum(h.name == "added-mass" for h in hypotheses)
+    assert 0 < len(set(map(str, seen))) and seen.count("added-mass") < 4 * places
+
+
+def test_what_promises_little_stays_unchecked(null: Fit, hypotheses: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = counted(monkeypatch)
+    screen(null, hypotheses)
+    every = len(seen)
+    seen.clear()
+    found = screen(null, hypotheses, least_nats=1e9)
+    assert not seen and every > 0
+    assert {s.hypothesis for s in found} == set(hypotheses)
+
+
+def test_what_the_unknowns_imitate_is_not_lost(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """An inertia that the body's own takes over far beyond its tolerance: it must come out on top all the same."""
+    inertia = AddedInertia(roll_inertia_kg_m2=0.05)
+    swallowed = calibrate(problem(tmp_path_factory.mktemp("cache"), 1, inertia))
+    every = {n: available_effects()[n] for n in (*NAMES, "added-inertia")}
+    found = screen(swallowed, candidates(swallowed.problem, every))
+    assert found[0].hypothesis.name == "added-inertia"
+    assert found[0].gain_nats > 10
+
+
+def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> None:
+    """The best by a few forgiving steps, from where these arrived, best first."""
+    chosen = screen(null, hypotheses)[: _FINALISTS + 2]
+    kept = _finalists(null, chosen, lambda fraction, message: None)
+    assert len(kept) == _FINALISTS
+    assert {s.hypothesis for s in kept} < {s.hypothesis for s in chosen}
+    assert kept[0].start is not None and np.abs(kept[0].start - null.u).max() > 0
