@@ -23,7 +23,7 @@ NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "sti
 @pytest.fixture(scope="module")
 def null(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     """A calibrated scenario that lacks an absorber."""
-    absorber = LocalAbsorber(mass_kg=0.004, frequency_hz=12.0, x_m=0.9, y_m=1.1)
+    absorber = LocalAbsorber(mass_kg=0.01, frequency_hz=18.0, x_m=0.9, y_m=1.1)
     return calibrate(problem(tmp_path_factory.mktemp("cache"), 1, absorber))
 
 
@@ -50,10 +50,10 @@ def test_the_true_effect_comes_first(null: Fit, hypotheses: Any, monkeypatch: py
     seen = counted(monkeypatch)
     found = screen(null, hypotheses)
     assert found[0].hypothesis.name == "local-absorber"
-    assert 11 < found[0].values["frequency_hz"] < 13
+    assert 17 < found[0].values["frequency_hz"] < 19
     assert len({s.hypothesis for s in found}) == len(found) == len(hypotheses)
-    places = sum(h.name == "added-mass" for h in hypotheses)
-    assert 0 < len(set(map(str, seen))) and seen.count("added-mass") < 4 * places
+    assert len(set(seen)) > 1
+    assert len(seen) < len(hypotheses)
 
 
 def test_what_promises_little_stays_unchecked(null: Fit, hypotheses: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from vgvt.data import InputError
 from vgvt.effects.action import Action
 from vgvt.effects.protocol import Effect
-from vgvt.reconcile.grouping import Group, home, refined_rows
+from vgvt.reconcile.grouping import Group, assembled, cells_at, effects_at, home, refined_rows
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Nominal, Problem
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.assembly import MeasurementPoint, Plan
@@ -49,6 +50,26 @@ class Change:
     def sensor_mass_kg(self) -> float:
         """What the effect adds to each sensor's mass."""
         return self.layout.scenario.accelerometers.mass_kg - self.before.accelerometers.mass_kg
+
+
+def groups_at(
+    problem: Problem,
+    u: Array,
+    hypotheses: tuple[Hypothesis, ...],
+    e: Array,
+    known: tuple[Group, ...] | None = None,
+) -> tuple[Group, ...] | None:
+    """Groups at scores u and e, next to those ``known`` (without the last hypothesis) where that is enough."""
+    near = None if known is None else beside(problem, u, known, hypotheses, e)
+    return assembled(problem, u, hypotheses, e) if near is None else near
+
+
+def beside(
+    problem: Problem, u: Array, known: tuple[Group, ...], hypotheses: tuple[Hypothesis, ...], e: Array
+) -> tuple[Group, ...] | None:
+    """Groups with the last hypothesis added to those without it; None where only assembling will do."""
+    made = effects_at(problem, hypotheses, e)
+    return None if made is None else adjacent(problem, known, cells_at(problem, u), made[:-1], made[-1])
 
 
 def adjacent(

@@ -13,18 +13,19 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.adjacent import groups_at
 from vgvt.reconcile.first_order import FirstOrder
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit
-from vgvt.reconcile.surrogate import Anchor, anchor, groups_at
+from vgvt.reconcile.surrogate import Anchor, anchor
 
 Array = NDArray[np.float64]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
 _FOLLOWED = 8
 # No further at once than the linearised matrices carry.
-_LONGEST = 1.5
+_LONGEST = 20.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,22 +132,50 @@ class Stand:
             here = anchor(null.problem, null.u, added, null.e, beside=self.groups)
         except NoStructureError:
             return None
-        best, reached = self._cost(here, null.scores)
+        scores, share = null.scores, 1.0
+        best, reached = self._cost(here, scores)
         if not np.isfinite(best):
             return None
-        scores, share = null.scores, 1.0
+        # Where the unknowns had stood in for the effect, they give way by as much as its slope says, at once: at its
+        # size and with them where they were, the response is too far off for its own misfit to lead anywhere.
+        along = self._along(hypothesis, values)
+        if along is not None:
+            there = self._moved(scores, -self.inverse @ (null.tangent.T @ along))
+            cost, misfit = self._cost(here, there)
+            if cost < best:
+                best, reached, scores = cost, misfit, there
         for _ in range(_FOLLOWED):
             move = -self.inverse @ (null.tangent.T @ reached + scores)
             move *= share * min(1.0, _LONGEST / max(float(np.abs(move).max()), 1e-300))
-            cost, misfit = self._cost(here, scores + move)
+            there = self._moved(scores, move)
+            cost, misfit = self._cost(here, there)
             if cost >= best:
                 share /= 3
                 continue
             done = best - cost < 1e-3 * cost
-            best, reached, scores, share = cost, misfit, scores + move, min(1.0, 2 * share)
+            best, reached, scores, share = cost, misfit, there, min(1.0, 2 * share)
             if done:
                 break
         return best, scores[: null.u.size]
+
+    def _along(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
+        """What its sizes would do to the misfit (2 N,) if they did it linearly; None where no slope is known."""
+        sizes = [p for p in hypothesis.parameters if p.neutral is not None and p.name in values]
+        neutral = {p.name: float(p.neutral) for p in sizes if p.neutral is not None}
+        out = None
+        for p in sizes:
+            amount = values[p.name] - neutral[p.name]
+            slope = self.slope(hypothesis, {**values, **neutral}, p) if amount else None
+            if slope is not None:
+                out = amount * slope if out is None else out + amount * slope
+        return None if out is None else out[: self.fit.points]
+
+    def _moved(self, scores: Array, move: Array) -> Array:
+        """Scores after a step of the tangent, which is linear in amounts."""
+        there = scores + move
+        for k, unknown in enumerate(self.fit.problem.unknowns):
+            there[k] = unknown.moved(float(scores[k]), float(move[k]), float(self.fit.u[k]))
+        return there
 
     def _cost(self, here: Anchor, scores: Array) -> tuple[float, Array]:
         """Square sum of misfit and scores, infinite where there is no response, and the misfit."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.action import Action
-from vgvt.reconcile.adjacent import adjacent
+from vgvt.reconcile.adjacent import beside, groups_at
 from vgvt.reconcile.chain import chain_factor
 from vgvt.reconcile.grouping import (
     Group,
@@ -174,26 +174,6 @@ def anchor(
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered)
 
 
-def groups_at(
-    problem: Problem,
-    u: Array,
-    hypotheses: tuple[Hypothesis, ...],
-    e: Array,
-    beside: tuple[Group, ...] | None = None,
-) -> tuple[Group, ...] | None:
-    """Groups at scores u and e, next to those ``beside`` (without the last hypothesis) where that is enough."""
-    near = None if beside is None else _beside(problem, u, beside, hypotheses, e)
-    return assembled(problem, u, hypotheses, e) if near is None else near
-
-
-def _beside(
-    problem: Problem, u: Array, known: tuple[Group, ...], hypotheses: tuple[Hypothesis, ...], e: Array
-) -> tuple[Group, ...] | None:
-    """Groups with the last hypothesis added to those without it; None where only assembling will do."""
-    made = effects_at(problem, hypotheses, e)
-    return None if made is None else adjacent(problem, known, cells_at(problem, u), made[:-1], made[-1])
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Side:
     """Groups at e and a step of one parameter away: what their difference is over the step is its slope."""
@@ -215,14 +195,14 @@ def _sides(
         mine, rest = e[ends[k] : ends[k + 1]], np.concatenate([e[: ends[k]], e[ends[k + 1] :]])
         bare = assembled(problem, u, others, rest) if mine.size else None
         ordered = (*others, hypothesis)
-        here = None if bare is None else _beside(problem, u, bare, ordered, np.concatenate([rest, mine]))
+        here = None if bare is None else beside(problem, u, bare, ordered, np.concatenate([rest, mine]))
         for j in range(mine.size):
             side = None
             for step in (_EFFECT_STEP, -_EFFECT_STEP):
                 moved = mine + step * np.eye(mine.size)[j]
                 near = None
                 if bare is not None and here is not None and _alike(groups, here):
-                    near = _beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
+                    near = beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
                 if near is not None and here is not None and _alike(groups, near):
                     side = _Side(here, near, step)
                     break

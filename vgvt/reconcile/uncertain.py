@@ -23,6 +23,10 @@ _LONG = 0.5
 Edit = Callable[[Scenario, float], Scenario]
 
 
+# No less than this share of a factor, and no nearer to a bound, in one step.
+_LEAST_LEFT, _NEAR_BOUND = 0.1, 0.99
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Unknown:
     """One declared uncertainty; ``edit(scenario, amount)`` applies the factor ('log') or the shift ('linear').
@@ -51,6 +55,19 @@ class Unknown:
         if self.scale == "bounded":
             return self.sd * (1 - self.amount(u) ** 2)
         return self.sd * (self.amount(u) if self.scale == "log" else 1.0)
+
+    def moved(self, u: float, step: float, origin: float) -> float:
+        """The score from u on where the amount changes as a tangent at ``origin`` says for a ``step`` of scores.
+
+        Matrices are linear in amounts, and far from linear in the scores of factors that are far off.
+        """
+        if self.scale == "linear":
+            return u + step
+        amount = self.amount(u)
+        there = amount + self.rate(origin) * step
+        if self.scale == "log":
+            return math.log(there) / self.sd if there > _LEAST_LEFT * amount else u + step
+        return math.atanh(there) / self.sd if abs(there) < _NEAR_BOUND else u + step
 
     def change(self, u: float) -> float:
         """The amount's distance from the stated value: factor - 1, or the shift."""
