@@ -27,6 +27,8 @@ _FINALISTS = 4
 _LOST = 10.0
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
+# Standard deviations within which held-out data are not against a name that tolerances speak for.
+_CHANCE = 2.0
 # What 'much better' means where held-out data are still missed: this share of what was too much.
 _MUCH = 0.25
 
@@ -269,15 +271,19 @@ def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresho
         return False
     excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
     better = before.held_out_chi2_per_dof - rival.held_out
-    split = rival.fit.problem.split
-    lines = int(split.held.sum()) * rival.fit.problem.measured.frequency_hz.size
-    rho = (rival.fit.foretold - rival.fit.problem.measured.values) / rival.fit.problem.measured.sigma
-    worth = min(1.0, independent_values(rho[split.held]) / (2 * lines))
+    problem = rival.fit.problem
+    held, sigma = problem.split.held, problem.measured.sigma
+    lines = int(held.sum()) * problem.measured.frequency_hz.size
+    rho = ((rival.fit.foretold - problem.measured.values) / sigma)[held]
+    worth = min(1.0, independent_values(rho) / (2 * lines))
     nats = worth * lines * better
     tolerances_nats = 0.5 * float(current.scores @ current.scores - rival.fit.scores @ rival.fit.scores)
     if rival.held_out > before.limits.held_out_per_dof and better < _MUCH * excess:
         return False
-    if tolerances_nats >= thresholds.evidence_nats and nats > -_HELD_OUT_NATS:
+    # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
+    apart = worth * float(np.sum(np.abs((rival.fit.foretold - current.foretold) / sigma)[held] ** 2))
+    chance = max(_HELD_OUT_NATS, _CHANCE * np.sqrt(2 * apart))
+    if tolerances_nats >= thresholds.evidence_nats and nats > -chance:
         return True
     return nats > _HELD_OUT_NATS
 

@@ -168,7 +168,7 @@ def _step(
         damped = normal + damping * np.eye(scores.size)
         move = -scipy.linalg.solve(damped, gradient, assume_a="pos")
         move *= min(1.0, _LONGEST_STEP / max(np.abs(move).max(), 1e-300))
-        new_u, new_e = u + move[: u.size], e + move[u.size :]
+        new_u, new_e = _moved(here, u, e, move)
         try:
             there = anchor(problem, new_u, here.hypotheses, new_e, slopes=False)
             trial = there.predict(new_u, new_e)
@@ -182,6 +182,19 @@ def _step(
             return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost
         damping = max(10 * damping, 1.0)
     return None
+
+
+def _moved(here: Anchor, u: Array, e: Array, move: Array) -> tuple[Array, Array]:
+    """Scores after a step that is straight in amounts, as the valley is where an effect and an unknown trade places."""
+    new_u, new_e = u + move[: u.size], e + move[u.size :]
+    for k, unknown in enumerate(here.problem.unknowns):
+        new_u[k] = unknown.moved(float(u[k]), float(move[k]), float(u[k]))
+    start = 0
+    for hypothesis in here.hypotheses:
+        stop = start + len(hypothesis.parameters)
+        new_e[start:stop] = hypothesis.moved(e[start:stop], move[u.size + start : u.size + stop])
+        start = stop
+    return new_u, new_e
 
 
 def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, converged: bool, sigma: Array | None) -> Fit:

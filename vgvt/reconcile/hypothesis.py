@@ -16,6 +16,8 @@ from vgvt.effects.protocol import Effect
 Array = NDArray[np.float64]
 # A plausible range is taken as plus and minus this many standard deviations of the prior.
 _RANGE_SD = 2.0
+# No less than this share of a value in one step.
+_LEAST_LEFT = 0.1
 _BEYOND = 0.5
 
 
@@ -86,6 +88,15 @@ class Hypothesis:
             value = values[p.name]
             found.append(((math.log(value) if p.scale == "log" else value) - mean) / sd)
         return np.array(found)
+
+    def moved(self, scores: Array, step: Array) -> Array:
+        """Scores (parameters,) after a step (parameters,) that is straight in the values, not in their logarithms."""
+        there = np.asarray(scores + step, dtype=float)
+        for k, p in enumerate(self.parameters):
+            factor = 1 + prior(p)[1] * float(step[k])
+            if p.scale == "log" and factor > _LEAST_LEFT:
+                there[k] = scores[k] + math.log(factor) / prior(p)[1]
+        return there
 
     def effect(self, values: Mapping[str, float]) -> Effect | None:
         """The effect itself; None where it refuses the values."""
