@@ -90,10 +90,10 @@ def test_held_out_data_must_speak_for_a_name() -> None:
     before = SimpleNamespace(held_out_chi2_per_dof=1.0, held_out_noise_per_dof=1.0, limits=limits)
     needs: Any = SimpleNamespace(evidence_nats=9.0)
 
-    def confirmed(held_out: float, null_scores: float) -> bool:
+    def confirmed(held_out: float, null_scores: float, apart: float = 0.0) -> bool:
         own = leaving(noise(0))
         own.scores = np.zeros(3)
-        null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]))
+        null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]), foretold=own.foretold + apart)
         own.problem.measured.frequency_hz = np.zeros(LINES)
         return _confirmed(Rival(own, 50.0, 50.0, held_out), null, before, needs)  # type: ignore[arg-type]
 
@@ -102,3 +102,7 @@ def test_held_out_data_must_speak_for_a_name() -> None:
     assert not confirmed(1.1, 0.0)
     assert confirmed(1.0, 5.0)
     assert not confirmed(1.1, 5.0)
+    # 200 held-out values: 6 nats against it are chance where the two predictions are 8 apart, and are not where 2.
+    assert confirmed(1.03, 5.0, apart=0.2)
+    assert not confirmed(1.03, 5.0, apart=0.05)
+    assert not confirmed(1.03, 0.0, apart=0.2)

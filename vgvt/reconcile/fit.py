@@ -32,6 +32,8 @@ FAR = ((0.15, 4), (0.05, 3), (0.0, 20))
 _LONGEST_STEP = 1.5
 _ENOUGH = 1e-3
 _REJECTIONS = 5
+# Relative to the cost: what a step gains where no step leads anywhere any more.
+_NOTHING = 1e-4
 # Standard deviations that a tolerance reaches.
 _WITHIN = 3.0
 
@@ -143,8 +145,9 @@ def fit(
             if step is None:
                 converged = True
                 break
-            u, e, here, predicted, damping, gain = step
-            if gain < _ENOUGH:
+            u, e, here, predicted, damping, gain, promised = step
+            # A step held back gains little anywhere: at the bottom not even a free one promises anything.
+            if promised < _ENOUGH or gain < _NOTHING:
                 converged = True
                 break
         else:
@@ -154,8 +157,8 @@ def fit(
 
 def _step(
     here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float
-) -> tuple[Array, Array, Anchor, ComplexArray, float, float] | None:
-    """One accepted step with what it gained relative to the cost, or None where none is found."""
+) -> tuple[Array, Array, Anchor, ComplexArray, float, float, float] | None:
+    """One accepted step, what it gained and what a free one promised of the cost; None where none is found."""
     problem = here.problem
     misfit = data_misfit(problem, predicted, sigma)
     tangent = jacobian(here, u, e, predicted, sigma)
@@ -163,6 +166,7 @@ def _step(
     cost = float(misfit @ misfit + scores @ scores)
     normal = tangent.T @ tangent + np.eye(scores.size)
     gradient = tangent.T @ misfit + scores
+    promised = float(gradient @ scipy.linalg.solve(normal, gradient, assume_a="pos")) / cost
     for _ in range(_REJECTIONS):
         # Scores are in units of their priors: damping by the identity spares the well-determined directions.
         damped = normal + damping * np.eye(scores.size)
@@ -179,7 +183,7 @@ def _step(
         new_cost = float(found @ found + new_u @ new_u + new_e @ new_e)
         if new_cost < cost:
             there = anchor(problem, new_u, here.hypotheses, new_e, groups=there.assembled)
-            return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost
+            return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost, promised
         damping = max(10 * damping, 1.0)
     return None
 

@@ -98,6 +98,15 @@ class Hypothesis:
                 there[k] = scores[k] + math.log(factor) / prior(p)[1]
         return there
 
+    def reach(self, index: int, step: float) -> float:
+        """Scores by which a tangent reaches the value that a step of a parameter's score leads to.
+
+        Matrices are straight in values: divided by this, their differences over a step hold no curvature of its scale.
+        """
+        p = self.parameters[index]
+        sd = prior(p)[1]
+        return math.expm1(sd * step) / sd if p.scale == "log" else step
+
     def effect(self, values: Mapping[str, float]) -> Effect | None:
         """The effect itself; None where it refuses the values."""
         try:

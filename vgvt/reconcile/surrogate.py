@@ -204,13 +204,13 @@ def _sides(
                 if bare is not None and here is not None and _alike(groups, here):
                     near = beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
                 if near is not None and here is not None and _alike(groups, near):
-                    side = _Side(here, near, step)
+                    side = _Side(here, near, hypothesis.reach(j, step))
                     break
                 away = e.copy()
                 away[ends[k] + j] += step
                 near = assembled(problem, u, hypotheses, away)
                 if near is not None and _alike(groups, near):
-                    side = _Side(groups, near, step)
+                    side = _Side(groups, near, hypothesis.reach(j, step))
                     break
             sides.append(side if side is not None else _Side(groups, groups, _EFFECT_STEP))
     return sides
