@@ -112,7 +112,7 @@ def attribute(
             if current is not null:
                 before = residual(current, thresholds)
                 found = [r.fit for r in rivals]
-                if current.evidence_nats > null.evidence_nats + thresholds.evidence_nats:
+                if before.train_chi2_per_dof < BIASED <= null.chi2_per_dof:
                     # What was screened where the calibration had lost its way says little of where it belongs.
                     again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8))
                     found += [r.fit for r in again]
