@@ -84,10 +84,6 @@ the shape in which it hangs. Gravity's follower forces and the droop are therefo
 by 0.9 % of its semi-span, which alone moves none of its modes below 50 Hz by more than 0.03 %; with an eighth of its
 stiffness it would droop by 7 % and lose 1.3 % of its first bending frequency. What the model leaves out is the stretch
 of the axis: its beams do not get longer, and a beam held at both ends would not stiffen as it bends.
-
-Not there yet: play in a control surface's hinge (`control-surface` is linear), backlash inside the shaker, creep of a
-mount or a root joint from run to run (`run-drift` acts on the whole airframe, `drive-remount` on the place of the drive
-point).
 """
 
 
