@@ -1,0 +1,65 @@
+"""Effects that an unknown stands in for: scores and amounts, and a fit that goes the whole way along the valley."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.effects.added_inertia import AddedInertia
+from vgvt.reconcile.fit import NEAR, calibrate, fit
+from vgvt.reconcile.hypothesis import Hypothesis, prior
+from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.uncertain import Unknown
+
+ROLL = 0.05
+
+
+def unknown(scale: str) -> Unknown:
+    return Unknown("k", "a stiffness", "N/m", 0.1, scale, lambda scenario, amount: scenario)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("scale", ["log", "linear", "bounded"])
+def test_a_score_moves_straight_in_its_amount(scale: str) -> None:
+    """By what the tangent at another score says, wherever it stands."""
+    k = unknown(scale)
+    there = k.moved(2.0, 1.5, 4.0)
+    assert k.amount(there) - k.amount(2.0) == pytest.approx(1.5 * k.rate(4.0), rel=1e-9)
+
+
+def test_a_factor_never_moves_through_zero() -> None:
+    assert unknown("log").moved(0.0, -20.0, 0.0) == -20.0
+
+
+def test_an_effect_moves_straight_in_its_value() -> None:
+    """A step of the score is one of the value's tangent; the reach of a step is the tangent's way to the same value."""
+    inertia = Hypothesis(available_effects()["added-inertia"], {"x_m": 0.4, "y_m": 0.0, "pitch_inertia_kg_m2": 0.0})
+    (p,) = inertia.parameters
+    sd = prior(p)[1]
+    here, step = np.array([0.7]), np.array([0.2])
+    before = inertia.values(here)[p.name]
+    assert inertia.values(inertia.moved(here, step))[p.name] == pytest.approx(before * (1 + 0.2 * sd))
+    assert inertia.reach(0, 0.2) == pytest.approx((math.exp(0.2 * sd) - 1) / sd)
+
+
+def test_a_fit_goes_the_whole_way_along_the_valley(tmp_path: Path) -> None:
+    """The body's own inertia had taken over an added one: it must come back, and the added one to its true size."""
+    case = problem(tmp_path, 1, AddedInertia(roll_inertia_kg_m2=ROLL))
+    swallowed = calibrate(case)
+    body = case.names.index("Ixx body")
+    assert swallowed.u[body] > 8
+    inertia = Hypothesis(available_effects()["added-inertia"], {"x_m": 0.48, "y_m": 0.0, "pitch_inertia_kg_m2": 0.0})
+    half = {"roll_inertia_kg_m2": 0.4 * ROLL}
+    followed = Stand.of(swallowed).followed(inertia, half)
+    assert followed is not None
+    assert followed[1][body] > 5
+    found = fit(case, (inertia,), followed[1], inertia.scores(half), NEAR)
+    assert found.converged
+    assert abs(found.u[body]) < 3
+    size, sd, _ = found.values(0)["roll_inertia_kg_m2"]
+    assert abs(size - ROLL) < 4 * sd
+    assert sd < 0.1 * ROLL
