@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +16,12 @@ from vgvt.effects.added_inertia import AddedInertia
 from vgvt.reconcile.fit import NEAR, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis, prior
 from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.surrogate import Anchor
 from vgvt.reconcile.uncertain import Unknown
 
 ROLL = 0.05
+# The package's lazy name of the same spelling is the function.
+fits = importlib.import_module("vgvt.reconcile.fit")
 
 
 def unknown(scale: str) -> Unknown:
@@ -63,3 +68,21 @@ def test_a_fit_goes_the_whole_way_along_the_valley(tmp_path: Path) -> None:
     size, sd, _ = found.values(0)["roll_inertia_kg_m2"]
     assert abs(size - ROLL) < 4 * sd
     assert sd < 0.1 * ROLL
+
+
+@pytest.mark.parametrize(("promised", "steps"), [(0.05, 12), (1e-4, 1)])
+def test_a_step_held_back_is_not_the_bottom(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, promised: float, steps: int
+) -> None:
+    """Little gained where a free step promised much: on, as far as the stage allows; where little, it ends."""
+    taken = []
+
+    def held_back(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float) -> Any:
+        taken.append(damping)
+        return u, e, here, predicted, damping, 5e-4, promised
+
+    monkeypatch.setattr(fits, "_step", held_back)
+    case = problem(tmp_path, 1)
+    found = fit(case, (), np.zeros(case.size), np.zeros(0), NEAR)
+    assert len(taken) == steps
+    assert found.converged == (steps == 1)

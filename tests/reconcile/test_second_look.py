@@ -1,0 +1,37 @@
+"""A round looks again where a better start of the calibration has brought it near, and only there."""
+
+from __future__ import annotations
+
+import importlib
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+rounds = importlib.import_module("vgvt.reconcile.attribute")
+THRESHOLDS: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
+
+
+@pytest.mark.parametrize(("before", "after", "looks"), [(20.0, 0.7, 2), (20.0, 15.0, 1), (1.0, 0.7, 1)])
+def test_looks_again_from_where_the_calibration_belongs(
+    monkeypatch: pytest.MonkeyPatch, before: float, after: float, looks: int
+) -> None:
+    null, better = (SimpleNamespace(chi2_per_dof=c, problem=None) for c in (before, after))
+    rival = SimpleNamespace(fit="a rival", name="rival")
+    seen: list[Any] = []
+
+    def tried(current: Any, *others: Any) -> tuple[Any, ...]:
+        seen.append(current)
+        return (rival,)
+
+    def left(fit: Any, thresholds: Any) -> Any:
+        return SimpleNamespace(train_chi2_per_dof=fit.chi2_per_dof, adequate=True)
+
+    monkeypatch.setattr(rounds, "_tried", tried)
+    monkeypatch.setattr(rounds, "residual", left)
+    monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
+    monkeypatch.setattr(rounds, "_restart", lambda null, winner: better)
+    monkeypatch.setattr(rounds, "_against", lambda current, fits: ())
+    found = rounds.attribute(null, (), THRESHOLDS)
+    assert seen == [null, better][:looks]
+    assert found.null is better
