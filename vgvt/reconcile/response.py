@@ -121,12 +121,12 @@ def accelerance_slopes(
     count, m = slopes.mass.shape[0], matrices.drive.size
     out = np.zeros((count, matrices.axis.shape[0], omega.size), dtype=complex)
     pushed = inverse @ matrices.drive
-    stacked = np.concatenate([slopes.stiffness, slopes.damping, slopes.mass])
-    # Most parameters change one of the three matrices.
-    active = np.abs(stacked).max(axis=(1, 2)) > 0
-    flat = stacked[active].reshape(-1, m)
+    # Rows (3 m, k m) that turn [q, iω q, -ω² q] into dZ q of every parameter, lines staying the outer axis throughout.
+    joined = np.concatenate([slopes.stiffness, slopes.damping, slopes.mass], axis=2)
+    changes = np.ascontiguousarray(joined.reshape(count * m, 3 * m).T)
     for rows, mass in zip(runs, masses_kg, strict=True):
         axis, tilt = matrices.axis[rows], matrices.tilt[rows]
+        axis_slopes, tilt_slopes = slopes.axis[:, rows], slopes.tilt[:, rows]
         towards = -square[:, :, None] * axis + tilt
         adjoint = towards @ inverse
         inertia = square * mass
@@ -138,21 +138,28 @@ def accelerance_slopes(
         q = pushed + np.einsum("lma,la->lm", answered, force)
         if mass.any():
             adjoint = adjoint + (towards @ answered) @ (inertia[:, :, None] * loading) @ (axis @ inverse)
-        # dZ q of every parameter at once, real matrices times real and imaginary part.
-        parts = (flat @ np.concatenate([q.real.T, q.imag.T], axis=1)).reshape(-1, m, 2 * omega.size)
-        moved_by = np.zeros((3 * count, m, omega.size), dtype=complex)
-        moved_by[active] = parts[..., : omega.size] + 1j * parts[..., omega.size :]
-        stiff, damped, heavy = moved_by.reshape(3, count, m, omega.size)
-        right = -(stiff + 1j * omega * damped - omega**2 * heavy)
-        right += slopes.drive[:, :, None]
-        moved = slopes.axis[:, rows] @ q.T
+        right = _real_times(np.concatenate([-q, -1j * omega[:, None] * q, square * q], axis=1), changes)
+        right = right.reshape(omega.size, count, m)
+        right += slopes.drive
+        moved = _real_times(q, axis_slopes.reshape(-1, m).T).reshape(omega.size, count, rows.size)
         if mass.any():
-            right += np.einsum("krm,lr->kml", slopes.axis[:, rows], force)
-            changed = inertia.T * moved + (omega**2 * slopes.masses_kg[:, rows, None]) * displaced.T
-            right += np.einsum("rm,krl->kml", axis, changed)
+            pulled = _real_times(force, axis_slopes.transpose(1, 0, 2).reshape(rows.size, -1))
+            right += pulled.reshape(right.shape)
+            changed = inertia[:, None, :] * moved
+            changed += square[:, :, None] * slopes.masses_kg[:, rows] * displaced[:, None, :]
+            right += changed @ axis
         # (lines, k, m) times (lines, m, rows)
-        read = right.transpose(2, 0, 1) @ adjoint.transpose(0, 2, 1)
-        out[:, rows] = read.transpose(1, 2, 0) - omega**2 * moved + slopes.tilt[:, rows] @ q.T
+        read = right @ adjoint.transpose(0, 2, 1) - square[:, :, None] * moved
+        read += _real_times(q, tilt_slopes.reshape(-1, m).T).reshape(read.shape)
+        out[:, rows] = read.transpose(1, 2, 0)
+    return out
+
+
+def _real_times(values: ComplexArray, matrix: Array) -> ComplexArray:
+    """A complex matrix times a real one, without making that complex."""
+    out = np.empty((values.shape[0], matrix.shape[1]), dtype=complex)
+    out.real = values.real @ matrix
+    out.imag = values.imag @ matrix
     return out
 
 

@@ -22,7 +22,7 @@ from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT, airframe_spec, cut_airframe
 from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
-from vgvt.simulation.damping import add_structural_damping
+from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_element
 from vgvt.simulation.linear import joint_force, linearise, settle
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
@@ -148,7 +148,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
 
     InputError or RuntimeError where the aircraft finds no rest.
     """
-    spec, springs = _hung(layout, points)
+    spec, springs, damped = _hung(layout, points)
     model = spec.compile()
     names = tuple(model.joint(j).name for j in range(model.njnt))
     qpos = _rest(model, springs, names, near)
@@ -161,7 +161,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     drive = drive_axis[0]
     mass = linear.mass - above * np.outer(drive, drive)
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt[0])
-    damping = linear.damping.copy()
+    damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
         joint = names.index(spring.axis)
         stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
@@ -201,11 +201,15 @@ def _in_body_axes(s: Structure) -> Structure:
     )
 
 
-def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSpec, list[str]]:
-    """The aircraft on its spring with the whole transducer, and the names of springs to trim at rest."""
+def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
+    """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping.
+
+    The modes' dampers are left out of the specification: differences of forces would ask for their rows over and over.
+    """
     scenario, parts = layout.scenario, layout.parts
     spec = airframe_spec(parts)
-    add_structural_damping(spec, scenario.airframe.damping)
+    damped = StructuralDamping.of(spec, scenario.airframe.damping)
+    damped.damp_joints(spec)
     for name, element in layout.elements:
         if element.owner == "airframe":
             add_element(spec, parts, name, element)
@@ -224,7 +228,7 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
             add_element(spec, parts, name, element)
         if isinstance(element, GroundSpring | RotationSpring):
             springs.append(name)
-    return spec, springs
+    return spec, springs, damped
 
 
 def _rest(model: mujoco.MjModel, springs: list[str], names: tuple[str, ...], near: Structure | None) -> Array:
