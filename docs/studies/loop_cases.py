@@ -88,7 +88,7 @@ class Case:
 class Staged:
     """A campaign for the analysis, and beside it, for the umpire alone, what is true: settings by effect and sizes.
 
-    ``ratio`` is the smallest size over what is just visible; ``place_m`` where a thing sits that no catalogue knows.
+    ``ratio`` is the smallest size over what is just visible; ``place_m`` where a thing sits that has one place.
     """
 
     campaign: Campaign | None
@@ -114,6 +114,8 @@ def staged(case: Case) -> Staged:
                 return Staged(None, {}, 0.0)
             sizes[name], own = chosen
             ratio = min(ratio, own)
+            if {"x_m", "y_m"} <= set(sizes[name]):
+                place = (sizes[name]["x_m"], sizes[name]["y_m"])
         tables = tuple(EffectTable(name=name, **values) for name, values in sizes.items())
         campaign = simulate(true.model_copy(update={"effect": tables}), engine=case.engine).campaign
     noisy = lab.read_by_instruments(campaign, scenario, case.stream("instruments"), case.noise)

@@ -96,7 +96,8 @@ def best_rival(verdict: Verdict) -> float:
 
 def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
     """Held-out χ² per degree of freedom of a fit that is told which effect acts, with which settings and sizes."""
-    if case.group != "effect" or not stage.truth:
+    if case.group != "effect" or not all(stage.truth.values()):
+        # The second laboratory keeps its draws to itself.
         return None
     hypotheses, start = [], []
     for name, values in stage.truth.items():
@@ -107,9 +108,13 @@ def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
         start.append(hypothesis.scores({k: v for k, v in values.items() if k in numbers}))
     found = verdict.attribution
     problem, e = found.null.problem, np.concatenate(start)
-    # Told the effect, it may still lose its way from a calibration that swallowed it: the better of two starts.
+    # Told the effect, it may still lose its way from a calibration that swallowed it: the better of two starts, but
+    # where the verdict names it and leaves nothing but noise, beside which no other start can find anything.
     fits = []
-    for u, stages in ((found.null.u, FAR), (found.final.u, NEAR)):
+    starts = [(found.final.u, NEAR), (found.null.u, FAR)]
+    if found.final_residual.adequate and {e.name for e in verdict.effects} == set(stage.truth):
+        starts = starts[:1]
+    for u, stages in starts:
         try:
             fits.append(fit(problem, tuple(hypotheses), u, e, stages))
         except (ValueError, RuntimeError, np.linalg.LinAlgError):

@@ -82,4 +82,4 @@ def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> Non
     kept = _finalists(null, chosen, lambda fraction, message: None)
     assert len(kept) == _FINALISTS
     assert {s.hypothesis for s in kept} < {s.hypothesis for s in chosen}
-    assert kept[0].start is not None and np.abs(kept[0].start - null.u).max() > 0
+    assert kept[0].start is not None and np.abs(kept[0].start - null.scores).max() > 0

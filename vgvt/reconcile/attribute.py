@@ -10,19 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
+from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, cost_at, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
+from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.residual import Residual, independent_values, residual
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.same_place import left_where_it_was
+from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shortened
 from vgvt.reconcile.thresholds import Thresholds
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # As many as a far-off round fits to the end.
 _FINALISTS = 4
+# Share of its size at which an effect can only do a little harm.
+_LITTLE = 0.125
 # Worse by more than what a superfluous parameter costs in evidence.
 _LOST = 10.0
 # Held-out data must speak for a name by more than chance fluctuation.
@@ -31,6 +35,8 @@ _HELD_OUT_NATS = 1.0
 _CHANCE = 2.0
 # What 'much better' means where held-out data are still missed: this share of what was too much.
 _MUCH = 0.25
+# Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
+_WITHIN = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,9 +130,15 @@ def attribute(
             more = _fit_all(current, later, before, part(here, 0.9, 1.0))
             rivals = _against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        confirmed = _taking_it_away(current, confirmed, before)
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
+        best = max(r.gain_nats for r in confirmed)
+        within = max(thresholds.set_nats, _WITHIN * best)
+        ends = {id(r): _finished(r, current) for r in confirmed if r.gain_nats > best - within}
+        rivals = tuple(ends.get(id(r), r) for r in rivals)
+        confirmed = [ends.get(id(r), r) for r in confirmed]
         winner = max(confirmed, key=lambda r: r.gain_nats)
         equal = tuple(r for r in confirmed if r.gain_nats > winner.gain_nats - thresholds.set_nats)
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
@@ -151,6 +163,30 @@ def _tried(
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
     """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
     return rival.gain_nats >= thresholds.evidence_nats and _confirmed(rival, current, before, thresholds)
+
+
+def _finished(rival: Rival, current: Fit) -> Rival:
+    """A rival whose fit has come to its end: a comparison may stop short of it, a name's parameters may not."""
+    found = rival.fit
+    if found.converged:
+        return rival
+    more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END)
+    return _judged(current, more) if more.evidence_nats >= found.evidence_nats else rival
+
+
+def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) -> list[Rival]:
+    """Of the confirmed, those that may win: not those that leave the residual to the place that explained it before."""
+    left, place = sorted(confirmed, key=lambda r: -r.gain_nats), None
+    while left:
+        missed = left[0].held_out
+        if missed is None or missed <= before.limits.held_out_per_dof or before.held_out_chi2_per_dof is None:
+            break
+        place = localise(current) if place is None else place
+        after, noise = localise(left[0].fit), before.held_out_noise_per_dof or 0.0
+        if not left_where_it_was(place, after, before.held_out_chi2_per_dof - noise, missed - noise):
+            break
+        left = left[1:]
+    return left
 
 
 def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual) -> list[Hypothesis]:
@@ -185,8 +221,7 @@ def _finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tupl
     coarse = FAR[:1]
     found: list[tuple[float, Screened]] = []
     for i, s in enumerate(chosen):
-        hypothesis, start = _start(current, s)
-        u = current.u if s.start is None else s.start
+        hypothesis, u, start = _start(current, s)
         told = _naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
         try:
             there = fit(
@@ -195,16 +230,19 @@ def _finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tupl
         except NoStructureError:
             continue
         here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
-        found.append((there.evidence_nats, replace(s, values={**s.values, **here}, start=there.u)))
+        ahead = replace(s, values={**s.values, **here}, start=there.scores[: current.scores.size])
+        found.append((there.evidence_nats, ahead))
     found.sort(key=lambda f: -f[0])
     return tuple(s for _, s in found[:_FINALISTS])
 
 
-def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64]]:
-    """A candidate with its place freed where it has one, and the scores (parameters,) of all effects to start from."""
+def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64], NDArray[np.float64]]:
+    """A candidate with its place freed where it has one, and the scores u and e (of all effects) to start from."""
     hypothesis = freed(s.hypothesis)
     own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
-    return hypothesis, np.concatenate([current.e, hypothesis.scores({**own, **s.values})])
+    known = current.scores if s.start is None else s.start
+    u, e = np.split(known, [current.u.size])
+    return hypothesis, u, np.concatenate([e, hypothesis.scores({**own, **s.values})])
 
 
 def _naming(tell: Progress, hypothesis: Hypothesis) -> Progress:
@@ -213,19 +251,23 @@ def _naming(tell: Progress, hypothesis: Hypothesis) -> Progress:
 
 
 def _fitted(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...], tell: Progress) -> Fit | None:
-    """A candidate fitted from where the screen left it.
+    """A candidate fitted from where the screen left it, or with little of it from where the model without it is.
 
+    The screen follows the unknowns along straight lines, which sharp resonances leave soon: the better start is taken.
     A model with one effect more can do as well as the one without: a fit that lost its way is done again from there.
     """
-    hypothesis, start = _start(current, s)
-    u, tell = current.u if s.start is None else s.start, _naming(tell, hypothesis)
+    hypothesis, u, start = _start(current, s)
+    little = _start(current, replace(s, values=parted(s, _LITTLE), start=None))[1:]
+    hypotheses, tell = (*current.hypotheses, hypothesis), _naming(tell, hypothesis)
+    if stages is NEAR:
+        u, start = min((u, start), little, key=lambda where: cost_at(current.problem, hypotheses, *where))
     try:
-        found = fit(current.problem, (*current.hypotheses, hypothesis), u, start, stages, tell)
+        found = fit(current.problem, hypotheses, u, start, stages, tell)
     except NoStructureError:
         return None
     if found.evidence_nats < current.evidence_nats - _LOST and stages is not NEAR:
         try:
-            again = fit(current.problem, found.hypotheses, current.u, start, NEAR, tell)
+            again = fit(current.problem, hypotheses, *little, NEAR, tell)
         except NoStructureError:
             return found
         return max(found, again, key=lambda f: f.evidence_nats)

@@ -23,7 +23,7 @@ from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.planform import edge_lines_m
 
 _FROM_RUNS = 4
-_STATIONS = 4
+_STATIONS = 6
 _MOST = 64
 
 
@@ -59,7 +59,8 @@ def places(problem: Problem) -> tuple[tuple[float, float], ...]:
     for beam in expanded_beams(airframe):
         forward, aft = edge_lines_m(beam)
         middle = (forward + aft) / 2
-        arc = np.linspace(0, 1, len(middle))
+        arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
+        arc /= arc[-1]
         for share in (np.arange(_STATIONS) + 0.75) / _STATIONS:
             share = min(float(share), 0.97)
             points.append((float(np.interp(share, arc, middle[:, 0])), float(np.interp(share, arc, middle[:, 1]))))

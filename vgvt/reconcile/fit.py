@@ -29,7 +29,10 @@ NEAR = ((0.0, 12),)
 """For a start that is near already."""
 FAR = ((0.15, 4), (0.05, 3), (0.0, 20))
 """For a start from a model that misses much."""
-_LONGEST_STEP = 1.5
+TO_THE_END = ((0.0, 60),)
+"""For a fit that was stopped on its way down."""
+# Standard deviations at once: from where scores are tens of them away, a share of that.
+_LONGEST_STEP, _LONGEST_SHARE = 1.5, 0.2
 _ENOUGH = 1e-3
 _REJECTIONS = 5
 # Relative to the cost: what a step gains where no step leads anywhere any more.
@@ -155,6 +158,16 @@ def fit(
     return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
 
 
+def cost_at(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: Array, e: Array) -> float:
+    """Square sum of misfit and scores at u and e, what a fit lowers; infinite where there is no such aircraft."""
+    try:
+        predicted = anchor(problem, u, hypotheses, e, slopes=False).predict(u, e)
+    except NoStructureError:
+        return np.inf
+    misfit = data_misfit(problem, predicted)
+    return float(misfit @ misfit + u @ u + e @ e)
+
+
 def _step(
     here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float
 ) -> tuple[Array, Array, Anchor, ComplexArray, float, float, float] | None:
@@ -167,11 +180,12 @@ def _step(
     normal = tangent.T @ tangent + np.eye(scores.size)
     gradient = tangent.T @ misfit + scores
     promised = float(gradient @ scipy.linalg.solve(normal, gradient, assume_a="pos")) / cost
+    longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max()))
     for _ in range(_REJECTIONS):
         # Scores are in units of their priors: damping by the identity spares the well-determined directions.
         damped = normal + damping * np.eye(scores.size)
         move = -scipy.linalg.solve(damped, gradient, assume_a="pos")
-        move *= min(1.0, _LONGEST_STEP / max(np.abs(move).max(), 1e-300))
+        move *= min(1.0, longest / max(np.abs(move).max(), 1e-300))
         new_u, new_e = _moved(here, u, e, move)
         try:
             there = anchor(problem, new_u, here.hypotheses, new_e, slopes=False)
@@ -182,7 +196,7 @@ def _step(
         found = data_misfit(problem, trial, sigma)
         new_cost = float(found @ found + new_u @ new_u + new_e @ new_e)
         if new_cost < cost:
-            there = anchor(problem, new_u, here.hypotheses, new_e, groups=there.assembled)
+            there = anchor(problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin)
             return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost, promised
         damping = max(10 * damping, 1.0)
     return None

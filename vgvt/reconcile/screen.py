@@ -38,7 +38,8 @@ _SHARES = (1.0, 0.5, 0.25, 0.125)
 class Screened:
     """A variant with the values to start a fit from, and the nats it could buy at best: half the drop of χ².
 
-    ``remaining`` is the χ² that it would leave, ``start`` (u,) the scores it was screened at.
+    ``remaining`` is the χ² that it would leave, ``start`` (scores,) those of the stand that it was screened at: of the
+    unknowns and of the effects that are there already.
     """
 
     hypothesis: Hypothesis
@@ -70,9 +71,8 @@ def screen(
     found = _check_the_best(
         stand, sized, least_nats, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising")
     )
-    done = (
-        replace(s, remaining=stand.cost - 2 * s.gain_nats, start=null.u if s.start is None else s.start) for s in found
-    )
+    starts = (null.scores if s.start is None else s.start for s in found)
+    done = (replace(s, remaining=stand.cost - 2 * s.gain_nats, start=u) for s, u in zip(found, starts, strict=True))
     return tuple(sorted(done, key=lambda s: -s.gain_nats))
 
 
@@ -132,8 +132,8 @@ def _checkable(stand: Stand, s: Screened) -> bool:
     return s.visible and not depends_on_level(stand.fit.problem, s.hypothesis)
 
 
-def _parted(s: Screened, share: float) -> dict[str, float]:
-    """Values with a share of the sizes."""
+def parted(s: Screened, share: float) -> dict[str, float]:
+    """Values of a variant with a share of its sizes."""
     neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
     return {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items()}}
 
@@ -142,7 +142,7 @@ def _in_small(stand: Stand, s: Screened) -> Screened:
     """A variant whose promise is what a small part of its size lets expect of the whole by the closed form."""
     sized = any(p.neutral is not None for p in s.hypothesis.parameters)
     share = _SHARES[-1] if sized else 1.0
-    reached = stand.followed(s.hypothesis, _parted(s, share))
+    reached = stand.followed(s.hypothesis, parted(s, share))
     gain = -math.inf if reached is None else 0.5 * (stand.cost - reached[0]) / (share * (2 - share))
     return replace(s, gain_nats=min(gain, s.gain_nats))
 
@@ -155,7 +155,7 @@ def _checked(stand: Stand, s: Screened) -> Screened:
     """
     best = None
     for share in _SHARES:
-        found = _at(stand, s.hypothesis, _parted(s, share))
+        found = _at(stand, s.hypothesis, parted(s, share))
         best = found if best is None or found.gain_nats > best.gain_nats else best
         if found.gain_nats >= 0.5 * share * (2 - share) * s.gain_nats:
             break

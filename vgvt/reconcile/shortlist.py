@@ -107,7 +107,7 @@ def _best_place(
             continue
         if near.evidence_nats > best:
             here = {k: v[0] for k, v in near.values(len(current.hypotheses)).items()}
-            best, found = near.evidence_nats, replace(s, values=here, start=near.u)
+            best, found = near.evidence_nats, replace(s, values=here, start=near.scores[: current.scores.size])
     return found
 
 
@@ -116,12 +116,13 @@ def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[
     if place.type != "resonant" or place.position_m is None:
         return []
     x, y, _ = place.position_m
+    nothing = np.zeros(current.u.size)
     found: list[Screened] = []
     for s in sorted((s for s in screened if "x_m" in s.hypothesis.settings), key=lambda s: _distance(s, x, y)):
         tuned = {p.name: place.size for p in s.hypothesis.parameters if p.unit == "Hz"}
         if tuned and s.hypothesis.name not in {f.hypothesis.name for f in found}:
             here = replace(s.hypothesis, settings={**s.hypothesis.settings, "x_m": x, "y_m": y})
-            found.append(replace(s, hypothesis=here, values=tuned, start=np.zeros(current.u.size)))
+            found.append(replace(s, hypothesis=here, values=tuned, start=np.concatenate([nothing, current.e])))
     return found
 
 

@@ -6,7 +6,7 @@ therefore taken at no size at all, and at a finite size the unknowns are moved a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -104,7 +104,7 @@ class Stand:
         plain = self.here.chain(null.u, null.e)
         out = plain * moved
         if any(g.filtered for g in there):
-            filtered = Anchor(problem, added, null.u, null.e, (), there, filtered=True).chain(null.u, null.e)
+            filtered = replace(self.here, hypotheses=added, assembled=there, filtered=True).chain(null.u, null.e)
             out = out + null.predicted * (filtered / plain - 1)
         change = data_misfit(problem, problem.measured.values + out, null.sigma)
         return np.concatenate([change, np.zeros(null.scores.size)])
@@ -156,7 +156,7 @@ class Stand:
             best, reached, scores, share = cost, misfit, there, min(1.0, 2 * share)
             if done:
                 break
-        return best, scores[: null.u.size]
+        return best, scores
 
     def _along(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
         """What its sizes would do to the misfit (2 N,) if they did it linearly; None where no slope is known."""

@@ -20,12 +20,12 @@ from vgvt.reconcile.grouping import (
     assembled,
     cells_at,
     effects_at,
-    home,
     run_actions,
     spare_flexibility,
 )
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
+from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, reduction
 from vgvt.simulation.reduced import Structure
@@ -35,7 +35,7 @@ ComplexArray = NDArray[np.complex128]
 
 # Modes up to this many times the top of the band; the rest is a static flexibility.
 _MODES_PER_BAND = 6.0
-_EFFECT_STEP = 0.02
+_EFFECT_STEP = 0.002
 _SLOPE_STEP = 1e-4
 
 
@@ -56,7 +56,10 @@ class Reduced:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Anchor:
-    """The linearisation at scores ``u0`` (problem.size,) and ``e0`` (all parameters of the hypotheses, joined)."""
+    """The linearisation at scores ``u0`` (problem.size,) and ``e0`` (all parameters of the hypotheses, joined).
+
+    The unknowns' slopes are those at ``origin``, None for the values as stated.
+    """
 
     problem: Problem
     hypotheses: tuple[Hypothesis, ...]
@@ -65,6 +68,7 @@ class Anchor:
     groups: tuple[Reduced, ...]
     assembled: tuple[Group, ...]
     filtered: bool
+    origin: Origin | None
 
     @property
     def size(self) -> int:
@@ -155,23 +159,27 @@ def anchor(
     slopes: bool = True,
     beside: tuple[Group, ...] | None = None,
     groups: tuple[Group, ...] | None = None,
+    origin: Origin | None = None,
 ) -> Anchor:
     """Assemble the structure at scores u and e; without ``slopes`` it predicts there and nowhere else.
 
     ``beside`` are the groups at the same u without the last hypothesis: what it changes is then added to them
-    where that is enough. ``groups`` are those at u and e, where they are known. NoStructureError where there is none.
+    where that is enough. ``groups`` are those at u and e, where they are known. ``origin`` is where
+    the unknowns' slopes were taken last. NoStructureError where there is none.
     """
     scores = np.zeros(0) if e is None else e
     groups = groups_at(problem, u, hypotheses, scores, beside) if groups is None else groups
     if groups is None:
         raise NoStructureError("no such structure")
     sides = _sides(problem, u, hypotheses, scores, groups) if slopes else None
+    origin = origin_near(problem, u, scores, origin)
     try:
-        reduced = tuple(_reduced(problem, u, groups, g, sides, scores.size) for g in range(len(groups)))
+        known = [slopes_for(problem, hypotheses, origin if slopes else None, g) for g in groups]
+        reduced = tuple(_reduced(problem, u, groups, g, sides, scores.size, known[g]) for g in range(len(groups)))
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
     filtered = any(g.filtered for g in groups)
-    return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered)
+    return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -230,6 +238,7 @@ def _reduced(
     index: int,
     sides: list[_Side] | None,
     effects: int,
+    local: LocalSlopes,
 ) -> Reduced:
     group = groups[index]
     s = group.structure
@@ -239,7 +248,9 @@ def _reduced(
     carried = _carried(s, group.rows, group.masses_kg, runs, roving)
     full = replace(s, mass=s.mass + carried)
     limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
-    basis = reduction(full.mass, full.stiffness, limit, np.zeros(s.drive.size, dtype=bool))
+    # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt.
+    added = np.array([joint not in problem.nominal.joints for joint in s.joints])
+    basis = reduction(full.mass, full.stiffness, limit, added)
     matrices = _project(full, basis, group.rows)
     missing = spare_flexibility(problem, cells_at(problem, u), s, group.rows)
     matrices = replace(matrices, spare=matrices.spare + missing)
@@ -248,10 +259,10 @@ def _reduced(
     if sides is None:
         none = np.zeros((0, 0))
         return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, none, roving, levels)
-    count, known = len(problem.unknowns), problem.nominal.joints
-    part = basis[[s.joints.index(j) for j in known]]
+    count = len(problem.unknowns)
+    part = basis[[s.joints.index(j) for j in local.joints]]
     sensor = _sensor_mass_index(problem)
-    grid_rows = [problem.nominal.places.index(home(s.places[r])) for r in group.rows]
+    grid_rows = local.rows([s.places[r] for r in group.rows])
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
     shown: list[ComplexArray] = []
@@ -267,7 +278,7 @@ def _reduced(
                 there = (far.shown - near.shown) / side.step
             shown.append(there)
     for name in _NAMES:
-        values = problem.slopes[name]
+        values = local.values[name]
         if name in ("mass", "damping", "stiffness"):
             rows = np.einsum("am,pab,bn->pmn", part, values, part, optimize=True)
         elif name == "drive":

@@ -21,7 +21,7 @@ _SCALE = [[0.0, "#f4f7fb"], [0.25, "#fbe3c8"], [0.5, "#f2a766"], [0.75, "#c9511f
 _STANDING = {
     "named": (TRUTH_COLOUR, "named"),
     "equivalent": ("#56B4E9", "equivalent: explains the data as well"),
-    "refused by held-out data": ("#D55E00", "refused: held-out data do not confirm it"),
+    "refused by held-out data": ("#D55E00", "refused: held-out data, or the place that is left, speak against it"),
     "beaten": (MEASURED_COLOUR, "beaten"),
     "too little evidence": ("#c3c8cf", "too little evidence"),
 }

@@ -1,0 +1,29 @@
+"""Places at which something added is looked for: no stretch of any beam is far from one of them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile.candidates import places
+from vgvt.scenario import load_scenario
+from vgvt.scenario.axis import beam_axis
+from vgvt.scenario.mirror import expanded_beams
+
+
+@pytest.mark.parametrize("name", ["hati-unsymmetric", "bff", "garteur-sm-ag19", "teaching-beam"])
+def test_every_part_of_a_beam_is_near_a_place(name: str) -> None:
+    """However unevenly a table's stations lie: a tenth of the beam's length away along it, half its chord across."""
+    problem: Any = SimpleNamespace(scenario=load_scenario(name))
+    known = np.array(places(problem))
+    for beam in expanded_beams(problem.scenario.airframe):
+        axis = beam_axis(beam)
+        length = axis.arc_length_m[-1]
+        where = np.linspace(0.05, 0.95, 50) * length
+        along = np.array([np.interp(where, axis.arc_length_m, axis.position_m[:, k]) for k in (0, 1)]).T
+        chord = max(beam.stations.aft_edge_m or (0.0,)) + max(beam.stations.forward_edge_m or (0.0,))
+        apart = np.linalg.norm(along[:, None] - known, axis=2).min(axis=1)
+        assert apart.max() < 0.1 * length + chord / 2

@@ -1,0 +1,81 @@
+"""Slopes far from the scenario as stated, against differences of whole predictions, with and without an effect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.local_slopes import Origin, origin_near
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.surrogate import anchor
+
+STEP = 2e-3
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """The small scenario and its campaign."""
+    return problem(tmp_path_factory.mktemp("cache"), 1)
+
+
+def worst(case: Problem, u: Any, hypotheses: tuple[Hypothesis, ...], e: Any) -> float:
+    """Largest error of any unknown's slope, over the slope: those that do next to nothing left out."""
+    known = anchor(case, u, hypotheses, e).slopes()
+    errors, sizes = [], []
+    for k in range(len(case.unknowns)):
+        aside = [u + s * STEP * np.eye(u.size)[k] for s in (1, -1)]
+        ends = [anchor(case, a, hypotheses, e, slopes=False).mechanical(a, e) for a in aside]
+        wanted = (ends[0] - ends[1]) / (2 * STEP)
+        errors.append(np.linalg.norm(known[k] - wanted))
+        sizes.append(np.linalg.norm(wanted))
+    return float(np.max(np.array(errors) / np.maximum(sizes, 0.01 * np.max(sizes))))
+
+
+def imitating(case: Problem) -> Any:
+    """Scores of a calibration that stands in for something: a heavy body, a soft inner wing."""
+    u = np.zeros(case.size)
+    for k, unknown in enumerate(case.unknowns):
+        if unknown.name in ("mass body", "EI wing"):
+            u[k] = 25.0 if unknown.name == "mass body" else -4.0
+    return u
+
+
+def test_where_a_calibration_has_wandered(case: Problem) -> None:
+    u = imitating(case)
+    assert np.abs(u).max() > 5
+    assert worst(case, u, (), np.zeros(0)) < 0.05
+
+
+def test_where_an_effect_moves_the_masses_too(case: Problem) -> None:
+    """A wing that turns at its root: the bare aircraft's slopes know nothing of that joint."""
+    cls = available_effects()["root-compliance"]
+    hypothesis = Hypothesis(cls, {"side": "both"})
+    e = hypothesis.scores({"bending": 0.1, "torsion": 0.1})
+    assert worst(case, imitating(case), (hypothesis,), e) < 0.05
+
+
+def test_slopes_are_taken_anew_only_where_the_last_ones_do_not_serve(case: Problem) -> None:
+    count = len(case.unknowns)
+    near, far, further = np.zeros(case.size), np.zeros(case.size), np.zeros(case.size)
+    near[0], far[0], further[0] = 4.0, 8.0, 12.0
+    nothing = np.zeros(0)
+    assert origin_near(case, near, nothing, None) is None
+    first = origin_near(case, far, nothing, None)
+    assert isinstance(first, Origin) and first.u[0] == 8.0
+    assert origin_near(case, further, nothing, first) is first
+    further[0] = 14.0
+    anew = origin_near(case, further, nothing, first)
+    assert anew is not None and anew is not first
+    # Back home the stated values serve again; with another effect's scores the old place does not.
+    assert origin_near(case, near, nothing, first) is None
+    assert origin_near(case, further, np.zeros(1), anew) is not anew
+    # Instruments' gains have no part in it.
+    gains = np.zeros(case.size)
+    gains[count:] = 50.0
+    assert origin_near(case, gains, nothing, None) is None

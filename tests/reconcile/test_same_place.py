@@ -1,0 +1,54 @@
+"""A name that leaves the residual to the place that explained it before is none."""
+
+from __future__ import annotations
+
+import importlib
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from vgvt.reconcile.same_place import left_where_it_was
+
+rounds = importlib.import_module("vgvt.reconcile.attribute")
+
+
+def explained(**shares: float) -> Any:
+    """A localisation by what each place explains."""
+    places = sorted(shares.items(), key=lambda p: -p[1])
+    return SimpleNamespace(places=tuple(SimpleNamespace(label=k, explained=v) for k, v in places))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "missed_after", "refused"),
+    [
+        # The body explains nearly all, and nearly all of the rest: the name was beside the point.
+        ({"body": 0.9, "tip": 0.7}, {"body": 0.95, "tip": 0.7}, 40.0, True),
+        # It takes away what the body explained: something else is left.
+        ({"body": 0.9, "tip": 0.7}, {"tip": 0.9, "body": 0.5}, 40.0, False),
+        # Two effects: no place explains nearly all, and either may be named first.
+        ({"body": 0.6, "tip": 0.5}, {"body": 0.9, "tip": 0.3}, 40.0, False),
+        # Right but inexact: the little that is left sits where the effect does.
+        ({"body": 0.9}, {"body": 0.9}, 10.0, False),
+        ({}, {}, 40.0, False),
+    ],
+)
+def test_what_one_place_explains_must_go(
+    before: dict[str, float], after: dict[str, float], missed_after: float, refused: bool
+) -> None:
+    assert left_where_it_was(explained(**before), explained(**after), 80.0, missed_after) is refused
+
+
+def test_the_next_best_may_win_where_the_best_is_beside_the_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = {"null": explained(body=0.9), "beside": explained(body=0.95), "right": explained(tip=0.9, body=0.1)}
+    monkeypatch.setattr(rounds, "localise", lambda fit: shown[fit])
+    limits = SimpleNamespace(held_out_per_dof=1.0)
+    before: Any = SimpleNamespace(held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=limits)
+    null: Any = "null"
+    beside: Any = SimpleNamespace(fit="beside", gain_nats=90.0, held_out=40.0)
+    right: Any = SimpleNamespace(fit="right", gain_nats=50.0, held_out=30.0)
+    met: Any = SimpleNamespace(fit="beside", gain_nats=95.0, held_out=0.9)
+    assert rounds._taking_it_away(null, [right, beside], before) == [right]
+    assert rounds._taking_it_away(null, [beside], before) == []
+    # Held-out data that are met need no place to speak for the name.
+    assert rounds._taking_it_away(null, [beside, met], before) == [met, beside]

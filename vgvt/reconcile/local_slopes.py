@@ -1,0 +1,108 @@
+"""How matrices change with the unknowns where a fit has wandered far from the scenario as stated.
+
+Matrices are nearly straight in factors and shifts, so the derivatives of the bare aircraft at its stated values serve
+within the tolerances. A calibration that imitates a missing effect leaves them by tens of standard deviations: the
+aircraft then hangs otherwise, and a slope taken at home points elsewhere. On the way back from there an effect takes
+over, and what it adds moves the masses, too: a wing that turns at its root swings all of its winglet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.grouping import Group, assembled, home
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem
+from vgvt.simulation.reduced import Structure
+
+Array = NDArray[np.float64]
+MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+# Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves.
+_SERVE = 5.0
+_STEP = 0.02
+# One for each start of a round's fits, and a few on their way.
+_KEPT = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Origin:
+    """Where slopes were taken: scores ``u`` (problem.size,) and those of the hypotheses, ``e``."""
+
+    u: Array
+    e: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocalSlopes:
+    """Changes per unit of each unknown's amount, by name of the matrix, (unknowns, …) over ``joints`` and ``places``.
+
+    ``channels`` are those of the group of runs that they belong to, None for all.
+    """
+
+    joints: tuple[str, ...]
+    places: tuple[str, ...]
+    values: dict[str, Array]
+    channels: NDArray[np.intp] | None = None
+
+    def rows(self, places: Sequence[str]) -> list[int]:
+        """Indices of a structure's places: a misplaced sensor borrows those of its home."""
+        return [self.places.index(p if p in self.places else home(p)) for p in places]
+
+
+def origin_near(problem: Problem, u: Array, e: Array, last: Origin | None) -> Origin | None:
+    """Where slopes that serve at u are to be taken: None for the stated values, the ``last`` place, or here."""
+    count = len(problem.unknowns)
+    if np.abs(u[:count]).max(initial=0.0) <= _SERVE:
+        return None
+    if last is not None and last.e.size == e.size and np.abs(u - last.u)[:count].max(initial=0.0) <= _SERVE:
+        return last
+    return Origin(u.copy(), e.copy())
+
+
+def slopes_for(
+    problem: Problem, hypotheses: tuple[Hypothesis, ...], origin: Origin | None, group: Group
+) -> LocalSlopes:
+    """The slopes that serve one group of runs; effects whose values are fixed are only looked at, and left out."""
+    stated = LocalSlopes(problem.nominal.joints, problem.nominal.places, problem.slopes)
+    if origin is None:
+        return stated
+    fitted = tuple(h for h in hypotheses if h.parameters)
+    for found in _slopes(problem, fitted, origin.u.tobytes(), origin.e.tobytes()):
+        covers = found.channels is None or bool(np.isin(group.channels, found.channels).all())
+        if covers and set(found.joints) <= set(group.structure.joints):
+            return found
+    return stated
+
+
+@lru_cache(maxsize=_KEPT)
+def _slopes(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: bytes, e: bytes) -> tuple[LocalSlopes, ...]:
+    origin, scores = np.frombuffer(u), np.frombuffer(e)
+    here = assembled(problem, origin, hypotheses, scores)
+    if here is None:
+        return ()
+    found = [{n: np.zeros((len(problem.unknowns), *getattr(g.structure, n).shape)) for n in MATRICES} for g in here]
+    for k, unknown in enumerate(problem.unknowns):
+        aside = origin.copy()
+        aside[k] += _STEP
+        span = unknown.amount(float(aside[k])) - unknown.amount(float(origin[k]))
+        there = assembled(problem, aside, hypotheses, scores)
+        if there is None or not all(map(_alike, here, there)):
+            # No such aircraft a step further: the stated values must do.
+            return ()
+        for own, one, other in zip(found, here, there, strict=True):
+            for name, values in own.items():
+                values[k] = (getattr(other.structure, name) - getattr(one.structure, name)) / span
+    return tuple(
+        LocalSlopes(g.structure.joints, g.structure.places, own, g.channels) for g, own in zip(here, found, strict=True)
+    )
+
+
+def _alike(one: Group, other: Group) -> bool:
+    a: Structure = one.structure
+    b: Structure = other.structure
+    return a.joints == b.joints and a.places == b.places and np.array_equal(one.channels, other.channels)
