@@ -16,6 +16,7 @@ from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile import Verdict, reconcile
 from vgvt.reconcile.fit import FAR, NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.placebo import best_nats
 
 Row = dict[str, Any]
 STATION_M = 0.30
@@ -91,7 +92,7 @@ def answer(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]]) -> st
 
 def best_rival(verdict: Verdict) -> float:
     """Gain of the best candidate where none was named: what placebos calibrate."""
-    return max((r.gain_nats for r in verdict.attribution.last_rivals), default=0.0)
+    return best_nats(verdict.attribution.last_rivals, verdict.attribution.vetoed)
 
 
 def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:

@@ -77,7 +77,7 @@ def test_a_step_held_back_is_not_the_bottom(
     """Little gained where a free step promised much: on, as far as the stage allows; where little, it ends."""
     taken = []
 
-    def held_back(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float) -> Any:
+    def held_back(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Any:
         taken.append(damping)
         return u, e, here, predicted, damping, 5e-4, promised
 

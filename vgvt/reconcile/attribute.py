@@ -20,7 +20,7 @@ from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.same_place import left_where_it_was
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shortened
-from vgvt.reconcile.thresholds import Thresholds
+from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # As many as a far-off round fits to the end.
@@ -278,7 +278,8 @@ def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     """Fits with one effect more as rivals, judged against the model without it, best first.
 
     Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
-    has, not as many as there are lines: the same number for every rival, or they could not be compared.
+    has, not as many as there are lines, and no more than what it is judged by is worth: the same number for every
+    rival, or they could not be compared.
     """
     if not fits:
         return ()
@@ -286,7 +287,7 @@ def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     keep, held = found.problem.split.train, found.problem.split.held
     measured = found.problem.measured
     rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
-    worth = min(1.0, independent_values(rho) / found.points)
+    worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
     rivals = []
     for f in fits:
         raw = f.evidence_nats - current.evidence_nats
@@ -317,7 +318,7 @@ def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresho
     held, sigma = problem.split.held, problem.measured.sigma
     lines = int(held.sum()) * problem.measured.frequency_hz.size
     rho = ((rival.fit.foretold - problem.measured.values) / sigma)[held]
-    worth = min(1.0, independent_values(rho) / (2 * lines))
+    worth = min(1.0, independent_values(rho) / (2 * lines)) * noise_share(problem.measured, held).worth
     nats = worth * lines * better
     tolerances_nats = 0.5 * float(current.scores @ current.scores - rival.fit.scores @ rival.fit.scores)
     if rival.held_out > before.limits.held_out_per_dof and better < _MUCH * excess:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.local_slopes import origin_near
 from vgvt.reconcile.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.rough_start import rough_start
@@ -134,17 +135,20 @@ def fit(
 
     ``judged`` is the coarseness that χ², posterior and evidence refer to.
     """
-    here = anchor(problem, u, hypotheses, e)
+    # Steps that forgive misplaced peaks need no exact slopes.
+    here = anchor(problem, u, hypotheses, e, rough=bool(stages) and stages[0][0] > 0)
     predicted = here.predict(u, e)
     total, done, converged = sum(n for _, n in stages), 0, False
     for coarse, iterations in stages:
-        damping = 1.0
+        damping, rough = 1.0, coarse > 0
+        if not rough and origin_near(problem, u, e, here.origin) is not here.origin:
+            here = anchor(problem, u, hypotheses, e, groups=here.assembled)
         for _ in range(iterations):
             done += 1
             if progress is not None:
                 progress(done / total, f"fit, {coarse:.0%} coarse" if coarse else "fit")
             sigma = coarse_sigma(problem, coarse)
-            step = _step(here, u, e, predicted, sigma, damping)
+            step = _step(here, u, e, predicted, sigma, damping, rough)
             if step is None:
                 converged = True
                 break
@@ -169,7 +173,7 @@ def cost_at(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: Array, e: A
 
 
 def _step(
-    here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float
+    here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float, rough: bool
 ) -> tuple[Array, Array, Anchor, ComplexArray, float, float, float] | None:
     """One accepted step, what it gained and what a free one promised of the cost; None where none is found."""
     problem = here.problem
@@ -196,7 +200,9 @@ def _step(
         found = data_misfit(problem, trial, sigma)
         new_cost = float(found @ found + new_u @ new_u + new_e @ new_e)
         if new_cost < cost:
-            there = anchor(problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin)
+            there = anchor(
+                problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin, rough=rough
+            )
             return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost, promised
         damping = max(10 * damping, 1.0)
     return None

@@ -22,8 +22,9 @@ from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
 MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
-# Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves.
-_SERVE = 5.0
+# Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves. Far out the
+# way is long and every tangent rough: a share of the way, then.
+_SERVE, _SERVE_SHARE = 5.0, 0.25
 _STEP = 0.02
 # One for each start of a round's fits, and a few on their way.
 _KEPT = 6
@@ -57,9 +58,11 @@ class LocalSlopes:
 def origin_near(problem: Problem, u: Array, e: Array, last: Origin | None) -> Origin | None:
     """Where slopes that serve at u are to be taken: None for the stated values, the ``last`` place, or here."""
     count = len(problem.unknowns)
-    if np.abs(u[:count]).max(initial=0.0) <= _SERVE:
+    wandered = float(np.abs(u[:count]).max(initial=0.0))
+    if wandered <= _SERVE:
         return None
-    if last is not None and last.e.size == e.size and np.abs(u - last.u)[:count].max(initial=0.0) <= _SERVE:
+    serves = max(_SERVE, _SERVE_SHARE * wandered)
+    if last is not None and last.e.size == e.size and np.abs(u - last.u)[:count].max(initial=0.0) <= serves:
         return last
     return Origin(u.copy(), e.copy())
 
@@ -67,16 +70,35 @@ def origin_near(problem: Problem, u: Array, e: Array, last: Origin | None) -> Or
 def slopes_for(
     problem: Problem, hypotheses: tuple[Hypothesis, ...], origin: Origin | None, group: Group
 ) -> LocalSlopes:
-    """The slopes that serve one group of runs; effects whose values are fixed are only looked at, and left out."""
+    """The slopes that serve one group of runs.
+
+    Left out are effects whose values are fixed, which are only looked at, and those that leave the aircraft's own
+    coordinates alone: what is hung on it moves with it, whatever the unknowns are.
+    """
     stated = LocalSlopes(problem.nominal.joints, problem.nominal.places, problem.slopes)
     if origin is None:
         return stated
-    fitted = tuple(h for h in hypotheses if h.parameters)
-    for found in _slopes(problem, fitted, origin.u.tobytes(), origin.e.tobytes()):
+    kept, scores = [], []
+    ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
+    for hypothesis, start, stop in zip(hypotheses, ends[:-1], ends[1:], strict=True):
+        if hypothesis.parameters and _adds_joints(problem, hypothesis, origin.e[start:stop]):
+            kept.append(hypothesis)
+            scores.append(origin.e[start:stop])
+    e = np.concatenate([np.zeros(0), *scores])
+    for found in _slopes(problem, tuple(kept), origin.u.tobytes(), e.tobytes()):
         covers = found.channels is None or bool(np.isin(group.channels, found.channels).all())
         if covers and set(found.joints) <= set(group.structure.joints):
             return found
     return stated
+
+
+def _adds_joints(problem: Problem, hypothesis: Hypothesis, scores: Array) -> bool:
+    """Whether an effect edits the airframe, and may cut it into other coordinates."""
+    effect = hypothesis.effect(hypothesis.values(scores))
+    if effect is None:
+        return False
+    edited = effect.act(problem.start.scenario, 0).scenario
+    return edited is not None and edited.airframe != problem.start.scenario.airframe
 
 
 @lru_cache(maxsize=_KEPT)

@@ -11,6 +11,7 @@ import scipy.stats
 
 from vgvt.data import InputError
 from vgvt.files.atomically import replacing
+from vgvt.reconcile.attribute import Rival
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.thresholds import PLACEBO_FLOOR, Thresholds, noise_share
@@ -25,7 +26,8 @@ _MOST_NOISE = 0.8
 
 @dataclass(frozen=True, slots=True)
 class Placebo:
-    """What one campaign without any missing effect came to; ``best_nats`` is the best candidate's tempered gain.
+    """What one campaign without any missing effect came to; ``best_nats`` is the tempered gain of the best
+    candidate that held-out data did not refuse.
 
     ``noise_per_dof`` and ``held_out_noise_per_dof`` are the χ² that its noise alone leaves, ``model_form`` the relative
     floor it was judged with. What is held out is None where nothing was.
@@ -44,8 +46,7 @@ class Placebo:
         """The figures of a verdict on a campaign in which nothing is missing, whatever it says."""
         found = verdict.attribution
         rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
-        best = max((r.gain_nats for r in rivals), default=0.0)
-        return cls.of_residual(found.null, found.null_residual, best)
+        return cls.of_residual(found.null, found.null_residual, best_nats(rivals, found.vetoed))
 
     @classmethod
     def of_residual(cls, null: Fit, left: Residual, best_nats: float = 0.0) -> Placebo:
@@ -55,6 +56,11 @@ class Placebo:
             left.train_chi2_per_dof, left.smooth_per_dof, left.held_out_chi2_per_dof, best_nats, left.noise_per_dof,
             left.held_out_noise_per_dof, noise_share(measured, parts.train).floor,
         )  # fmt: skip
+
+
+def best_nats(rivals: Sequence[Rival], refused: Sequence[Rival]) -> float:
+    """The gain that stands between a placebo and a name: what held-out data refused would not have got one."""
+    return max((r.gain_nats for r in rivals if not any(r is v for v in refused)), default=0.0)
 
 
 def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: float = 0.98) -> Thresholds:
@@ -84,7 +90,7 @@ def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: f
         max(0.0, _limit(chi2, level)), max(0.0, _limit(smooth, level)),
         max(0.0, _limit(held if len(held) >= _FEWEST else chi2, level)),
         # Gains of nothing are often negative: a name needs more than that.
-        max(_UNDER_A_NAME, _limit([p.best_nats for p in placebos], level)), _SET_NATS,
+        max(_UNDER_A_NAME, _limit_above([p.best_nats for p in placebos], level)), _SET_NATS,
         f"{len(placebos)} campaigns without any missing effect, one-sided {level:.0%} prediction limits; {made_by}",
         unit,
     )  # fmt: skip
@@ -102,6 +108,17 @@ def write_thresholds(path: Path, thresholds: Thresholds) -> None:
     said = thresholds.provenance.replace("\\", "/").replace('"', "'").replace("\n", " ")
     with replacing(path) as part:
         part.write_text("\n".join([*lines, f'provenance = "{said}"', ""]), encoding="utf-8")
+
+
+def _limit_above(values: Sequence[float], level: float) -> float:
+    """:func:`_limit` from the upper half and its mirror image: some fits end far below, which says nothing of above."""
+    seen = np.asarray(values, dtype=float)
+    middle = float(np.median(seen))
+    above = seen[seen > middle] - middle
+    spread = np.sqrt(np.mean(above**2)) if above.size else 0.0
+    count = max(above.size, 2)
+    reach = float(scipy.stats.t.ppf(level, count - 1)) * np.sqrt(1 + 1 / count)
+    return float(max(middle + reach * spread, seen.max()))
 
 
 def _limit(values: Sequence[float], level: float) -> float:

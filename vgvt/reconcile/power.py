@@ -12,6 +12,7 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.screen import start_values
 from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.thresholds import noise_share
 
 _SIGMA = 5.0
 _ALIKE = 0.6
@@ -49,6 +50,7 @@ def power(
 ) -> tuple[Power, ...]:
     """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|)."""
     stand = Stand.of(null)
+    worth = np.sqrt(noise_share(null.problem.measured, null.problem.split.train).worth)
     rows, signatures = [], []
     for k, hypothesis in enumerate(hypotheses):
         if progress is not None:
@@ -59,7 +61,7 @@ def power(
             slope = stand.slope(hypothesis, {**start_values(hypothesis), **neutral}, p)
             seen = None if slope is None else stand.projected(slope)
             length = 0.0 if seen is None else float(np.linalg.norm(seen))
-            rows.append((hypothesis, p, _SIGMA / length if length > 1e-9 else float("inf")))
+            rows.append((hypothesis, p, _SIGMA / (worth * length) if length > 1e-9 else float("inf")))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
     return tuple(
         Power(h.name, h.label, p.name, p.unit, smallest, p.low, p.high, _alike(k, rows, signatures))

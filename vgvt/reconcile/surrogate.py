@@ -160,21 +160,23 @@ def anchor(
     beside: tuple[Group, ...] | None = None,
     groups: tuple[Group, ...] | None = None,
     origin: Origin | None = None,
+    rough: bool = False,
 ) -> Anchor:
     """Assemble the structure at scores u and e; without ``slopes`` it predicts there and nowhere else.
 
-    ``beside`` are the groups at the same u without the last hypothesis: what it changes is then added to them
-    where that is enough. ``groups`` are those at u and e, where they are known. ``origin`` is where
-    the unknowns' slopes were taken last. NoStructureError where there is none.
+    ``beside`` are the groups at the same u without the last hypothesis: what it changes is then added to them where
+    that is enough. ``groups`` are those at u and e, where they are known. ``origin`` is where the slopes in the
+    unknowns were taken last; ``rough`` takes those of the stated values, however far u is from them.
+    NoStructureError where there is none.
     """
     scores = np.zeros(0) if e is None else e
     groups = groups_at(problem, u, hypotheses, scores, beside) if groups is None else groups
     if groups is None:
         raise NoStructureError("no such structure")
     sides = _sides(problem, u, hypotheses, scores, groups) if slopes else None
-    origin = origin_near(problem, u, scores, origin)
+    origin = None if rough or not slopes else origin_near(problem, u, scores, origin)
     try:
-        known = [slopes_for(problem, hypotheses, origin if slopes else None, g) for g in groups]
+        known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
         reduced = tuple(_reduced(problem, u, groups, g, sides, scores.size, known[g]) for g in range(len(groups)))
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error

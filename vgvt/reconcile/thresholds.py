@@ -60,6 +60,14 @@ class NoiseShare:
     values: int
     floor: float
 
+    @property
+    def worth(self) -> float:
+        """Independent values a line is worth: noise is new on every line, an error of the model's form is not.
+
+        Such an error lasts for some lines; an effect that mends it would else be paid for each of them.
+        """
+        return self.noise + (1 - self.noise) / SMOOTHED
+
 
 def noise_share(measured: Measured, rows: NDArray[np.bool_]) -> NoiseShare:
     """The share of noise in what some channels (C,) bool are judged by."""
