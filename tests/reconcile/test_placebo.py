@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from vgvt.data import InputError
-from vgvt.reconcile.placebo import Placebo, calibrated_thresholds, write_thresholds
+from vgvt.reconcile.placebo import Placebo, best_nats, calibrated_thresholds, write_thresholds
 from vgvt.reconcile.thresholds import thresholds_of
 
 
@@ -44,3 +47,20 @@ def test_thresholds_survive_their_file_with_their_provenance(tmp_path: Path) -> 
     again = thresholds_of(tmp_path / "thresholds.toml")
     assert again.chi2_per_dof == pytest.approx(made.chi2_per_dof, rel=1e-3)
     assert again.provenance.startswith("20 campaigns without any missing effect")
+
+
+def test_fits_that_end_far_below_nothing_do_not_raise_what_a_name_needs() -> None:
+    seen = drawn(40, 5)
+    lost = [replace(p, best_nats=p.best_nats - 100.0 * (p.best_nats < -1.0)) for p in seen]
+    assert sum(p.best_nats < -50 for p in lost) > 5
+    usual, odd = (calibrated_thresholds(p, "a test").evidence_nats for p in (seen, lost))
+    assert odd == pytest.approx(usual, rel=1e-9)
+
+
+def test_what_held_out_data_refused_would_not_have_become_a_name() -> None:
+    strong, weak = (SimpleNamespace(gain_nats=g) for g in (18.0, 5.0))
+    rivals: Any = (strong, weak)
+    refused: Any = (strong,)
+    assert best_nats(rivals, ()) == 18.0
+    assert best_nats(rivals, refused) == 5.0
+    assert best_nats((), ()) == 0.0

@@ -10,7 +10,7 @@ from vgvt.reconcile.data import Measured, MeasuredChannel
 from vgvt.reconcile.holdout import Split
 from vgvt.reconcile.placebo import Placebo, calibrated_thresholds
 from vgvt.reconcile.residual import smooth_part
-from vgvt.reconcile.thresholds import Thresholds, limits_for, noise_share
+from vgvt.reconcile.thresholds import SMOOTHED, NoiseShare, Thresholds, limits_for, noise_share
 
 CHANNELS, LINES, HELD = 12, 200, 3
 SPLIT = Split(np.arange(CHANNELS) >= HELD, np.zeros(CHANNELS, dtype=bool), np.arange(CHANNELS) < HELD)
@@ -102,3 +102,11 @@ def test_without_a_floor_noise_is_all_that_may_be_left(thresholds: Thresholds) -
 def test_placebos_that_drown_in_noise_tell_nothing_of_the_rest() -> None:
     with pytest.raises(InputError, match="noise hides the others"):
         calibrated_thresholds([case(0.1, 0.004, 0.0015, k)[1] for k in range(20)], "a test")
+
+
+def test_an_error_of_the_model_counts_once_for_some_lines() -> None:
+    """A smooth error of one floor, mended, is paid for as often as it changes; noise is paid for on every line."""
+    assert NoiseShare(1.0, 100, 0.0).worth == 1.0
+    assert NoiseShare(0.0, 100, 0.004).worth == pytest.approx(1 / SMOOTHED)
+    quiet, loud = (noise_share(case(noise, 0.004, 0.0, 1)[0], SPLIT.train).worth for noise in (0.001, 0.1))
+    assert quiet < 0.5 < 0.95 < loud

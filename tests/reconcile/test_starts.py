@@ -1,0 +1,76 @@
+"""Where a candidate's fit starts, and where a name's ends."""
+
+from __future__ import annotations
+
+import importlib
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects.added_mass import AddedMass
+from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.stand import Stand
+
+rounds = importlib.import_module("vgvt.reconcile.attribute")
+THERE, ELSEWHERE = {"x_m": 0.9, "y_m": 1.1}, {"x_m": 0.9, "y_m": -1.1}
+
+
+@pytest.fixture(scope="module")
+def named(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """A scenario whose added mass has its name already."""
+    case = problem(tmp_path_factory.mktemp("cache"), 1, AddedMass(mass_kg=0.04, **THERE))
+    hypothesis = Hypothesis(AddedMass, THERE)
+    return fit(case, (hypothesis,), calibrate(case).u, hypothesis.scores({"mass_kg": 0.04}), NEAR)
+
+
+def test_a_second_effect_starts_with_the_first_where_the_screen_moved_it(named: Fit) -> None:
+    """What the first effect gives way by belongs to the start: without it the misfit there is another one."""
+    second = Hypothesis(AddedMass, ELSEWHERE)
+    followed = Stand.of(named).followed(second, {"mass_kg": 0.01})
+    assert followed is not None
+    scores = followed[1]
+    assert scores.shape == named.scores.shape
+    assert abs(scores[-1] - named.e[0]) > 0
+    _, u, e = rounds._start(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=scores))
+    assert np.array_equal(np.concatenate([u, e[: named.e.size]]), scores)
+    fixed = Hypothesis(AddedMass, {**ELSEWHERE, "mass_kg": 0.01})
+    both = (*named.hypotheses, fixed)
+    assert cost_at(named.problem, both, u, e[: named.e.size]) < 0.5 * cost_at(named.problem, both, u, named.e)
+
+
+def test_a_fit_sets_out_from_the_better_start(named: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the screen's straight lines lead astray, from little of the effect beside the model as it is."""
+    seen: list[Any] = []
+
+    def spy(problem: Any, hypotheses: Any, u: Any, e: Any, stages: Any, tell: Any) -> Any:
+        seen.append((u, e))
+        return named
+
+    monkeypatch.setattr(rounds, "fit", spy)
+    second = Hypothesis(AddedMass, ELSEWHERE)
+    astray = named.scores + 3.0
+    rounds._fitted(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=astray), NEAR, lambda f, m: None)
+    u, e = seen[0]
+    assert np.array_equal(u, named.u) and np.array_equal(e[: named.e.size], named.e)
+    here = Hypothesis(AddedMass).values(e[named.e.size :])
+    assert here["mass_kg"] < 0.01
+
+
+def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
+    monkeypatch.setattr(rounds, "fit", lambda *given: further)
+    monkeypatch.setattr(rounds, "_judged", lambda current, found: ("judged", found))
+    stopped: Any = SimpleNamespace(
+        fit=SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(), u=None, e=None)
+    )
+    null: Any = None
+    assert rounds._finished(stopped, null) == ("judged", further)
+    ended: Any = SimpleNamespace(fit=SimpleNamespace(converged=True))
+    assert rounds._finished(ended, null) is ended
+    further.evidence_nats = 10.0
+    assert rounds._finished(stopped, null) is stopped
