@@ -24,7 +24,7 @@ def leaving(residual: np.ndarray) -> Any:
     """A fit that leaves (C, L) standard deviations; the first two channels are held out."""
     shape = (CHANNELS, LINES)
     held = np.arange(CHANNELS) < 2
-    measured = SimpleNamespace(values=np.zeros(shape, complex), sigma=np.ones(shape))
+    measured = SimpleNamespace(values=np.zeros(shape, complex), sigma=np.ones(shape), noise=np.ones(shape))
     parts = SimpleNamespace(held=held, train=~held)
     return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), foretold=residual)
 

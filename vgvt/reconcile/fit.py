@@ -135,14 +135,16 @@ def fit(
 
     ``judged`` is the coarseness that χ², posterior and evidence refer to.
     """
-    # Steps that forgive misplaced peaks need no exact slopes.
-    here = anchor(problem, u, hypotheses, e, rough=bool(stages) and stages[0][0] > 0)
+    here = anchor(problem, u, hypotheses, e, rough=True)
     predicted = here.predict(u, e)
     total, done, converged = sum(n for _, n in stages), 0, False
-    for coarse, iterations in stages:
-        damping, rough = 1.0, coarse > 0
-        if not rough and origin_near(problem, u, e, here.origin) is not here.origin:
-            here = anchor(problem, u, hypotheses, e, groups=here.assembled)
+    # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
+    for coarse, iterations, rough in _phases(stages):
+        if not rough:
+            if origin_near(problem, u, e, None) is None:
+                continue
+            here, done = anchor(problem, u, hypotheses, e, groups=here.assembled), done - iterations
+        damping = 1.0
         for _ in range(iterations):
             done += 1
             if progress is not None:
@@ -160,6 +162,16 @@ def fit(
         else:
             converged = False
     return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
+
+
+def _phases(stages: tuple[tuple[float, int], ...]) -> list[tuple[float, int, bool]]:
+    """Coarseness, most iterations, whether rough slopes do: steps that forgive misplaced peaks need no better ones."""
+    found: list[tuple[float, int, bool]] = []
+    for coarse, iterations in stages:
+        found.append((coarse, iterations, True))
+        if coarse == 0:
+            found.append((coarse, iterations, False))
+    return found
 
 
 def cost_at(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: Array, e: Array) -> float:

@@ -97,7 +97,9 @@ class Verdict:
 def kind_of(found: Attribution) -> Kind:
     """The verdict that an attribution amounts to."""
     if not found.rounds:
-        return Kind.ADEQUATE if found.null_residual.adequate else Kind.UNKNOWN
+        # Data that are met at the price of tolerances far exceeded are not explained by the scenario as stated.
+        met = found.null_residual.adequate and not strained_too_much(found.null)
+        return Kind.ADEQUATE if met else Kind.UNKNOWN
     if not found.final_residual.adequate or doubts(found):
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.equivalent}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
