@@ -24,9 +24,9 @@ def leaving(residual: np.ndarray) -> Any:
     """A fit that leaves (C, L) standard deviations; the first two channels are held out."""
     shape = (CHANNELS, LINES)
     held = np.arange(CHANNELS) < 2
-    measured = SimpleNamespace(values=np.zeros(shape, complex), sigma=np.ones(shape), noise=np.ones(shape))
+    measured = SimpleNamespace(values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.ones(shape))
     parts = SimpleNamespace(held=held, train=~held)
-    return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), foretold=residual)
+    return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), foretold=1 + residual)
 
 
 def noise(seed: int) -> np.ndarray:
