@@ -70,3 +70,12 @@ def test_a_calibration_may_strain_as_far_as_a_missing_effect_pulls() -> None:
 def test_many_far_scores_are_counted_rather_than_listed() -> None:
     assert far_scores(fitted(*(4.0 + np.arange(1, 8)))).endswith("and 3 more beyond 4 sd")
     assert far_scores(fitted(1.0)) == ""
+
+
+@pytest.mark.parametrize(("score", "kind"), [(3.0, Kind.ADEQUATE), (16.0, Kind.UNKNOWN)])
+def test_data_met_far_outside_the_tolerances_are_not_explained(score: float, kind: Kind) -> None:
+    """A body's inertia sixteen standard deviations off may stand for something that the catalogue lacks."""
+    found: Any = SimpleNamespace(
+        rounds=(), null_residual=SimpleNamespace(adequate=True), null=SimpleNamespace(scores=np.array([0.5, score]))
+    )
+    assert kind_of(found) is kind

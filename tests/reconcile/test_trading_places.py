@@ -86,3 +86,25 @@ def test_a_step_held_back_is_not_the_bottom(
     found = fit(case, (), np.zeros(case.size), np.zeros(0), NEAR)
     assert len(taken) == steps
     assert found.converged == (steps == 1)
+
+
+def test_exact_slopes_come_last_and_only_where_a_fit_has_gone_far(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Forgiving steps and the first exact ones take the stated values' slopes."""
+    taken: list[tuple[bool, bool]] = []
+
+    def once(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Any:
+        taken.append((rough, here.origin is None))
+        return None
+
+    monkeypatch.setattr(fits, "_step", once)
+    case = problem(tmp_path, 1)
+    near, far = np.zeros(case.size), np.zeros(case.size)
+    far[[u.name for u in case.unknowns].index("mass body")] = 12.0
+    stages = ((0.6, 4), (0.0, 12))
+    fit(case, (), near, np.zeros(0), stages)
+    assert taken == [(True, True), (True, True)]
+    taken.clear()
+    fit(case, (), far, np.zeros(0), stages)
+    assert taken == [(True, True), (True, True), (False, False)]
