@@ -103,8 +103,9 @@ def test_exact_slopes_come_last_and_only_where_a_fit_has_gone_far(
     near, far = np.zeros(case.size), np.zeros(case.size)
     far[[u.name for u in case.unknowns].index("mass body")] = 12.0
     stages = ((0.6, 4), (0.0, 12))
-    fit(case, (), near, np.zeros(0), stages)
-    assert taken == [(True, True), (True, True)]
-    taken.clear()
-    fit(case, (), far, np.zeros(0), stages)
+    for start, exact in ((near, True), (far, False)):
+        fit(case, (), start, np.zeros(0), stages, exact=exact)
+        assert taken == [(True, True), (True, True)]
+        taken.clear()
+    fit(case, (), far, np.zeros(0), stages, exact=True)
     assert taken == [(True, True), (True, True), (False, False)]

@@ -14,6 +14,7 @@ from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, cost_at, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
+from vgvt.reconcile.local_slopes import origin_near
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.residual import Residual, independent_values, residual
@@ -168,9 +169,9 @@ def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds
 def _finished(rival: Rival, current: Fit) -> Rival:
     """A rival whose fit has come to its end: a comparison may stop short of it, a name's parameters may not."""
     found = rival.fit
-    if found.converged:
+    if found.converged and origin_near(found.problem, found.u, found.e, None) is None:
         return rival
-    more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END)
+    more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, exact=True)
     return _judged(current, more) if more.evidence_nats >= found.evidence_nats else rival
 
 

@@ -119,7 +119,8 @@ def calibrate(
     progress: Callable[[float, str], None] | None = None,
 ) -> Fit:
     """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,)."""
-    return fit(problem, (), rough_start(problem) if start is None else start, np.zeros(0), stages, progress)
+    at = rough_start(problem) if start is None else start
+    return fit(problem, (), at, np.zeros(0), stages, progress, exact=True)
 
 
 def fit(
@@ -130,16 +131,18 @@ def fit(
     stages: tuple[tuple[float, int], ...] = STAGES,
     progress: Callable[[float, str], None] | None = None,
     judged: float = 0.0,
+    exact: bool = False,
 ) -> Fit:
     """Fit u and the hypotheses' e jointly from a start; NoStructureError where the start describes no aircraft.
 
-    ``judged`` is the coarseness that χ², posterior and evidence refer to.
+    ``judged`` is the coarseness that χ², posterior and evidence refer to. ``exact`` goes on, where the unknowns end up
+    far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on.
     """
     here = anchor(problem, u, hypotheses, e, rough=True)
     predicted = here.predict(u, e)
     total, done, converged = sum(n for _, n in stages), 0, False
     # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
-    for coarse, iterations, rough in _phases(stages):
+    for coarse, iterations, rough in _phases(stages, exact):
         if not rough:
             if origin_near(problem, u, e, None) is None:
                 continue
@@ -164,12 +167,12 @@ def fit(
     return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
 
 
-def _phases(stages: tuple[tuple[float, int], ...]) -> list[tuple[float, int, bool]]:
+def _phases(stages: tuple[tuple[float, int], ...], exact: bool) -> list[tuple[float, int, bool]]:
     """Coarseness, most iterations, whether rough slopes do: steps that forgive misplaced peaks need no better ones."""
     found: list[tuple[float, int, bool]] = []
     for coarse, iterations in stages:
         found.append((coarse, iterations, True))
-        if coarse == 0:
+        if exact and coarse == 0:
             found.append((coarse, iterations, False))
     return found
 
