@@ -11,9 +11,10 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects.added_mass import AddedMass
+from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
 
 rounds = importlib.import_module("vgvt.reconcile.attribute")
@@ -75,3 +76,11 @@ def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     assert rounds._finished(ended, null) is ended
     further.evidence_nats = 10.0
     assert rounds._finished(stopped, null) is stopped
+
+
+def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:
+    """A start at the frequency that the residual shows says nothing of a size."""
+    tuned = Screened(Hypothesis(LocalAbsorber, THERE), {"frequency_hz": 9.0}, 1.0)
+    assert parted(tuned, 0.125) == {"frequency_hz": 9.0}
+    sized = Screened(Hypothesis(LocalAbsorber, THERE), {"frequency_hz": 9.0, "mass_kg": 0.08}, 1.0)
+    assert parted(sized, 0.125) == {"frequency_hz": 9.0, "mass_kg": pytest.approx(0.01)}

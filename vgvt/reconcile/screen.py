@@ -135,7 +135,7 @@ def _checkable(stand: Stand, s: Screened) -> bool:
 def parted(s: Screened, share: float) -> dict[str, float]:
     """Values of a variant with a share of its sizes."""
     neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
-    return {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items()}}
+    return {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items() if k in s.values}}
 
 
 def _in_small(stand: Stand, s: Screened) -> Screened:
