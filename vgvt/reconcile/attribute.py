@@ -20,7 +20,7 @@ from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.same_place import left_where_it_was
 from vgvt.reconcile.screen import Screened, parted
-from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shortened
+from vgvt.reconcile.shortlist import BIASED, Progress, naming, part, second_list, shortened
 from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
@@ -223,7 +223,7 @@ def _finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tupl
     found: list[tuple[float, Screened]] = []
     for i, s in enumerate(chosen):
         hypothesis, u, start = _start(current, s)
-        told = _naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
+        told = naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
         try:
             there = fit(
                 current.problem, (*current.hypotheses, hypothesis), u, start, coarse, told, judged=coarse[-1][0]
@@ -246,11 +246,6 @@ def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64], 
     return hypothesis, u, np.concatenate([e, hypothesis.scores({**own, **s.values})])
 
 
-def _naming(tell: Progress, hypothesis: Hypothesis) -> Progress:
-    """Progress that says which candidate is fitted."""
-    return lambda fraction, message: tell(fraction, f"{message} {hypothesis.name}")
-
-
 def _fitted(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...], tell: Progress) -> Fit | None:
     """A candidate fitted from where the screen left it, or with little of it from where the model without it is.
 
@@ -259,7 +254,7 @@ def _fitted(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...], te
     """
     hypothesis, u, start = _start(current, s)
     little = _start(current, replace(s, values=parted(s, _LITTLE), start=None))[1:]
-    hypotheses, tell = (*current.hypotheses, hypothesis), _naming(tell, hypothesis)
+    hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
     if stages is NEAR:
         u, start = min((u, start), little, key=lambda where: cost_at(current.problem, hypotheses, *where))
     try:

@@ -108,6 +108,11 @@ class Slopes:
     masses_kg: Array
 
 
+def by_rate(rate: Array, slopes: Array) -> Array:
+    """Slopes (k, …) of amounts as those of scores, whose rates are (k,)."""
+    return np.asarray(rate.reshape(-1, *[1] * (slopes.ndim - 1)) * slopes)
+
+
 def accelerance_slopes(
     matrices: Matrices,
     omega: Array,

@@ -58,6 +58,11 @@ def part(tell: Progress, start: float, stop: float) -> Progress:
     return inner
 
 
+def naming(tell: Progress, hypothesis: Hypothesis) -> Progress:
+    """Progress that says which candidate is fitted."""
+    return lambda fraction, message: tell(fraction, f"{message} {hypothesis.name}")
+
+
 def short_list(
     screened: Sequence[Screened], count: int, *, needed: float = 1.0, forgiving: bool = False
 ) -> tuple[Screened, ...]:

@@ -27,7 +27,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for
 from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, reduction
+from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, by_rate, reduction
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
@@ -130,7 +130,7 @@ class Anchor:
                 mass_slopes[len(known) :] = group.mass_slopes
                 if index is not None:
                     mass_slopes[index] = group.masses_kg * known[index].sd
-            changes = {n: _by_rate(rate, group.slopes[n]) for n in _NAMES}
+            changes = {n: by_rate(rate, group.slopes[n]) for n in _NAMES}
             out[:, group.channels] = accelerance_slopes(
                 group.matrices, omega, group.runs, masses, Slopes(**changes, masses_kg=mass_slopes)
             )
@@ -335,10 +335,6 @@ def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
 def _at(group: Reduced, x: Array) -> Matrices:
     changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in _NAMES}
     return Matrices(**changed, spare=group.matrices.spare)
-
-
-def _by_rate(rate: Array, slopes: Array) -> Array:
-    return np.asarray(rate.reshape(-1, *[1] * (slopes.ndim - 1)) * slopes)
 
 
 def _sensor_mass_index(problem: Problem) -> int | None:
