@@ -11,7 +11,7 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
-from vgvt.reconcile.attribute import _FINALISTS, _finalists
+from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate
 from vgvt.reconcile.screen import screen
@@ -78,8 +78,8 @@ def test_what_the_unknowns_imitate_is_not_lost(tmp_path_factory: pytest.TempPath
 
 def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> None:
     """The best by a few forgiving steps, from where these arrived, best first."""
-    chosen = screen(null, hypotheses)[: _FINALISTS + 2]
-    kept = _finalists(null, chosen, lambda fraction, message: None)
-    assert len(kept) == _FINALISTS
+    chosen = screen(null, hypotheses)[: FINALISTS + 2]
+    kept = finalists(null, chosen, lambda fraction, message: None)
+    assert len(kept) == FINALISTS
     assert {s.hypothesis for s in kept} < {s.hypothesis for s in chosen}
     assert kept[0].start is not None and np.abs(kept[0].start - null.scores).max() > 0

@@ -18,6 +18,7 @@ from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
 
 rounds = importlib.import_module("vgvt.reconcile.attribute")
+candidate_fits = importlib.import_module("vgvt.reconcile.candidate_fits")
 THERE, ELSEWHERE = {"x_m": 0.9, "y_m": 1.1}, {"x_m": 0.9, "y_m": -1.1}
 
 
@@ -37,7 +38,7 @@ def test_a_second_effect_starts_with_the_first_where_the_screen_moved_it(named: 
     scores = followed[1]
     assert scores.shape == named.scores.shape
     assert abs(scores[-1] - named.e[0]) > 0
-    _, u, e = rounds._start(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=scores))
+    _, u, e = candidate_fits._start(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=scores))
     assert np.array_equal(np.concatenate([u, e[: named.e.size]]), scores)
     fixed = Hypothesis(AddedMass, {**ELSEWHERE, "mass_kg": 0.01})
     both = (*named.hypotheses, fixed)
@@ -52,10 +53,10 @@ def test_a_fit_sets_out_from_the_better_start(named: Fit, monkeypatch: pytest.Mo
         seen.append((u, e))
         return named
 
-    monkeypatch.setattr(rounds, "fit", spy)
+    monkeypatch.setattr(candidate_fits, "fit", spy)
     second = Hypothesis(AddedMass, ELSEWHERE)
     astray = named.scores + 3.0
-    rounds._fitted(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=astray), NEAR, lambda f, m: None)
+    candidate_fits.fitted_from(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=astray), NEAR, lambda f, m: None)
     u, e = seen[0]
     assert np.array_equal(u, named.u) and np.array_equal(e[: named.e.size], named.e)
     here = Hypothesis(AddedMass).values(e[named.e.size :])
@@ -66,16 +67,34 @@ def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
     monkeypatch.setattr(rounds, "fit", lambda *given, exact: further)
     monkeypatch.setattr(rounds, "origin_near", lambda problem, u, e, last: None)
-    monkeypatch.setattr(rounds, "_judged", lambda current, found: ("judged", found))
-    stopped: Any = SimpleNamespace(
-        fit=SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(), u=None, e=None)
-    )
-    null: Any = None
-    assert rounds._finished(stopped, null) == ("judged", further)
-    ended: Any = SimpleNamespace(fit=SimpleNamespace(converged=True, problem=None, u=None, e=None))
-    assert rounds._finished(ended, null) is ended
+    stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(), u=None, e=None)
+    assert rounds._finished(stopped) is further
+    ended: Any = SimpleNamespace(converged=True, problem=None, u=None, e=None)
+    assert rounds._finished(ended) is ended
     further.evidence_nats = 10.0
-    assert rounds._finished(stopped, null) is stopped
+    assert rounds._finished(stopped) is stopped
+
+
+def test_rivals_at_their_ends_are_judged_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a fit is worth follows from the best of them: one judged by itself could not be compared."""
+    judged: list[Any] = []
+
+    def against(current: Any, fits: Any) -> Any:
+        judged.append(tuple(fits))
+        return ("judged",)
+
+    monkeypatch.setattr(rounds, "_against", against)
+    monkeypatch.setattr(rounds, "_finished", lambda found: found + ", ended")
+    first, near, behind, refused = (
+        SimpleNamespace(fit=name, gain_nats=gain)
+        for name, gain in (("first", 100.0), ("near", 92.0), ("behind", 80.0), ("refused", 99.0))
+    )
+    rivals: Any = (first, refused, near, behind)
+    confirmed: Any = (first, near, behind)
+    needs: Any = SimpleNamespace(set_nats=5.0)
+    null: Any = None
+    assert rounds._ended(null, rivals, confirmed, needs) == ("judged",)
+    assert judged == [("first, ended", "refused", "near, ended", "behind")]
 
 
 def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:

@@ -107,5 +107,8 @@ def test_exact_slopes_come_last_and_only_where_a_fit_has_gone_far(
         fit(case, (), start, np.zeros(0), stages, exact=exact)
         assert taken == [(True, True), (True, True)]
         taken.clear()
-    fit(case, (), far, np.zeros(0), stages, exact=True)
+    shown: list[float] = []
+    fit(case, (), far, np.zeros(0), stages, lambda fraction, message: shown.append(fraction), exact=True)
     assert taken == [(True, True), (True, True), (False, False)]
+    # However soon a phase ends, progress goes forward.
+    assert 0 < shown[0] < shown[1] < shown[2] <= 1

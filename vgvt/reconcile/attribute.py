@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, cost_at, fit
-from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.candidate_fits import FINALISTS, finalists, fitted_from
+from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.local_slopes import origin_near
@@ -19,17 +17,11 @@ from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.same_place import left_where_it_was
-from vgvt.reconcile.screen import Screened, parted
-from vgvt.reconcile.shortlist import BIASED, Progress, naming, part, second_list, shortened
+from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shortened
 from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
-# As many as a far-off round fits to the end.
-_FINALISTS = 4
-# Share of its size at which an effect can only do a little harm.
-_LITTLE = 0.125
-# Worse by more than what a superfluous parameter costs in evidence.
-_LOST = 10.0
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
 # Standard deviations within which held-out data are not against a name that tolerances speak for.
@@ -131,15 +123,13 @@ def attribute(
             more = _fit_all(current, later, before, part(here, 0.9, 1.0))
             rivals = _against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        if confirmed:
+            rivals = _ended(current, rivals, confirmed, thresholds)
+            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         confirmed = _taking_it_away(current, confirmed, before)
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
-        best = max(r.gain_nats for r in confirmed)
-        within = max(thresholds.set_nats, _WITHIN * best)
-        ends = {id(r): _finished(r, current) for r in confirmed if r.gain_nats > best - within}
-        rivals = tuple(ends.get(id(r), r) for r in rivals)
-        confirmed = [ends.get(id(r), r) for r in confirmed]
         winner = max(confirmed, key=lambda r: r.gain_nats)
         equal = tuple(r for r in confirmed if r.gain_nats > winner.gain_nats - thresholds.set_nats)
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
@@ -166,13 +156,22 @@ def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds
     return rival.gain_nats >= thresholds.evidence_nats and _confirmed(rival, current, before, thresholds)
 
 
-def _finished(rival: Rival, current: Fit) -> Rival:
-    """A rival whose fit has come to its end: a comparison may stop short of it, a name's parameters may not."""
-    found = rival.fit
+def _ended(
+    current: Fit, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
+) -> tuple[Rival, ...]:
+    """The rivals judged anew, the best of the confirmed at the end of their fits: a short list may stop before it."""
+    best = max(r.gain_nats for r in confirmed)
+    within = max(thresholds.set_nats, _WITHIN * best)
+    near = {id(r) for r in confirmed if r.gain_nats > best - within}
+    return _against(current, [_finished(r.fit) if id(r) in near else r.fit for r in rivals])
+
+
+def _finished(found: Fit) -> Fit:
+    """A fit gone on with to its end, with exact slopes where that is far out."""
     if found.converged and origin_near(found.problem, found.u, found.e, None) is None:
-        return rival
+        return found
     more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, exact=True)
-    return _judged(current, more) if more.evidence_nats >= found.evidence_nats else rival
+    return more if more.evidence_nats >= found.evidence_nats else found
 
 
 def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) -> list[Rival]:
@@ -204,70 +203,17 @@ def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Resid
 def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
     near = before.train_chi2_per_dof < BIASED
-    if not near and len(chosen) > _FINALISTS:
-        chosen, tell = _finalists(current, chosen, part(tell, 0.0, 0.4)), part(tell, 0.4, 1.0)
+    if not near and len(chosen) > FINALISTS:
+        chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4)), part(tell, 0.4, 1.0)
     found: list[Fit] = []
     for i, s in enumerate(chosen):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
         if len(found) >= _AT_LEAST and best > _FAR_AHEAD * s.gain_nats and best > 0.4 * current.chi2:
             continue
-        fitted = _fitted(current, s, NEAR if near else FAR, part(tell, i / len(chosen), (i + 1) / len(chosen)))
+        fitted = fitted_from(current, s, NEAR if near else FAR, part(tell, i / len(chosen), (i + 1) / len(chosen)))
         if fitted is not None:
             found.append(fitted)
     return _against(current, found)
-
-
-def _finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple[Screened, ...]:
-    """Those of the short list that do best by a few steps that forgive misplaced peaks, at what these arrived at."""
-    coarse = FAR[:1]
-    found: list[tuple[float, Screened]] = []
-    for i, s in enumerate(chosen):
-        hypothesis, u, start = _start(current, s)
-        told = naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
-        try:
-            there = fit(
-                current.problem, (*current.hypotheses, hypothesis), u, start, coarse, told, judged=coarse[-1][0]
-            )
-        except NoStructureError:
-            continue
-        here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
-        ahead = replace(s, values={**s.values, **here}, start=there.scores[: current.scores.size])
-        found.append((there.evidence_nats, ahead))
-    found.sort(key=lambda f: -f[0])
-    return tuple(s for _, s in found[:_FINALISTS])
-
-
-def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64], NDArray[np.float64]]:
-    """A candidate with its place freed where it has one, and the scores u and e (of all effects) to start from."""
-    hypothesis = freed(s.hypothesis)
-    own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
-    known = current.scores if s.start is None else s.start
-    u, e = np.split(known, [current.u.size])
-    return hypothesis, u, np.concatenate([e, hypothesis.scores({**own, **s.values})])
-
-
-def _fitted(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...], tell: Progress) -> Fit | None:
-    """A candidate fitted from where the screen left it, or with little of it from where the model without it is.
-
-    The screen follows the unknowns along straight lines, which sharp resonances leave soon: the better start is taken.
-    A model with one effect more can do as well as the one without: a fit that lost its way is done again from there.
-    """
-    hypothesis, u, start = _start(current, s)
-    little = _start(current, replace(s, values=parted(s, _LITTLE), start=None))[1:]
-    hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
-    if stages is NEAR:
-        u, start = min((u, start), little, key=lambda where: cost_at(current.problem, hypotheses, *where))
-    try:
-        found = fit(current.problem, hypotheses, u, start, stages, tell)
-    except NoStructureError:
-        return None
-    if found.evidence_nats < current.evidence_nats - _LOST and stages is not NEAR:
-        try:
-            again = fit(current.problem, hypotheses, *little, NEAR, tell)
-        except NoStructureError:
-            return found
-        return max(found, again, key=lambda f: f.evidence_nats)
-    return found
 
 
 def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:

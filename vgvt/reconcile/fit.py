@@ -140,18 +140,19 @@ def fit(
     """
     here = anchor(problem, u, hypotheses, e, rough=True)
     predicted = here.predict(u, e)
-    total, done, converged = sum(n for _, n in stages), 0, False
+    phases, passed, converged = _phases(stages, exact), 0, False
+    total = sum(n for _, n, _ in phases)
     # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
-    for coarse, iterations, rough in _phases(stages, exact):
+    for coarse, iterations, rough in phases:
+        begun, passed = passed, passed + iterations
         if not rough:
             if origin_near(problem, u, e, None) is None:
                 continue
-            here, done = anchor(problem, u, hypotheses, e, groups=here.assembled), done - iterations
+            here = anchor(problem, u, hypotheses, e, groups=here.assembled)
         damping = 1.0
-        for _ in range(iterations):
-            done += 1
+        for k in range(iterations):
             if progress is not None:
-                progress(done / total, f"fit, {coarse:.0%} coarse" if coarse else "fit")
+                progress((begun + k + 1) / total, f"fit, {coarse:.0%} coarse" if coarse else "fit")
             sigma = coarse_sigma(problem, coarse)
             step = _step(here, u, e, predicted, sigma, damping, rough)
             if step is None:

@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.grouping import Group, assembled, home
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import MATRICES, Problem
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
-MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 # Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves. Far out the
 # way is long and every tangent rough: a share of the way, then.
 _SERVE, _SERVE_SHARE = 5.0, 0.25
@@ -93,12 +92,12 @@ def slopes_for(
 
 
 def _adds_joints(problem: Problem, hypothesis: Hypothesis, scores: Array) -> bool:
-    """Whether an effect edits the airframe, and may cut it into other coordinates."""
-    effect = hypothesis.effect(hypothesis.values(scores))
+    """Whether an effect edits the airframe in any run, and may cut it into other coordinates."""
+    effect, stated = hypothesis.effect(hypothesis.values(scores)), problem.start.scenario
     if effect is None:
         return False
-    edited = effect.act(problem.start.scenario, 0).scenario
-    return edited is not None and edited.airframe != problem.start.scenario.airframe
+    edited = (effect.act(stated, run).scenario for run in range(len(problem.measured.runs)))
+    return any(s is not None and s.airframe != stated.airframe for s in edited)
 
 
 @lru_cache(maxsize=_KEPT)

@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 
 # In units of the prior's standard deviation: linear within it to round-off of the differences.
 _STEP = 0.1
-_SLOPES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+"""What of a structure changes with the unknowns."""
 _VERSION = "3"
 # A campaign may come from a coarse chain too: 0 is the continuum, -1 the chain as stated, which stands for it.
 CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "bounded", lambda scenario, _: scenario)
@@ -131,7 +132,7 @@ def _assembled_once(
     slopes = _slopes(start, known, layouts, nominal, cache)
     finer = to_continuum(start, layouts, nominal, limit_hz)
     span = finer if stated == start else finer.less(towards(stated, layouts, nominal, limit_hz))
-    for name in _SLOPES:
+    for name in MATRICES:
         own = getattr(span, name, None)
         row = np.zeros((1, *slopes[name].shape[1:])) if own is None else own[None]
         slopes[name] = np.concatenate([slopes[name], row])
@@ -179,16 +180,16 @@ def _slopes(
     file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
     if file.is_file():
         with np.load(file, allow_pickle=False) as stored:
-            if all(name in stored for name in _SLOPES):
-                return {name: stored[name] for name in _SLOPES}
-    found: dict[str, list[Array]] = {name: [] for name in _SLOPES}
+            if all(name in stored for name in MATRICES):
+                return {name: stored[name] for name in MATRICES}
+    found: dict[str, list[Array]] = {name: [] for name in MATRICES}
     for unknown in known:
         sides = []
         for u in (_STEP, -_STEP):
             layout = layouts.plan(unknown.edit(start, unknown.amount(u)))
             sides.append(structure(layout, layout.grid, nominal))
         span = unknown.change(_STEP) - unknown.change(-_STEP)
-        for name in _SLOPES:
+        for name in MATRICES:
             found[name].append((getattr(sides[0], name) - getattr(sides[1], name)) / span)
     slopes = {name: np.array(rows) for name, rows in found.items()}
     with replacing(file) as part, part.open("wb") as stream:

@@ -26,7 +26,7 @@ from vgvt.reconcile.grouping import (
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import MATRICES, Problem
 from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, by_rate, reduction
 from vgvt.simulation.reduced import Structure
 
@@ -130,7 +130,7 @@ class Anchor:
                 mass_slopes[len(known) :] = group.mass_slopes
                 if index is not None:
                     mass_slopes[index] = group.masses_kg * known[index].sd
-            changes = {n: by_rate(rate, group.slopes[n]) for n in _NAMES}
+            changes = {n: by_rate(rate, group.slopes[n]) for n in MATRICES}
             out[:, group.channels] = accelerance_slopes(
                 group.matrices, omega, group.runs, masses, Slopes(**changes, masses_kg=mass_slopes)
             )
@@ -270,7 +270,7 @@ def _reduced(
     shown: list[ComplexArray] = []
     for j, side in enumerate(sides):
         ends = [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)]
-        extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in _NAMES})
+        extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in MATRICES})
         mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
         if levels is not None:
             pair = zip((side.here[index], side.there[index]), ends, strict=True)
@@ -279,7 +279,7 @@ def _reduced(
             if near is not None and far is not None:
                 there = (far.shown - near.shown) / side.step
             shown.append(there)
-    for name in _NAMES:
+    for name in MATRICES:
         values = local.values[name]
         if name in ("mass", "damping", "stiffness"):
             rows = np.einsum("am,pab,bn->pmn", part, values, part, optimize=True)
@@ -303,9 +303,6 @@ def _loaded(group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], rovi
     s = group.structure
     carried = _carried(s, group.rows, group.masses_kg, runs, roving)
     return _project(replace(s, mass=s.mass + carried), basis, group.rows)
-
-
-_NAMES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 
 
 def _carried(
@@ -333,7 +330,7 @@ def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
 
 
 def _at(group: Reduced, x: Array) -> Matrices:
-    changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in _NAMES}
+    changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in MATRICES}
     return Matrices(**changed, spare=group.matrices.spare)
 
 

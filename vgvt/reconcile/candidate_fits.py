@@ -1,0 +1,76 @@
+"""Fits of a round's candidates: where each starts, which go on to the end, and what is done where one loses its way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.candidates import freed
+from vgvt.reconcile.fit import FAR, NEAR, Fit, cost_at, fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.screen import Screened, parted
+from vgvt.reconcile.shortlist import Progress, naming, part
+
+FINALISTS = 4
+"""As many as a far-off round fits to the end."""
+# Share of its size at which an effect can only do a little harm.
+_LITTLE = 0.125
+# Worse by more than what a superfluous parameter costs in evidence.
+_LOST = 10.0
+
+
+def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple[Screened, ...]:
+    """Those of the short list that do best by a few steps that forgive misplaced peaks, at what these arrived at."""
+    coarse = FAR[:1]
+    found: list[tuple[float, Screened]] = []
+    for i, s in enumerate(chosen):
+        hypothesis, u, start = _start(current, s)
+        told = naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
+        try:
+            there = fit(
+                current.problem, (*current.hypotheses, hypothesis), u, start, coarse, told, judged=coarse[-1][0]
+            )
+        except NoStructureError:
+            continue
+        here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
+        ahead = replace(s, values={**s.values, **here}, start=there.scores[: current.scores.size])
+        found.append((there.evidence_nats, ahead))
+    found.sort(key=lambda f: -f[0])
+    return tuple(s for _, s in found[:FINALISTS])
+
+
+def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64], NDArray[np.float64]]:
+    """A candidate with its place freed where it has one, and the scores u and e (of all effects) to start from."""
+    hypothesis = freed(s.hypothesis)
+    own = {k: float(v) for k, v in s.hypothesis.settings.items() if k in {p.name for p in hypothesis.parameters}}
+    known = current.scores if s.start is None else s.start
+    u, e = np.split(known, [current.u.size])
+    return hypothesis, u, np.concatenate([e, hypothesis.scores({**own, **s.values})])
+
+
+def fitted_from(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...], tell: Progress) -> Fit | None:
+    """A candidate fitted from where the screen left it, or with little of it from where the model without it is.
+
+    The screen follows the unknowns along straight lines, which sharp resonances leave soon: the better start is taken.
+    A model with one effect more can do as well as the one without: a fit that lost its way is done again from there.
+    """
+    hypothesis, u, start = _start(current, s)
+    little = _start(current, replace(s, values=parted(s, _LITTLE), start=None))[1:]
+    hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
+    if stages is NEAR:
+        u, start = min((u, start), little, key=lambda where: cost_at(current.problem, hypotheses, *where))
+    try:
+        found = fit(current.problem, hypotheses, u, start, stages, tell)
+    except NoStructureError:
+        return None
+    if found.evidence_nats < current.evidence_nats - _LOST and stages is not NEAR:
+        try:
+            again = fit(current.problem, hypotheses, *little, NEAR, tell)
+        except NoStructureError:
+            return found
+        return max(found, again, key=lambda f: f.evidence_nats)
+    return found
