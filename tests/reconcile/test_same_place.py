@@ -52,3 +52,24 @@ def test_the_next_best_may_win_where_the_best_is_beside_the_point(monkeypatch: p
     assert rounds._taking_it_away(null, [beside], before) == []
     # Held-out data that are met need no place to speak for the name.
     assert rounds._taking_it_away(null, [beside, met], before) == [met, beside]
+
+
+def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is refused for it is kept among the refused, and the verdict has no name."""
+    null: Any = SimpleNamespace(chi2_per_dof=1.0, problem=None)
+    beside: Any = SimpleNamespace(fit="beside", name="beside", gain_nats=90.0, held_out=40.0)
+    limits = SimpleNamespace(held_out_per_dof=1.0)
+    left = SimpleNamespace(
+        held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=limits, train_chi2_per_dof=1.0, adequate=False
+    )
+    monkeypatch.setattr(rounds, "localise", lambda fit: explained(body=0.9 if fit is null else 0.95))
+    monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
+    monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
+    monkeypatch.setattr(rounds, "_tried", lambda *given: (beside,))
+    monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
+    monkeypatch.setattr(rounds, "_against", lambda current, fits: (beside,))
+    monkeypatch.setattr(rounds, "_passed", lambda *given: True)
+    monkeypatch.setattr(rounds, "_finished", lambda found: found)
+    needs: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
+    found = rounds.attribute(null, (), needs)
+    assert found.rounds == () and found.vetoed == (beside,)

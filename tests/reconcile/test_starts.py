@@ -16,6 +16,7 @@ from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.thresholds import SMOOTHED
 
 rounds = importlib.import_module("vgvt.reconcile.attribute")
 candidate_fits = importlib.import_module("vgvt.reconcile.candidate_fits")
@@ -103,3 +104,25 @@ def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:
     assert parted(tuned, 0.125) == {"frequency_hz": 9.0}
     sized = Screened(Hypothesis(LocalAbsorber, THERE), {"frequency_hz": 9.0, "mass_kg": 0.08}, 1.0)
     assert parted(sized, 0.125) == {"frequency_hz": 9.0, "mass_kg": pytest.approx(0.01)}
+
+
+def test_a_model_error_that_is_mended_is_not_paid_for_on_every_line() -> None:
+    """The same fall of χ², judged by noise alone or by the declared error of the model alone."""
+    g = np.random.default_rng(0)
+    shape = (8, 100)
+    white = g.standard_normal(shape) + 1j * g.standard_normal(shape)
+    gains = []
+    for noise in (1.0, 0.0):
+        measured = SimpleNamespace(values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.full(shape, noise))
+        split = SimpleNamespace(train=np.ones(8, bool), held=np.zeros(8, bool))
+        found: Any = SimpleNamespace(
+            problem=SimpleNamespace(measured=measured, split=split), predicted=1 + white, points=1600, chi2=1500.0,
+            evidence_nats=50.0,
+        )  # fmt: skip
+        null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
+        (rival,) = rounds._against(null, [found])
+        gains.append(rival.gain_nats)
+        assert rival.raw_nats == 50.0
+    # 100 of χ² are 50 nats; white residuals of eight channels are worth nearly all of their lines.
+    assert 40 < gains[0] <= 50
+    assert gains[1] == pytest.approx(gains[0] / SMOOTHED, rel=1e-6)

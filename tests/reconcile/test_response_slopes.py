@@ -1,0 +1,49 @@
+"""Slopes of A/F by the adjoint against differences, for any matrices: every term as large as the others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances
+
+COORDINATES, ROWS, LINES, PARAMETERS = 5, 6, 9, 4
+RUNS = (np.array([0, 1, 2]), np.array([3, 4, 5]))
+OMEGA = np.linspace(0.4, 2.0, LINES)
+NAMES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+
+
+def drawn(seed: int, masses: float) -> tuple[Matrices, Slopes, np.ndarray]:
+    """A damped structure, its changes in some parameters, and what its sensors weigh."""
+    g = np.random.default_rng(seed)
+
+    def square() -> np.ndarray:
+        a = g.standard_normal((COORDINATES, COORDINATES))
+        return np.asarray(a @ a.T / COORDINATES)
+
+    shapes = {"drive": (COORDINATES,), "axis": (ROWS, COORDINATES), "tilt": (ROWS, COORDINATES)}
+    rest = {n: g.standard_normal(s) for n, s in shapes.items()}
+    spare = 0.1 * g.standard_normal(ROWS)
+    matrices = Matrices(square() + np.eye(COORDINATES), 0.5 * square(), square(), **rest, spare=spare)
+    changes = {n: g.standard_normal((PARAMETERS, *getattr(matrices, n).shape)) for n in NAMES}
+    return (
+        matrices,
+        Slopes(**changes, masses_kg=masses * g.standard_normal((PARAMETERS, ROWS))),
+        masses * g.uniform(0.5, 1.0, ROWS),
+    )
+
+
+@pytest.mark.parametrize("masses", [0.0, 0.3])
+def test_every_term_agrees_with_differences(masses: float) -> None:
+    matrices, slopes, own = drawn(1, masses)
+    found = accelerance_slopes(matrices, OMEGA, RUNS, tuple(own[r] for r in RUNS), slopes)
+    step = 1e-5
+    for k in range(PARAMETERS):
+        sides = []
+        for sign in (1, -1):
+            moved = {n: getattr(matrices, n) + sign * step * getattr(slopes, n)[k] for n in NAMES}
+            there = own + sign * step * slopes.masses_kg[k]
+            sides.append(accelerances(replace(matrices, **moved), OMEGA, RUNS, tuple(there[r] for r in RUNS)))
+        np.testing.assert_allclose(found[k], (sides[0] - sides[1]) / (2 * step), rtol=1e-5, atol=1e-6)
