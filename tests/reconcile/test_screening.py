@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,11 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
+from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate
-from vgvt.reconcile.screen import screen
+from vgvt.reconcile.screen import parted, screen
 from vgvt.reconcile.stand import Stand
 
 NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "stiffness-asymmetry")
@@ -37,9 +39,9 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     seen: list[str] = []
     followed = Stand.followed
 
-    def spy(self: Stand, hypothesis: Any, values: dict[str, float]) -> Any:
+    def spy(self: Stand, hypothesis: Any, *values: dict[str, float]) -> Any:
         seen.append(hypothesis.name)
-        return followed(self, hypothesis, values)
+        return followed(self, hypothesis, *values)
 
     monkeypatch.setattr(Stand, "followed", spy)
     return seen
@@ -74,6 +76,17 @@ def test_what_the_unknowns_imitate_is_not_lost(tmp_path_factory: pytest.TempPath
     found = screen(swallowed, candidates(swallowed.problem, every))
     assert found[0].hypothesis.name == "added-inertia"
     assert found[0].gain_nats > 10
+
+
+def test_a_parameter_that_tunes_a_resonance_has_no_parts(tmp_path: Path) -> None:
+    """An eighth of a spring's mass surges at another frequency: looked at 'in small', the truth promised nothing."""
+    there = SuspensionSurge(mass_kg=0.12, loss_factor=0.005)
+    lacking = calibrate(problem(tmp_path, 1, there))
+    found = screen(lacking, candidates(lacking.problem, {"suspension-surge": SuspensionSurge}))
+    assert found[0].gain_nats > 0.5 * (0.5 * lacking.chi2)
+    assert found[0].values["mass_kg"] == pytest.approx(0.12, rel=0.05)
+    assert found[0].tuned == "mass_kg"
+    assert parted(found[0], 0.125) == found[0].values
 
 
 def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> None:

@@ -39,7 +39,8 @@ class Screened:
     """A variant with the values to start a fit from, and the nats it could buy at best: half the drop of χ².
 
     ``remaining`` is the χ² that it would leave, ``start`` (scores,) those of the stand that it was screened at: of the
-    unknowns and of the effects that are there already.
+    unknowns and of the effects that are there already. ``tuned`` names the parameter that was scanned, as it moves a
+    resonance: with a part of it the resonance is elsewhere, so it is no size.
     """
 
     hypothesis: Hypothesis
@@ -48,6 +49,13 @@ class Screened:
     visible: bool = True
     remaining: float = math.inf
     start: Array | None = None
+    tuned: str = ""
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Neutral values of what an effect can have a part of, by name."""
+        mine = (p for p in self.hypothesis.parameters if p.name in self.values and p.name != self.tuned)
+        return {p.name: float(p.neutral) for p in mine if p.neutral is not None}
 
 
 def screen(
@@ -79,16 +87,17 @@ def screen(
 def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     """A variant at the sizes of the closed form; of one that is scanned, its best few, then steps around the best."""
     if depends_on_level(stand.fit.problem, hypothesis):
-        return [max((_at(stand, hypothesis, v) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)]
-    grid = _grid(stand, hypothesis)
-    sized = sorted((_sized(stand, hypothesis, values) for values in grid), key=lambda s: -s.gain_nats)
-    if len(grid) == 1 or sized[0].gain_nats <= _WORTH_REFINING:
+        return [
+            max((_at(stand, Screened(hypothesis, v, 0.0)) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)
+        ]
+    grid, scanned = _grid(stand, hypothesis)
+    sized = sorted((_sized(stand, hypothesis, values, scanned) for values in grid), key=lambda s: -s.gain_nats)
+    if not scanned or sized[0].gain_nats <= _WORTH_REFINING:
         return sized[:1]
-    scanned = next(name for name in grid[0] if grid[0][name] != grid[1][name])
     switches = {p.name for p in hypothesis.parameters if p.neutral is not None}
     others = {k: v for k, v in sized[0].values.items() if k not in switches}
     centre, steps = sized[0].values[scanned], math.exp(_FINE) ** np.array([-3, -2, -1, 1, 2, 3])
-    again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}) for s in steps]
+    again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}, scanned) for s in steps]
     return sorted([*sized[:_KEPT], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
 
 
@@ -134,15 +143,13 @@ def _checkable(stand: Stand, s: Screened) -> bool:
 
 def parted(s: Screened, share: float) -> dict[str, float]:
     """Values of a variant with a share of its sizes."""
-    neutral = {p.name: float(p.neutral) for p in s.hypothesis.parameters if p.neutral is not None}
-    return {**s.values, **{k: n + share * (s.values[k] - n) for k, n in neutral.items() if k in s.values}}
+    return {**s.values, **{k: n + share * (s.values[k] - n) for k, n in s.sizes.items()}}
 
 
 def _in_small(stand: Stand, s: Screened) -> Screened:
     """A variant whose promise is what a small part of its size lets expect of the whole by the closed form."""
-    sized = any(p.neutral is not None for p in s.hypothesis.parameters)
-    share = _SHARES[-1] if sized else 1.0
-    reached = stand.followed(s.hypothesis, parted(s, share))
+    share = _SHARES[-1] if s.sizes else 1.0
+    reached = stand.followed(s.hypothesis, parted(s, share), s.sizes)
     gain = -math.inf if reached is None else 0.5 * (stand.cost - reached[0]) / (share * (2 - share))
     return replace(s, gain_nats=min(gain, s.gain_nats))
 
@@ -154,22 +161,22 @@ def _checked(stand: Stand, s: Screened) -> Screened:
     the closed form promises of it is a start from where a fit finds the rest.
     """
     best = None
-    for share in _SHARES:
-        found = _at(stand, s.hypothesis, parted(s, share))
+    for share in _SHARES if s.sizes else _SHARES[:1]:
+        found = _at(stand, replace(s, values=parted(s, share)))
         best = found if best is None or found.gain_nats > best.gain_nats else best
         if found.gain_nats >= 0.5 * share * (2 - share) * s.gain_nats:
             break
     return s if best is None else best
 
 
-def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Screened:
+def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], tuned: str) -> Screened:
     """The best sizes of an effect whose other values are given, by the closed form; what has none, as it is."""
     switches = [p for p in hypothesis.parameters if p.neutral is not None and p.name not in start]
     neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
     if not switches:
         reached = stand.linearly_followed(hypothesis, start)
         gain = -math.inf if reached is None else 0.5 * (stand.cost - reached)
-        return Screened(hypothesis, start, gain)
+        return Screened(hypothesis, start, gain, tuned=tuned)
     left = stand.left
     columns, used = [], []
     for p in switches:
@@ -178,7 +185,8 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Scr
             columns.append(stand.projected(slope))
             used.append(p)
     if not columns:
-        return Screened(hypothesis, {**start, **{p.name: _middle(p) for p in switches}}, 0.0, visible=False)
+        middle = {p.name: _middle(p) for p in switches}
+        return Screened(hypothesis, {**start, **middle}, 0.0, visible=False, tuned=tuned)
     amounts = _non_negative(np.array(columns).T, left, [p.scale == "log" for p in used])
     values = {**start, **neutral}
     for p, amount in zip(used, amounts, strict=True):
@@ -186,35 +194,35 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float]) -> Scr
     predicted = left + np.array(columns).T @ amounts
     linear = 0.5 * float(left @ left - predicted @ predicted)
     inside = {p.name: _inside(p, values[p.name]) for p in used}
-    return Screened(hypothesis, {**values, **inside}, linear)
+    return Screened(hypothesis, {**values, **inside}, linear, tuned=tuned)
 
 
-def _at(stand: Stand, hypothesis: Hypothesis, values: dict[str, float]) -> Screened:
-    """A variant at given sizes, the unknowns following."""
-    visible = depends_on_level(stand.fit.problem, hypothesis)
+def _at(stand: Stand, s: Screened) -> Screened:
+    """A variant at its values, the unknowns following."""
+    visible = depends_on_level(stand.fit.problem, s.hypothesis)
     if not visible:
-        moved = stand.change(hypothesis, values)
+        moved = stand.change(s.hypothesis, s.values)
         if moved is None:
-            return Screened(hypothesis, values, -math.inf)
+            return replace(s, gain_nats=-math.inf)
         visible = bool(np.abs(moved).max() > 1e-9)
-    reached = stand.followed(hypothesis, values) if visible else None
+    reached = stand.followed(s.hypothesis, s.values, s.sizes) if visible else None
     if reached is None:
-        return Screened(hypothesis, values, 0.0 if not visible else -math.inf, visible)
-    return Screened(hypothesis, values, 0.5 * (stand.cost - reached[0]), visible, start=reached[1])
+        return replace(s, gain_nats=0.0 if not visible else -math.inf, visible=visible)
+    return replace(s, gain_nats=0.5 * (stand.cost - reached[0]), visible=visible, start=reached[1])
 
 
-def _grid(stand: Stand, hypothesis: Hypothesis) -> list[dict[str, float]]:
-    """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance."""
+def _grid(stand: Stand, hypothesis: Hypothesis) -> tuple[list[dict[str, float]], str]:
+    """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance, and of what."""
     defaults = start_values(hypothesis)
     scanned = _resonant(stand, hypothesis)
     if scanned is None:
-        return [defaults]
+        return [defaults], ""
     low, high = math.log(scanned.low), math.log(scanned.high)
     if scanned.unit == "Hz":
         band = stand.fit.problem.measured.frequency_hz
         low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
     count = max(2, math.ceil((high - low) / _COARSE))
-    return [{**defaults, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))]
+    return [{**defaults, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))], scanned.name
 
 
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:

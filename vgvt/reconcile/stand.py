@@ -121,10 +121,13 @@ class Stand:
         left = self.left + self.projected(moved)
         return float(left @ left)
 
-    def followed(self, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, Array] | None:
+    def followed(
+        self, hypothesis: Hypothesis, values: dict[str, float], sizes: dict[str, float] | None = None
+    ) -> tuple[float, Array] | None:
         """Least square sum with an effect at some values, the unknowns following, and their scores; None if impossible.
 
-        Newton's steps with the tangent of this stand, the response itself being computed anew at each.
+        ``sizes`` are the neutral values of what there can be a part of, by default of all that have one. Newton's
+        steps with the tangent of this stand, the response itself being computed anew at each.
         """
         null = self.fit
         added = (*null.hypotheses, _with_values(hypothesis, values))
@@ -138,7 +141,7 @@ class Stand:
             return None
         # Where the unknowns had stood in for the effect, they give way by as much as its slope says, at once: at its
         # size and with them where they were, the response is too far off for its own misfit to lead anywhere.
-        along = self._along(hypothesis, values)
+        along = self._along(hypothesis, values, sizes)
         if along is not None:
             there = self._moved(scores, -self.inverse @ (null.tangent.T @ along))
             cost, misfit = self._cost(here, there)
@@ -158,14 +161,15 @@ class Stand:
                 break
         return best, scores
 
-    def _along(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
+    def _along(self, hypothesis: Hypothesis, values: dict[str, float], sizes: dict[str, float] | None) -> Array | None:
         """What its sizes would do to the misfit (2 N,) if they did it linearly; None where no slope is known."""
-        sizes = [p for p in hypothesis.parameters if p.neutral is not None and p.name in values]
-        neutral = {p.name: float(p.neutral) for p in sizes if p.neutral is not None}
+        if sizes is None:
+            mine = (p for p in hypothesis.parameters if p.name in values)
+            sizes = {p.name: float(p.neutral) for p in mine if p.neutral is not None}
         out = None
-        for p in sizes:
-            amount = values[p.name] - neutral[p.name]
-            slope = self.slope(hypothesis, {**values, **neutral}, p) if amount else None
+        for p in (p for p in hypothesis.parameters if p.name in sizes):
+            amount = values[p.name] - sizes[p.name]
+            slope = self.slope(hypothesis, {**values, **sizes}, p) if amount else None
             if slope is not None:
                 out = amount * slope if out is None else out + amount * slope
         return None if out is None else out[: self.fit.points]
