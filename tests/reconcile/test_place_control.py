@@ -106,3 +106,21 @@ def test_held_out_data_must_speak_for_a_name() -> None:
     assert confirmed(1.03, 5.0, apart=0.2)
     assert not confirmed(1.03, 5.0, apart=0.05)
     assert not confirmed(1.03, 0.0, apart=0.2)
+
+
+@pytest.mark.parametrize(("behind", "converged", "fits"), [(3.0, False, 2), (5.0, False, 1), (1.0, True, 1)])
+def test_only_what_comes_near_the_winner_is_fitted_to_the_end(
+    monkeypatch: pytest.MonkeyPatch, behind: float, converged: bool, fits: int
+) -> None:
+    winner: Any = SimpleNamespace(problem=None, hypotheses=("winner",), u=0, chi2=100.0)
+    stages: list[Any] = []
+
+    def fitted(*args: Any) -> Any:
+        stages.append(args[-1])
+        return SimpleNamespace(chi2=behind * winner.chi2, converged=converged, u=0, e=0)
+
+    monkeypatch.setattr(place_control, "fit", fitted)
+    there: Any = "elsewhere"
+    place_control._fitted(winner, there, np.zeros(0))
+    assert len(stages) == fits
+    assert stages[1:] == [NEAR][: fits - 1]

@@ -133,13 +133,13 @@ class _Change:
     """Differences of a changed group's arrays from a known one's, between its t tests and its m + 1 motions.
 
     ``matrices`` are stiffness, damping and mass, each as ``(tests by motions, new by motions, tests by new, new by
-    new)`` of a new coordinates, None where nothing changes; ``drive`` (t,) and ``own_drive`` (a,) the push.
+    new)`` of a new coordinates, None where a block changes nothing; ``drive`` (t,) and ``own_drive`` (a,) the push.
     ``axis``, ``tilt`` (C, m + 1) and ``own_axis``, ``own_tilt`` (C, a) are what sensors read of motions and of new
     coordinates, ``pulled`` (t, C) where a force along a sensor now acts besides, ``sensed`` (t, C) where it did, and
     ``masses_kg`` (C,) what sensors weigh besides: over the known group's channels, zero where the changed one has none.
     """
 
-    matrices: tuple[tuple[Array, Array, Array, Array] | None, ...]
+    matrices: tuple[tuple[Array | None, Array | None, Array | None, Array | None], ...]
     drive: Array
     own_drive: Array
     axis: Array
@@ -175,10 +175,12 @@ class _Change:
             mass = mass + (heavy - light) / len(runs)
         tests, motions, drive = known.tests, known.motions, t.drive - s.drive
 
-        def projected(d: Array) -> tuple[Array, Array, Array, Array] | None:
-            if not d.any():
-                return None
-            return tests @ d[:old, :old] @ motions, d[old:, :old] @ motions, tests @ d[:old, old:], d[old:, old:]
+        def projected(d: Array) -> tuple[Array | None, Array | None, Array | None, Array | None]:
+            within, below, beside, own = d[:old, :old], d[old:, :old], d[:old, old:], d[old:, old:]
+            return (
+                tests @ within @ motions if within.any() else None, below @ motions if below.any() else None,
+                tests @ beside if beside.any() else None, own if own.any() else None,
+            )  # fmt: skip
 
         return cls(
             tuple(projected(d) for d in (t.stiffness - s.stiffness, t.damping - s.damping, mass)),
@@ -194,33 +196,42 @@ class _Change:
         modes = run.adjoint.shape[2]
         here = np.concatenate([np.arange(modes), modes + rows])
         by_line = ((1.0 + 0j) * np.ones(omega.size), 1j * omega, -(1.0 + 0j) * square)
-        right = self.drive[here, None] + self.pulled[np.ix_(here, rows)] @ run.force
-        for line, matrix in zip(by_line, self.matrices, strict=True):
-            if matrix is not None:
-                right = right - line * (matrix[0][here] @ run.q)
-        moved, felt = self.axis[rows] @ run.q, self.tilt[rows] @ run.q
+        right = self.drive[here, None] + _times(self.pulled[np.ix_(here, rows)], run.force)
+        for line, (within, _, _, _) in zip(by_line, self.matrices, strict=True):
+            if within is not None:
+                right -= line * _times(within[here], run.q)
+        moved, felt = _times(self.axis[rows], run.q), _times(self.tilt[rows], run.q)
         if self.own_drive.size:
             own = self._own(run, by_line)
-            for line, matrix in zip(by_line, self.matrices, strict=True):
-                if matrix is not None:
-                    right = right - line * (matrix[2][here] @ own)
-            moved, felt = moved + self.own_axis[rows] @ own, felt + self.own_tilt[rows] @ own
+            for line, (_, _, beside, _) in zip(by_line, self.matrices, strict=True):
+                if beside is not None:
+                    right -= line * _times(beside[here], own)
+            moved, felt = moved + _times(self.own_axis[rows], own), felt + _times(self.own_tilt[rows], own)
         # What the sensors weigh, and where they sit, loads the structure along their axes.
         load = run.loading * moved + square * self.masses_kg[rows, None] * run.displaced
-        right = right + self.sensed[np.ix_(here, rows)] @ load
+        right += _times(self.sensed[np.ix_(here, rows)], load)
         read = (run.adjoint @ right[:modes].T[:, :, None])[:, :, 0].T - square * right[modes:]
         return np.asarray(read - square * moved + felt)
 
     def _own(self, run: _Run, by_line: Sequence[NDArray[Any]]) -> ComplexArray:
         """New coordinates (a, L) at the old motion: Z_aa q_a = h_a + A_aᵀ f - Z_ar q."""
         axis = self.own_axis[run.rows]
-        right = self.own_drive[:, None] + axis.T @ run.force
-        stiff = -np.einsum("al,ai,aj->lij", run.loading, axis, axis).astype(complex)
-        for line, matrix in zip(by_line, self.matrices, strict=True):
-            if matrix is not None:
-                right = right - line * (matrix[1] @ run.q)
-                stiff += line[:, None, None] * matrix[3]
-        return np.asarray(np.linalg.solve(stiff, right.T[:, :, None])[:, :, 0].T)
+        right = self.own_drive[:, None] + _times(axis.T, run.force)
+        pairs = axis[:, :, None] * axis[:, None, :]
+        stiff = -(pairs.reshape(axis.shape[0], -1).T @ run.loading).reshape(*pairs.shape[1:], -1).astype(complex)
+        for line, (_, below, _, own) in zip(by_line, self.matrices, strict=True):
+            if below is not None:
+                right -= line * _times(below, run.q)
+            if own is not None:
+                stiff += own[:, :, None] * line
+        if right.shape[0] == 1:
+            return np.asarray(right / stiff[0])
+        return np.asarray(np.linalg.solve(stiff.transpose(2, 0, 1), right.T[:, :, None])[:, :, 0].T)
+
+
+def _times(matrix: Array, values: ComplexArray) -> ComplexArray:
+    """A real matrix times a complex one, without making that complex."""
+    return (matrix @ np.ascontiguousarray(values).view(np.float64)).view(np.complex128)
 
 
 def _weight(s: Structure, rows: NDArray[np.intp], masses_kg: Array, roving: bool) -> Array:

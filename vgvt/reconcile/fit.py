@@ -13,6 +13,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import origin_near
@@ -138,17 +139,21 @@ def fit(
     ``judged`` is the coarseness that χ², posterior and evidence refer to. ``exact`` goes on, where the unknowns end up
     far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on.
     """
-    here = anchor(problem, u, hypotheses, e, rough=True)
-    predicted = here.predict(u, e)
     phases, passed, converged = _phases(stages, exact), 0, False
     total = sum(n for _, n, _ in phases)
+    structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0)
+    here = anchor(problem, u, hypotheses, e, rough=True, structures=structures)
+    predicted = here.predict(u, e)
     # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
     for coarse, iterations, rough in phases:
         begun, passed = passed, passed + iterations
+        if structures.coarse and coarse == 0:
+            structures.coarse = False
+            here, predicted = _assembled(structures, u, hypotheses, e)
         if not rough:
             if origin_near(problem, u, e, None) is None:
                 continue
-            here = anchor(problem, u, hypotheses, e, groups=here.assembled)
+            here = anchor(problem, u, hypotheses, e, groups=here.assembled, structures=structures)
         damping = 1.0
         for k in range(iterations):
             if progress is not None:
@@ -165,7 +170,18 @@ def fit(
                 break
         else:
             converged = False
+    if structures.coarse:
+        structures.coarse = False
+        here, predicted = _assembled(structures, u, hypotheses, e)
     return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
+
+
+def _assembled(
+    structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array
+) -> tuple[Anchor, ComplexArray]:
+    """The anchor and prediction at scores that coarse steps arrived at, nothing carried along."""
+    here = anchor(structures.problem, u, hypotheses, e, rough=True, structures=structures)
+    return here, here.predict(u, e)
 
 
 def _phases(stages: tuple[tuple[float, int], ...], exact: bool) -> list[tuple[float, int, bool]]:
@@ -208,7 +224,7 @@ def _step(
         move *= min(1.0, longest / max(np.abs(move).max(), 1e-300))
         new_u, new_e = _moved(here, u, e, move)
         try:
-            there = anchor(problem, new_u, here.hypotheses, new_e, slopes=False)
+            there = anchor(problem, new_u, here.hypotheses, new_e, slopes=False, structures=here.structures)
             trial = there.predict(new_u, new_e)
         except NoStructureError:
             damping = max(10 * damping, 1.0)
@@ -217,8 +233,9 @@ def _step(
         new_cost = float(found @ found + new_u @ new_u + new_e @ new_e)
         if new_cost < cost:
             there = anchor(
-                problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin, rough=rough
-            )
+                problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin, rough=rough,
+                structures=here.structures,
+            )  # fmt: skip
             return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost, promised
         damping = max(10 * damping, 1.0)
     return None

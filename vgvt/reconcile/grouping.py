@@ -44,6 +44,18 @@ def cells_at(problem: Problem, u: Array) -> float:
     return CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
 
 
+def sensor_mass_factor(problem: Problem, u: Array) -> float:
+    """The factor that the scores u put on every sensor's mass."""
+    index = sensor_mass_index(problem)
+    return 1.0 if index is None else problem.unknowns[index].amount(float(u[index]))
+
+
+def sensor_mass_index(problem: Problem) -> int | None:
+    """Which unknown scales the sensors' mass; None where none does."""
+    names = [k.name for k in problem.unknowns]
+    return names.index("sensor mass") if "sensor mass" in names else None
+
+
 class NoStructureError(ValueError):
     """The parameters describe no aircraft that hangs."""
 

@@ -24,7 +24,8 @@ from vgvt.reconcile.level_grid import depends_on_level, level_grid
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
-_COARSE, _FINE = 0.06, 0.015
+# Steps of a scan over a resonance, of the logarithm of its frequency: the first, and those around the best, as a share.
+_STEP, _FINE = 0.06, 0.25
 _KEPT, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
 # More than any short list asks for, in all and of one effect.
 _SLOTS, _OF_ONE = 9, 3
@@ -90,15 +91,19 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
         return [
             max((_at(stand, Screened(hypothesis, v, 0.0)) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)
         ]
-    grid, scanned = _grid(stand, hypothesis)
+    grid, scanned, step = _grid(stand, hypothesis)
     sized = sorted((_sized(stand, hypothesis, values, scanned) for values in grid), key=lambda s: -s.gain_nats)
     if not scanned or sized[0].gain_nats <= _WORTH_REFINING:
         return sized[:1]
     switches = {p.name for p in hypothesis.parameters if p.neutral is not None}
     others = {k: v for k, v in sized[0].values.items() if k not in switches}
-    centre, steps = sized[0].values[scanned], math.exp(_FINE) ** np.array([-3, -2, -1, 1, 2, 3])
-    again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}, scanned) for s in steps]
-    return sorted([*sized[:_KEPT], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
+    centre, steps = sized[0].values[scanned], math.exp(_FINE * step) ** np.arange(-3, 4)
+    # At the width of the steps, and at the one that is expected: of the fits from there either may find the way.
+    for damped in ({}, {k: v for k, v in start_values(hypothesis).items() if k != scanned}):
+        near = [{**others, **damped, scanned: float(centre * s)} for s in steps]
+        again = [_sized(stand, hypothesis, values, scanned) for values in near]
+        sized.append(max(again, key=lambda s: s.gain_nats))
+    return sorted([*sized[:_KEPT], *sized[-2:]], key=lambda s: -s.gain_nats)
 
 
 def _check_the_best(
@@ -211,18 +216,28 @@ def _at(stand: Stand, s: Screened) -> Screened:
     return replace(s, gain_nats=0.5 * (stand.cost - reached[0]), visible=visible, start=reached[1])
 
 
-def _grid(stand: Stand, hypothesis: Hypothesis) -> tuple[list[dict[str, float]], str]:
-    """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance, and of what."""
+def _grid(stand: Stand, hypothesis: Hypothesis) -> tuple[list[dict[str, float]], str, float]:
+    """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance.
+
+    With them the name of what is scanned, and the step of its logarithm. What resonates is as wide as the steps, or a
+    sharp one would be met by luck alone.
+    """
     defaults = start_values(hypothesis)
-    scanned = _resonant(stand, hypothesis)
-    if scanned is None:
-        return [defaults], ""
+    found = _resonant(stand, hypothesis)
+    if found is None:
+        return [defaults], "", 0.0
+    scanned, power = found
     low, high = math.log(scanned.low), math.log(scanned.high)
     if scanned.unit == "Hz":
         band = stand.fit.problem.measured.frequency_hz
         low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
-    count = max(2, math.ceil((high - low) / _COARSE))
-    return [{**defaults, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))], scanned.name
+    count = max(2, math.ceil((high - low) * power / _STEP))
+    known = {**defaults, **_widened(stand, hypothesis, scanned, _STEP / 2)}
+    return (
+        [{**known, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))],
+        scanned.name,
+        _STEP / power,
+    )
 
 
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:
@@ -230,36 +245,56 @@ def start_values(hypothesis: Hypothesis) -> dict[str, float]:
     return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
 
 
-def _resonant(stand: Stand, hypothesis: Hypothesis) -> Parameter | None:
-    """The parameter that moves the resonance of what an effect adds, by comparing its elements."""
-    problem = stand.fit.problem
-    middle = {p.name: _middle(p) for p in hypothesis.parameters}
-    candidates = sorted(hypothesis.parameters, key=lambda p: (p.unit != "Hz", p.neutral is not None))
-    for p in candidates:
-        if p.scale != "log":
-            continue
-        own = []
-        for value in (p.low, p.high):
-            effect = hypothesis.effect({**middle, p.name: value})
-            if effect is None:
-                break
-            try:
-                own.append(_own_frequencies(effect.act(problem.scenario, len(problem.measured.runs) - 1).elements))
-            except ValueError:
-                break
-        if len(own) == 2 and own[0] and own[1] and abs(math.log(own[0][0] / own[1][0])) > 0.1:
-            return p
+def _resonant(stand: Stand, hypothesis: Hypothesis) -> tuple[Parameter, float] | None:
+    """The parameter that moves the resonance of what an effect adds, and the power of it that the frequency goes with.
+
+    Which one it is shows in the effect's elements at either end of its range.
+    """
+    for p in sorted(hypothesis.parameters, key=lambda p: (p.unit != "Hz", p.neutral is not None)):
+        if p.scale == "log":
+            (low, _), (high, _) = (_resonance(stand, hypothesis, {p.name: value}) for value in (p.low, p.high))
+            moved = abs(math.log(low / high)) if low and high else 0.0
+            if moved > 0.1:
+                return p, moved / math.log(p.high / p.low)
     return None
 
 
-def _own_frequencies(elements: Sequence[object]) -> list[float]:
+def _widened(stand: Stand, hypothesis: Hypothesis, scanned: Parameter, damping_ratio: float) -> dict[str, float]:
+    """The parameter that damps a resonance, at the value that gives it a damping ratio; empty where none does."""
+    for p in hypothesis.parameters:
+        if p.scale != "log" or p.neutral is not None or p.name == scanned.name:
+            continue
+        (one, low), (other, high) = (_resonance(stand, hypothesis, {p.name: value}) for value in (p.low, p.high))
+        if one and other and low and high and abs(math.log(one / other)) < 0.1 < math.log(high / low):
+            power = math.log(high / low) / math.log(p.high / p.low)
+            return {p.name: p.low * (damping_ratio / low) ** (1 / power)}
+    return {}
+
+
+def _resonance(stand: Stand, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, float]:
+    """Angular frequency and damping ratio of the first resonance that an effect adds; zeros where it adds none."""
+    problem, middle = stand.fit.problem, {p.name: _middle(p) for p in hypothesis.parameters}
+    effect = hypothesis.effect({**middle, **values})
+    try:
+        elements = () if effect is None else effect.act(problem.scenario, len(problem.measured.runs) - 1).elements
+    except ValueError:
+        elements = ()
+    return next(iter(_own_resonances(elements)), (0.0, 0.0))
+
+
+def _own_resonances(elements: Sequence[object]) -> list[tuple[float, float]]:
+    """Angular frequencies of what elements hold, and damping ratios there."""
     found = []
     for e in elements:
         if isinstance(e, Absorber | SuspensionFrame):
-            found.append(math.sqrt(e.stiffness_n_per_m / e.mass_kg))
+            mass, stiffness, damping = e.mass_kg, e.stiffness_n_per_m, e.damping_n_s_per_m
         elif isinstance(e, HingedFlap):
             arm = math.dist(e.hinge_m, e.centre_of_gravity_m)
-            found.append(math.sqrt(e.stiffness_n_m_per_rad / (e.mass_kg * arm**2 + min(e.inertia_kg_m2))))
+            mass, stiffness = e.mass_kg * arm**2 + min(e.inertia_kg_m2), e.stiffness_n_m_per_rad
+            damping = e.damping_n_m_s_per_rad
+        else:
+            continue
+        found.append((math.sqrt(stiffness / mass), damping / (2 * math.sqrt(stiffness * mass))))
     return found
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.action import Action
-from vgvt.reconcile.adjacent import beside, groups_at
+from vgvt.reconcile.adjacent import beside as groups_beside
+from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.chain import chain_factor
 from vgvt.reconcile.grouping import (
     Group,
@@ -21,6 +22,8 @@ from vgvt.reconcile.grouping import (
     cells_at,
     effects_at,
     run_actions,
+    sensor_mass_factor,
+    sensor_mass_index,
     spare_flexibility,
 )
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -58,7 +61,8 @@ class Reduced:
 class Anchor:
     """The linearisation at scores ``u0`` (problem.size,) and ``e0`` (all parameters of the hypotheses, joined).
 
-    The unknowns' slopes are those at ``origin``, None for the values as stated.
+    The unknowns' slopes are those at ``origin``, None for the values as stated. ``structures`` are what anchors at
+    other scores are made from.
     """
 
     problem: Problem
@@ -69,6 +73,7 @@ class Anchor:
     assembled: tuple[Group, ...]
     filtered: bool
     origin: Origin | None
+    structures: Structures
 
     @property
     def size(self) -> int:
@@ -94,7 +99,7 @@ class Anchor:
         moved = [k.change(float(a)) - k.change(float(b)) for k, a, b in zip(problem.unknowns, u, self.u0, strict=False)]
         x = np.concatenate([moved, e - self.e0])
         still = not x.any()
-        sensor = _sensor_mass_factor(problem, u) / _sensor_mass_factor(problem, self.u0)
+        sensor = sensor_mass_factor(problem, u) / sensor_mass_factor(problem, self.u0)
         out = np.empty(problem.measured.values.shape, dtype=complex)
         for group in self.groups:
             matrices = group.matrices if still else _at(group, x)
@@ -121,7 +126,7 @@ class Anchor:
             return self._differences()
         omega = 2 * np.pi * problem.measured.frequency_hz
         rate = np.array([k.rate(float(a)) for k, a in zip(known, self.u0, strict=False)] + [1.0] * self.e0.size)
-        index = _sensor_mass_index(problem)
+        index = sensor_mass_index(problem)
         out = np.empty((rate.size, *problem.measured.values.shape), dtype=complex)
         for group in self.groups:
             masses = tuple(group.masses_kg[rows] * group.roving for rows in group.runs)
@@ -161,19 +166,23 @@ def anchor(
     groups: tuple[Group, ...] | None = None,
     origin: Origin | None = None,
     rough: bool = False,
+    structures: Structures | None = None,
 ) -> Anchor:
     """Assemble the structure at scores u and e; without ``slopes`` it predicts there and nowhere else.
 
     ``beside`` are the groups at the same u without the last hypothesis: what it changes is then added to them where
     that is enough. ``groups`` are those at u and e, where they are known. ``origin`` is where the slopes in the
-    unknowns were taken last; ``rough`` takes those of the stated values, however far u is from them.
-    NoStructureError where there is none.
+    unknowns were taken last; ``rough`` takes those of the stated values, however far u is from them. ``structures``
+    are what a fit keeps of its structures, by default everything is assembled. NoStructureError where there is none.
     """
     scores = np.zeros(0) if e is None else e
-    groups = groups_at(problem, u, hypotheses, scores, beside) if groups is None else groups
+    kept = Structures(problem) if structures is None else structures
+    if groups is None:
+        near = None if beside is None else groups_beside(problem, u, beside, hypotheses, scores)
+        groups = kept.at(u, hypotheses, scores) if near is None else near
     if groups is None:
         raise NoStructureError("no such structure")
-    sides = _sides(problem, u, hypotheses, scores, groups) if slopes else None
+    sides = _sides(kept, u, hypotheses, scores, groups) if slopes else None
     origin = None if rough or not slopes else origin_near(problem, u, scores, origin)
     try:
         known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
@@ -181,7 +190,7 @@ def anchor(
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
     filtered = any(g.filtered for g in groups)
-    return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin)
+    return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin, kept)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -194,25 +203,25 @@ class _Side:
 
 
 def _sides(
-    problem: Problem, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
+    structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
 ) -> list[_Side]:
     """For every parameter of the hypotheses, groups a step away from those at e."""
-    sides: list[_Side] = []
+    problem, sides = structures.problem, list[_Side]()
     ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
     for k, hypothesis in enumerate(hypotheses):
         # Next to the rig without this effect every step is cheap; the others come first.
         others = (*hypotheses[:k], *hypotheses[k + 1 :])
         mine, rest = e[ends[k] : ends[k + 1]], np.concatenate([e[: ends[k]], e[ends[k + 1] :]])
-        bare = assembled(problem, u, others, rest) if mine.size else None
+        bare = structures.beside(u, others, rest) if mine.size else None
         ordered = (*others, hypothesis)
-        here = None if bare is None else beside(problem, u, bare, ordered, np.concatenate([rest, mine]))
+        here = None if bare is None else groups_beside(problem, u, bare, ordered, np.concatenate([rest, mine]))
         for j in range(mine.size):
             side = None
             for step in (_EFFECT_STEP, -_EFFECT_STEP):
                 moved = mine + step * np.eye(mine.size)[j]
                 near = None
                 if bare is not None and here is not None and _alike(groups, here):
-                    near = beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
+                    near = groups_beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
                 if near is not None and here is not None and _alike(groups, near):
                     side = _Side(here, near, hypothesis.reach(j, step))
                     break
@@ -263,7 +272,7 @@ def _reduced(
         return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, none, roving, levels)
     count = len(problem.unknowns)
     part = basis[[s.joints.index(j) for j in local.joints]]
-    sensor = _sensor_mass_index(problem)
+    sensor = sensor_mass_index(problem)
     grid_rows = local.rows([s.places[r] for r in group.rows])
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
@@ -288,7 +297,7 @@ def _reduced(
         else:
             rows = values[:, grid_rows] @ part
         if name == "mass" and sensor is not None and not roving:
-            rows[sensor] += basis.T @ carried @ basis / _sensor_mass_factor(problem, u)
+            rows[sensor] += basis.T @ carried @ basis / sensor_mass_factor(problem, u)
         added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])
         if not extra and effects:
             added = np.zeros((effects, *rows.shape[1:]))
@@ -332,14 +341,3 @@ def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
 def _at(group: Reduced, x: Array) -> Matrices:
     changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in MATRICES}
     return Matrices(**changed, spare=group.matrices.spare)
-
-
-def _sensor_mass_index(problem: Problem) -> int | None:
-    names = [k.name for k in problem.unknowns]
-    return names.index("sensor mass") if "sensor mass" in names else None
-
-
-def _sensor_mass_factor(problem: Problem, u: Array) -> float:
-    """The factor that u puts on every sensor's mass."""
-    index = _sensor_mass_index(problem)
-    return 1.0 if index is None else problem.unknowns[index].amount(float(u[index]))

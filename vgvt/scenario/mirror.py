@@ -35,7 +35,8 @@ def mirrored_point(point: Point) -> Point:
 def _beam_copies(airframe: Airframe, beam: Beam) -> tuple[Beam, ...]:
     root_y = beam.stations.position_m[0][1]
     if not beam.mirror:
-        return (beam.model_copy(update={"parent": part_name(airframe, beam.parent, root_y)}),)
+        parent = part_name(airframe, beam.parent, root_y)
+        return (beam if parent == beam.parent else beam.model_copy(update={"parent": parent}),)
     right, left = mirrored_names(beam.name, True)
     stations = beam.stations.model_copy(
         update={"position_m": tuple(mirrored_point(p) for p in beam.stations.position_m)}
@@ -56,7 +57,8 @@ def _beam_copies(airframe: Airframe, beam: Beam) -> tuple[Beam, ...]:
 
 def _item_copies(airframe: Airframe, item: Item) -> tuple[Item, ...]:
     if not item.mirror:
-        return (item.model_copy(update={"attached_to": part_name(airframe, item.attached_to, item.position_m[1])}),)
+        part = part_name(airframe, item.attached_to, item.position_m[1])
+        return (item if part == item.attached_to else item.model_copy(update={"attached_to": part}),)
     right, left = mirrored_names(item.name, True)
     return (
         item.model_copy(

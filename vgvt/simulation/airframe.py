@@ -102,20 +102,20 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
     for name, axis in zip(ROOT_JOINTS, _ROOT_AXES, strict=True):
         kind = mujoco.mjtJoint.mjJNT_SLIDE if name.startswith("slide") else mujoco.mjtJoint.mjJNT_HINGE
         root.add_joint(name=name, type=kind, axis=axis)
-    _set_inertial(root, moments[ROOT], parts.origin_m[ROOT])
+    bodies = {ROOT: root}
     if parts.halved:
-        _add_left_half(root, parts, moments[LEFT_HALF])
+        bodies[LEFT_HALF] = _add_left_half(root, parts)
     for chain in _parents_first(parts):
         parent = parts.holder(chain)
         for link in chain.links:
-            body = spec.body(parent).add_body(name=link.name, pos=link.position_m - parts.origin_m[parent])
+            body = bodies[parent].add_body(name=link.name, pos=link.position_m - parts.origin_m[parent])
             _add_hinges(body, link)
-            _set_inertial(body, moments[link.name], link.position_m)
-            parent = link.name
+            bodies[link.name], parent = body, link.name
+    _set_inertials(bodies, moments, parts)
     return spec
 
 
-def _add_left_half(root: mujoco.MjsBody, parts: AirframeParts, moments: MassMoments) -> None:
+def _add_left_half(root: mujoco.MjsBody, parts: AirframeParts) -> mujoco.MjsBody:
     origin = parts.origin_m[LEFT_HALF]
     half = root.add_body(name=LEFT_HALF, pos=origin - parts.origin_m[ROOT])
     half.add_joint(
@@ -124,7 +124,7 @@ def _add_left_half(root: mujoco.MjsBody, parts: AirframeParts, moments: MassMome
         axis=(0.0, 1.0, 0.0),
         stiffness=[parts.airframe.body.carry_through_stiffness_n_m_per_rad, 0.0, 0.0],
     )
-    _set_inertial(half, moments, origin)
+    return half
 
 
 def _moments(parts: AirframeParts) -> dict[str, MassMoments]:
@@ -168,19 +168,18 @@ def _add_hinges(body: mujoco.MjsBody, link: Link) -> None:
         )
 
 
-def _set_inertial(body: mujoco.MjsBody, moments: MassMoments, origin_m: NDArray[np.float64]) -> None:
-    rigid = moments.rigid_body()
-    inertia = rigid.inertia_kg_m2
-    principal, axes = np.linalg.eigh(inertia)
+def _set_inertials(bodies: dict[str, mujoco.MjsBody], moments: dict[str, MassMoments], parts: AirframeParts) -> None:
+    rigid = [moments[name].rigid_body() for name in bodies]
+    principal, axes = np.linalg.eigh(np.array([r.inertia_kg_m2 for r in rigid]))
     # A flat body sits on the edge of the triangle inequality, which rounding may cross: lift it back.
-    principal[0] = max(principal[0], (principal[2] - principal[1]) * (1 + 1e-12))
-    principal[0] = max(principal[0], 1e-12 * principal[2])
-    if np.linalg.det(axes) < 0:
-        axes[:, 0] *= -1
+    principal[:, 0] = np.maximum(principal[:, 0], (principal[:, 2] - principal[:, 1]) * (1 + 1e-12))
+    principal[:, 0] = np.maximum(principal[:, 0], 1e-12 * principal[:, 2])
+    axes[np.linalg.det(axes) < 0, :, 0] *= -1
     quaternion = np.zeros(4)
-    mujoco.mju_mat2Quat(quaternion, axes.ravel())
-    body.explicitinertial = True
-    body.mass = rigid.mass_kg
-    body.ipos = rigid.centre_of_gravity_m - origin_m
-    body.iquat = quaternion
-    body.inertia = principal
+    for (name, body), r, inertia, turn in zip(bodies.items(), rigid, principal, axes, strict=True):
+        mujoco.mju_mat2Quat(quaternion, turn.ravel())
+        body.explicitinertial = True
+        body.mass = r.mass_kg
+        body.ipos = r.centre_of_gravity_m - parts.origin_m[name]
+        body.iquat = quaternion
+        body.inertia = inertia

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from vgvt.data import RigidBodyProperties
 
+_EYE = np.eye(3)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MassMoments:
@@ -34,8 +36,8 @@ class MassMoments:
         if self.mass_kg <= 0:
             return RigidBodyProperties(0.0, np.zeros(3), np.zeros((3, 3)))
         centre = self.first_kg_m / self.mass_kg
-        about_centre = self.second_kg_m2 - self.mass_kg * np.outer(centre, centre)
-        return RigidBodyProperties(self.mass_kg, centre, np.trace(about_centre) * np.eye(3) - about_centre)
+        about_centre = self.second_kg_m2 - self.mass_kg * centre[:, None] * centre
+        return RigidBodyProperties(self.mass_kg, centre, _trace(about_centre) * _EYE - about_centre)
 
 
 NOTHING = MassMoments(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -43,5 +45,10 @@ NOTHING = MassMoments(0.0, np.zeros(3), np.zeros((3, 3)))
 
 def lump(mass_kg: float, position_m: NDArray[np.float64], inertia_kg_m2: NDArray[np.float64]) -> MassMoments:
     """Moments of a body with inertia (3, 3) about its centre of gravity at ``position_m`` (3,)."""
-    own = 0.5 * np.trace(inertia_kg_m2) * np.eye(3) - inertia_kg_m2
-    return MassMoments(mass_kg, mass_kg * position_m, own + mass_kg * np.outer(position_m, position_m))
+    own = 0.5 * _trace(inertia_kg_m2) * _EYE - inertia_kg_m2
+    return MassMoments(mass_kg, mass_kg * position_m, own + mass_kg * position_m[:, None] * position_m)
+
+
+def _trace(matrix: NDArray[np.float64]) -> float:
+    # Thousands of small ones: without numpy's general machinery.
+    return float(matrix[0, 0] + matrix[1, 1] + matrix[2, 2])
