@@ -26,6 +26,8 @@ from vgvt.reconcile.stand import Stand, step_from_neutral
 Array = NDArray[np.float64]
 # Steps of a scan over a resonance, of the logarithm of its frequency: the first, and those around the best, as a share.
 _STEP, _FINE = 0.06, 0.25
+# The damping ratio of what is as wide as half a step to either side; how much narrower is sharp.
+_WIDE, _SHARP = _STEP / 2, 3.0
 _KEPT, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
 # More than any short list asks for, in all and of one effect.
 _SLOTS, _OF_ONE = 9, 3
@@ -97,13 +99,9 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
         return sized[:1]
     switches = {p.name for p in hypothesis.parameters if p.neutral is not None}
     others = {k: v for k, v in sized[0].values.items() if k not in switches}
-    centre, steps = sized[0].values[scanned], math.exp(_FINE * step) ** np.arange(-3, 4)
-    # At the width of the steps, and at the one that is expected: of the fits from there either may find the way.
-    for damped in ({}, {k: v for k, v in start_values(hypothesis).items() if k != scanned}):
-        near = [{**others, **damped, scanned: float(centre * s)} for s in steps]
-        again = [_sized(stand, hypothesis, values, scanned) for values in near]
-        sized.append(max(again, key=lambda s: s.gain_nats))
-    return sorted([*sized[:_KEPT], *sized[-2:]], key=lambda s: -s.gain_nats)
+    centre, steps = sized[0].values[scanned], math.exp(_FINE * step) ** np.array([-3, -2, -1, 1, 2, 3])
+    again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}, scanned) for s in steps]
+    return sorted([*sized[:_KEPT], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
 
 
 def _check_the_best(
@@ -219,8 +217,8 @@ def _at(stand: Stand, s: Screened) -> Screened:
 def _grid(stand: Stand, hypothesis: Hypothesis) -> tuple[list[dict[str, float]], str, float]:
     """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance.
 
-    With them the name of what is scanned, and the step of its logarithm. What resonates is as wide as the steps, or a
-    sharp one would be met by luck alone.
+    With them the name of what is scanned, and the step of its logarithm. What resonates sharply is also taken as wide
+    as the steps, or it would be met by luck alone.
     """
     defaults = start_values(hypothesis)
     found = _resonant(stand, hypothesis)
@@ -232,12 +230,9 @@ def _grid(stand: Stand, hypothesis: Hypothesis) -> tuple[list[dict[str, float]],
         band = stand.fit.problem.measured.frequency_hz
         low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
     count = max(2, math.ceil((high - low) * power / _STEP))
-    known = {**defaults, **_widened(stand, hypothesis, scanned, _STEP / 2)}
-    return (
-        [{**known, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))],
-        scanned.name,
-        _STEP / power,
-    )
+    values, wide = np.exp(np.linspace(low, high, count)), _widened(stand, hypothesis, scanned)
+    starts = [defaults, {**defaults, **wide}] if wide else [defaults]
+    return [{**start, scanned.name: float(v)} for start in starts for v in values], scanned.name, _STEP / power
 
 
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:
@@ -259,15 +254,16 @@ def _resonant(stand: Stand, hypothesis: Hypothesis) -> tuple[Parameter, float] |
     return None
 
 
-def _widened(stand: Stand, hypothesis: Hypothesis, scanned: Parameter, damping_ratio: float) -> dict[str, float]:
-    """The parameter that damps a resonance, at the value that gives it a damping ratio; empty where none does."""
+def _widened(stand: Stand, hypothesis: Hypothesis, scanned: Parameter) -> dict[str, float]:
+    """The parameter that damps a resonance, at what makes it as wide as the steps; empty where it nearly is."""
     for p in hypothesis.parameters:
         if p.scale != "log" or p.neutral is not None or p.name == scanned.name:
             continue
         (one, low), (other, high) = (_resonance(stand, hypothesis, {p.name: value}) for value in (p.low, p.high))
         if one and other and low and high and abs(math.log(one / other)) < 0.1 < math.log(high / low):
             power = math.log(high / low) / math.log(p.high / p.low)
-            return {p.name: p.low * (damping_ratio / low) ** (1 / power)}
+            wide = p.low * (_WIDE / low) ** (1 / power)
+            return {p.name: wide} if wide > _SHARP * float(getattr(hypothesis.cls(), p.name)) else {}
     return {}
 
 
