@@ -13,6 +13,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -101,14 +102,18 @@ def results_of(
             left.append(case)
         else:
             yield case, rows, True
-    end = time.monotonic() + 60 * minutes
-    batch = max(workers, 1)
-    while left and time.monotonic() < end:
-        now, left = (left, []) if minutes == float("inf") else (left[:batch], left[batch:])
-        pool: Any = in_order_of_completion(now, process_pool(workers) if workers > 1 else None, do)  # type: ignore[arg-type]
-        for case, rows in pool:
+    # The clock on the wall: workers are other processes. They live to the end and keep what they once derived.
+    in_time = partial(_begun_before, time.time() + 60 * minutes, do)
+    pool: Any = in_order_of_completion(left, process_pool(workers) if workers > 1 else None, in_time)  # type: ignore[arg-type]
+    for case, rows in pool:
+        if rows:
             store.keep(case, rows)
             yield case, rows, False
+
+
+def _begun_before(end: float, do: Callable[[Case], list[Row]], case: Case) -> list[Row]:
+    """The rows of a case; none once the time is up."""
+    return do(case) if time.time() < end else []
 
 
 def run(cases: Sequence[Case], folder: Path, workers: int, minutes: float) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.screen import start_values
+from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.thresholds import noise_share
 

@@ -16,18 +16,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level, level_grid
+from vgvt.reconcile.scan import middle, scan_of
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
-# Steps of a scan over a resonance, of the logarithm of its frequency: the first, and those around the best, as a share.
-_STEP, _FINE = 0.06, 0.25
-# The damping ratio of what is as wide as half a step to either side; how much narrower is sharp.
-_WIDE, _SHARP = _STEP / 2, 3.0
+# Steps around the best of a scan, as shares of its own.
+_FINE = 0.25
 _KEPT, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
 # More than any short list asks for, in all and of one effect.
 _SLOTS, _OF_ONE = 9, 3
@@ -93,13 +91,14 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
         return [
             max((_at(stand, Screened(hypothesis, v, 0.0)) for v in level_grid(hypothesis)), key=lambda s: s.gain_nats)
         ]
-    grid, scanned, step = _grid(stand, hypothesis)
-    sized = sorted((_sized(stand, hypothesis, values, scanned) for values in grid), key=lambda s: -s.gain_nats)
+    scan = scan_of(stand.fit.problem, hypothesis)
+    scanned = scan.tuned
+    sized = sorted((_sized(stand, hypothesis, values, scanned) for values in scan.starts), key=lambda s: -s.gain_nats)
     if not scanned or sized[0].gain_nats <= _WORTH_REFINING:
         return sized[:1]
     switches = {p.name for p in hypothesis.parameters if p.neutral is not None}
     others = {k: v for k, v in sized[0].values.items() if k not in switches}
-    centre, steps = sized[0].values[scanned], math.exp(_FINE * step) ** np.array([-3, -2, -1, 1, 2, 3])
+    centre, steps = sized[0].values[scanned], math.exp(_FINE * scan.step) ** np.array([-3, -2, -1, 1, 2, 3])
     again = [_sized(stand, hypothesis, {**others, scanned: float(centre * s)}, scanned) for s in steps]
     return sorted([*sized[:_KEPT], max(again, key=lambda s: s.gain_nats)], key=lambda s: -s.gain_nats)
 
@@ -188,8 +187,8 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], tuned:
             columns.append(stand.projected(slope))
             used.append(p)
     if not columns:
-        middle = {p.name: _middle(p) for p in switches}
-        return Screened(hypothesis, {**start, **middle}, 0.0, visible=False, tuned=tuned)
+        middles = {p.name: middle(p) for p in switches}
+        return Screened(hypothesis, {**start, **middles}, 0.0, visible=False, tuned=tuned)
     amounts = _non_negative(np.array(columns).T, left, [p.scale == "log" for p in used])
     values = {**start, **neutral}
     for p, amount in zip(used, amounts, strict=True):
@@ -214,86 +213,6 @@ def _at(stand: Stand, s: Screened) -> Screened:
     return replace(s, gain_nats=0.5 * (stand.cost - reached[0]), visible=visible, start=reached[1])
 
 
-def _grid(stand: Stand, hypothesis: Hypothesis) -> tuple[list[dict[str, float]], str, float]:
-    """Values of the parameters without a neutral one: the default, or a scan of what moves a resonance.
-
-    With them the name of what is scanned, and the step of its logarithm. What resonates sharply is also taken as wide
-    as the steps, or it would be met by luck alone.
-    """
-    defaults = start_values(hypothesis)
-    found = _resonant(stand, hypothesis)
-    if found is None:
-        return [defaults], "", 0.0
-    scanned, power = found
-    low, high = math.log(scanned.low), math.log(scanned.high)
-    if scanned.unit == "Hz":
-        band = stand.fit.problem.measured.frequency_hz
-        low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
-    count = max(2, math.ceil((high - low) * power / _STEP))
-    values, wide = np.exp(np.linspace(low, high, count)), _widened(stand, hypothesis, scanned)
-    starts = [defaults, {**defaults, **wide}] if wide else [defaults]
-    return [{**start, scanned.name: float(v)} for start in starts for v in values], scanned.name, _STEP / power
-
-
-def start_values(hypothesis: Hypothesis) -> dict[str, float]:
-    """Defaults of the parameters without a neutral value."""
-    return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
-
-
-def _resonant(stand: Stand, hypothesis: Hypothesis) -> tuple[Parameter, float] | None:
-    """The parameter that moves the resonance of what an effect adds, and the power of it that the frequency goes with.
-
-    Which one it is shows in the effect's elements at either end of its range.
-    """
-    for p in sorted(hypothesis.parameters, key=lambda p: (p.unit != "Hz", p.neutral is not None)):
-        if p.scale == "log":
-            (low, _), (high, _) = (_resonance(stand, hypothesis, {p.name: value}) for value in (p.low, p.high))
-            moved = abs(math.log(low / high)) if low and high else 0.0
-            if moved > 0.1:
-                return p, moved / math.log(p.high / p.low)
-    return None
-
-
-def _widened(stand: Stand, hypothesis: Hypothesis, scanned: Parameter) -> dict[str, float]:
-    """The parameter that damps a resonance, at what makes it as wide as the steps; empty where it nearly is."""
-    for p in hypothesis.parameters:
-        if p.scale != "log" or p.neutral is not None or p.name == scanned.name:
-            continue
-        (one, low), (other, high) = (_resonance(stand, hypothesis, {p.name: value}) for value in (p.low, p.high))
-        if one and other and low and high and abs(math.log(one / other)) < 0.1 < math.log(high / low):
-            power = math.log(high / low) / math.log(p.high / p.low)
-            wide = p.low * (_WIDE / low) ** (1 / power)
-            return {p.name: wide} if wide > _SHARP * float(getattr(hypothesis.cls(), p.name)) else {}
-    return {}
-
-
-def _resonance(stand: Stand, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, float]:
-    """Angular frequency and damping ratio of the first resonance that an effect adds; zeros where it adds none."""
-    problem, middle = stand.fit.problem, {p.name: _middle(p) for p in hypothesis.parameters}
-    effect = hypothesis.effect({**middle, **values})
-    try:
-        elements = () if effect is None else effect.act(problem.scenario, len(problem.measured.runs) - 1).elements
-    except ValueError:
-        elements = ()
-    return next(iter(_own_resonances(elements)), (0.0, 0.0))
-
-
-def _own_resonances(elements: Sequence[object]) -> list[tuple[float, float]]:
-    """Angular frequencies of what elements hold, and damping ratios there."""
-    found = []
-    for e in elements:
-        if isinstance(e, Absorber | SuspensionFrame):
-            mass, stiffness, damping = e.mass_kg, e.stiffness_n_per_m, e.damping_n_s_per_m
-        elif isinstance(e, HingedFlap):
-            arm = math.dist(e.hinge_m, e.centre_of_gravity_m)
-            mass, stiffness = e.mass_kg * arm**2 + min(e.inertia_kg_m2), e.stiffness_n_m_per_rad
-            damping = e.damping_n_m_s_per_rad
-        else:
-            continue
-        found.append((math.sqrt(stiffness / mass), damping / (2 * math.sqrt(stiffness * mass))))
-    return found
-
-
 def _non_negative(columns: Array, left: Array, positive: list[bool]) -> Array:
     """Least-squares amounts (k,), those of positive quantities not below zero."""
     best, amounts = math.inf, np.zeros(columns.shape[1])
@@ -309,10 +228,6 @@ def _non_negative(columns: Array, left: Array, positive: list[bool]) -> Array:
         if cost < best:
             best, amounts = cost, trial
     return amounts
-
-
-def _middle(p: Parameter) -> float:
-    return math.sqrt(p.low * p.high) if p.scale == "log" else (p.low + p.high) / 2
 
 
 def _inside(p: Parameter, value: float) -> float:

@@ -1,0 +1,117 @@
+"""Where a screen begins: the values of an effect's parameters that have no size, and a scan of what resonates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
+from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem
+
+# Of the logarithm of a resonance's frequency.
+_STEP = 0.06
+# The damping ratio of what is as wide as half a step to either side; how much narrower is sharp.
+_WIDE, _SHARP = _STEP / 2, 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """Values of the parameters without a neutral one: the defaults, or a scan of ``tuned``, which moves a resonance.
+
+    ``step`` is that of its logarithm. What resonates sharply is also taken as wide as the steps, or it would be met by
+    luck alone.
+    """
+
+    starts: tuple[dict[str, float], ...]
+    tuned: str
+    step: float
+
+
+def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
+    """The scan of a hypothesis over the campaign's band."""
+    defaults = start_values(hypothesis)
+    found = _resonant(problem, hypothesis)
+    if found is None:
+        return Scan((defaults,), "", 0.0)
+    scanned, power = found
+    low, high = math.log(scanned.low), math.log(scanned.high)
+    if scanned.unit == "Hz":
+        band = problem.measured.frequency_hz
+        low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
+    wide = _widened(problem, hypothesis, scanned)
+    # Sharp ones in half steps: what lies between them is met by the wide ones.
+    dense = [(defaults, _STEP / 2), ({**defaults, **wide}, _STEP)] if wide else [(defaults, _STEP)]
+    starts = []
+    for start, step in dense:
+        count = max(2, math.ceil((high - low) * power / step))
+        starts += [{**start, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))]
+    return Scan(tuple(starts), scanned.name, _STEP / power)
+
+
+def start_values(hypothesis: Hypothesis) -> dict[str, float]:
+    """Defaults of the parameters without a neutral value."""
+    return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
+
+
+def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, float] | None:
+    """The parameter that moves the resonance of what an effect adds, and the power of it that the frequency goes with.
+
+    Which one it is shows in the effect's elements at either end of its range.
+    """
+    for p in sorted(hypothesis.parameters, key=lambda p: (p.unit != "Hz", p.neutral is not None)):
+        if p.scale == "log":
+            (low, _), (high, _) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
+            moved = abs(math.log(low / high)) if low and high else 0.0
+            if moved > 0.1:
+                return p, moved / math.log(p.high / p.low)
+    return None
+
+
+def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> dict[str, float]:
+    """The parameter that damps a resonance, at what makes it as wide as the steps; empty where it nearly is."""
+    for p in hypothesis.parameters:
+        if p.scale != "log" or p.neutral is not None or p.name == scanned.name:
+            continue
+        (one, low), (other, high) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
+        if one and other and low and high and abs(math.log(one / other)) < 0.1 < math.log(high / low):
+            power = math.log(high / low) / math.log(p.high / p.low)
+            wide = p.low * (_WIDE / low) ** (1 / power)
+            return {p.name: wide} if wide > _SHARP * float(getattr(hypothesis.cls(), p.name)) else {}
+    return {}
+
+
+def _resonance(problem: Problem, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, float]:
+    """Angular frequency and damping ratio of the first resonance that an effect adds; zeros where it adds none."""
+    values_at = {p.name: middle(p) for p in hypothesis.parameters}
+    effect = hypothesis.effect({**values_at, **values})
+    try:
+        elements = () if effect is None else effect.act(problem.scenario, len(problem.measured.runs) - 1).elements
+    except ValueError:
+        elements = ()
+    return next(iter(_own_resonances(elements)), (0.0, 0.0))
+
+
+def _own_resonances(elements: Sequence[object]) -> list[tuple[float, float]]:
+    """Angular frequencies of what elements hold, and damping ratios there."""
+    found = []
+    for e in elements:
+        if isinstance(e, Absorber | SuspensionFrame):
+            mass, stiffness, damping = e.mass_kg, e.stiffness_n_per_m, e.damping_n_s_per_m
+        elif isinstance(e, HingedFlap):
+            arm = math.dist(e.hinge_m, e.centre_of_gravity_m)
+            mass, stiffness = e.mass_kg * arm**2 + min(e.inertia_kg_m2), e.stiffness_n_m_per_rad
+            damping = e.damping_n_m_s_per_rad
+        else:
+            continue
+        found.append((math.sqrt(stiffness / mass), damping / (2 * math.sqrt(stiffness * mass))))
+    return found
+
+
+def middle(p: Parameter) -> float:
+    """The middle of a parameter's range, on its own scale."""
+    return math.sqrt(p.low * p.high) if p.scale == "log" else (p.low + p.high) / 2
