@@ -175,10 +175,14 @@ def problem_as_run() -> Problem:
     return make_problem(open_campaign(RAW), nominal(), cache=FOLDER / "cache")
 
 
-def after_fit(before: Fit, effects: list[tuple[Hypothesis, dict[str, float]]]) -> Fit:
-    """The model with effects, fitted from the one without."""
+def after_fit(
+    before: Fit, effects: list[tuple[Hypothesis, dict[str, float]]], found: NDArray[np.float64] | None = None
+) -> Fit:
+    """The model with effects, fitted from the one without and from scores that were ``found`` with them: the better."""
     start = np.concatenate([h.scores(values) for h, values in effects])
-    return fit(before.problem, tuple(h for h, _ in effects), before.u, start, ((0.15, 3), *NEAR))
+    starts = [before.u] if found is None else [before.u, found]
+    fits = [fit(before.problem, tuple(h for h, _ in effects), u, start, ((0.15, 3), *NEAR)) for u in starts]
+    return max(fits, key=lambda f: f.evidence_nats)
 
 
 def run_splits(main: Document) -> Document:
@@ -191,7 +195,7 @@ def run_splits(main: Document) -> Document:
         before = calibrate(part)
         row: Document = {"before": compare(before.foretold, problem.measured, parts).document()}
         if effects:
-            after = after_fit(before, effects)
+            after = after_fit(before, effects, np.array(main["scores"]["after"]))
             row["after"] = compare(after.foretold, problem.measured, parts).document()
             row["effects"] = [after.values(k) for k in range(len(effects))]
         rows[what] = row

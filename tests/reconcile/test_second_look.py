@@ -35,3 +35,24 @@ def test_looks_again_from_where_the_calibration_belongs(
     found = rounds.attribute(null, (), THRESHOLDS)
     assert seen == [null, better][:looks]
     assert found.null is better
+
+
+@pytest.mark.parametrize(
+    ("confirmed", "adequate", "named", "asked"),
+    [
+        ((), False, False, ["stiffens", "slips"]),
+        ((), False, True, []),
+        ((), True, False, []),
+        (("soft",), False, True, ["stiffens"]),
+        (("heavy",), False, False, []),
+    ],
+)
+def test_at_one_level_nonlinear_joints_are_asked_for_where_they_could_be_told(
+    confirmed: tuple[str, ...], adequate: bool, named: bool, asked: list[str]
+) -> None:
+    """All where nothing has a name at all, the likeness of a name always, nothing beside an earlier name."""
+    like = {"stiffens": ("soft",), "slips": ()}
+    bent: Any = [SimpleNamespace(name=n, cls=SimpleNamespace(confused_with=other)) for n, other in like.items()]
+    rivals: Any = [SimpleNamespace(name=n) for n in confirmed]
+    before: Any = SimpleNamespace(adequate=adequate)
+    assert [h.name for h in rounds._twins(bent, rivals, before, named)] == asked

@@ -117,7 +117,7 @@ def attribute(
                     found += [r.fit for r in again]
                 rivals = _against(current, found)
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
-        twins = _twins(bent, confirmed, before)
+        twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
             later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9))
             more = _fit_all(current, later, before, part(here, 0.9, 1.0))
@@ -189,13 +189,14 @@ def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) 
     return left
 
 
-def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual) -> list[Hypothesis]:
+def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual, named: bool) -> list[Hypothesis]:
     """Of the nonlinear joints, those that a name could be mistaken for; all, where there is no name and should be one.
 
-    One level tells them from their linear likeness by little, and each costs marches over whole records.
+    One level tells them from their linear likeness by little, and each costs marches over whole records: beside an
+    effect that earlier rounds ``named`` it tells nothing.
     """
     if not confirmed:
-        return [] if before.adequate else list(bent)
+        return [] if before.adequate or named else list(bent)
     names = {r.name for r in confirmed}
     return [h for h in bent if names & set(h.cls.confused_with)]  # type: ignore[attr-defined]
 
