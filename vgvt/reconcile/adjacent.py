@@ -65,21 +65,37 @@ def groups_at(
 
 
 def beside(
-    problem: Problem, u: Array, known: tuple[Group, ...], hypotheses: tuple[Hypothesis, ...], e: Array
+    problem: Problem,
+    u: Array,
+    known: tuple[Group, ...],
+    hypotheses: tuple[Hypothesis, ...],
+    e: Array,
+    start: Nominal | None = None,
 ) -> tuple[Group, ...] | None:
-    """Groups with the last hypothesis added to those without it; None where only assembling will do."""
+    """Groups with the last hypothesis added to those without it; None where only assembling will do.
+
+    What it adds follows from the aircraft ``start``, by default the nominal one.
+    """
     made = effects_at(problem, hypotheses, e)
-    return None if made is None else adjacent(problem, known, cells_at(problem, u), made[:-1], made[-1])
+    return None if made is None else adjacent(problem, known, cells_at(problem, u), made[:-1], made[-1], start)
 
 
 def adjacent(
-    problem: Problem, known: Sequence[Group], cells: float, others: tuple[Effect, ...], effect: Effect
+    problem: Problem,
+    known: Sequence[Group],
+    cells: float,
+    others: tuple[Effect, ...],
+    effect: Effect,
+    start: Nominal | None = None,
 ) -> tuple[Group, ...] | None:
-    """The groups ``known``, in which ``others`` act, with one more effect; None where only assembling will do."""
+    """The groups ``known``, in which ``others`` act, with one more effect; None where only assembling will do.
+
+    What it adds follows from the aircraft ``start``, by default the nominal one.
+    """
     try:
         # Not every effect can be hashed: one of somebody else's may hold a list.
         told = _changes if _hashable((*others, effect)) else _changes.__wrapped__
-        changes: tuple[Change, ...] = told(problem.start, others, effect)  # type: ignore[arg-type]
+        changes: tuple[Change, ...] = told(start or problem.start, others, effect)  # type: ignore[arg-type]
         found = []
         for group in known:
             run_of = np.array([problem.measured.channels[i].run for i in group.channels])

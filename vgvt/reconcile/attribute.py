@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from vgvt.reconcile.candidate_fits import FINALISTS, finalists, fitted_from
+from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
 from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
@@ -203,9 +203,11 @@ def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Resid
 
 def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
-    near = before.train_chi2_per_dof < BIASED
+    near, screened = before.train_chi2_per_dof < BIASED, chosen
     if not near and len(chosen) > FINALISTS:
         chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4)), part(tell, 0.4, 1.0)
+        last = {s.hypothesis for s in chosen}
+        screened = [s for s in screened if s.hypothesis in last]
     found: list[Fit] = []
     for i, s in enumerate(chosen):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
@@ -214,6 +216,9 @@ def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: P
         fitted = fitted_from(current, s, NEAR if near else FAR, part(tell, i / len(chosen), (i + 1) / len(chosen)))
         if fitted is not None:
             found.append(fitted)
+    # A model with an effect has been brought near by that; one without may be anywhere.
+    if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
+        found += begun_anew(current, screened, min(f.chi2 for f in found), tell)
     return _against(current, found)
 
 

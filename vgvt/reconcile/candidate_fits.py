@@ -12,6 +12,7 @@ from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import FAR, NEAR, Fit, cost_at, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.shortlist import Progress, naming, part
 
@@ -21,6 +22,8 @@ FINALISTS = 4
 _LITTLE = 0.125
 # Worse by more than what a superfluous parameter costs in evidence.
 _LOST = 10.0
+# What a fit begun anew is given before it is asked how far behind it is, and what is too far, as a multiple of χ².
+_FIRST, _HOPELESS = ((0.0, 6),), 4.0
 
 
 def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple[Screened, ...]:
@@ -41,6 +44,28 @@ def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple
         found.append((there.evidence_nats, ahead))
     found.sort(key=lambda f: -f[0])
     return tuple(s for _, s in found[:FINALISTS])
+
+
+def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Progress) -> list[Fit]:
+    """Candidates fitted from where peaks overlap, for a round in which all fits leave much: ``best`` is their least χ².
+
+    Coarse steps forgive misplaced peaks, and not sharp ones: from far off these lead astray. What stays far behind
+    after some steps is given up.
+    """
+    found: list[Fit] = []
+    for i, s in enumerate(chosen):
+        hypothesis, _, e = _start(current, s)
+        told = naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
+        hypotheses = (*current.hypotheses, hypothesis)
+        try:
+            u, e = rough_start(current.problem, hypotheses, e)
+            begun = fit(current.problem, hypotheses, u, e, _FIRST, told)
+            if not begun.converged and begun.chi2 < _HOPELESS * best:
+                begun = fit(current.problem, hypotheses, begun.u, begun.e, NEAR, told)
+        except NoStructureError:
+            continue
+        found.append(begun)
+    return found
 
 
 def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64], NDArray[np.float64]]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.adjacent import adjacent
+from vgvt.reconcile.following import leaders
 from vgvt.reconcile.grouping import Group, assembled, cells_at, effects_at, sensor_mass_factor
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import slopes_for
@@ -56,7 +57,8 @@ class Structures:
     def _carried(self, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array) -> Groups | None:
         """The bare aircraft carried to u, the effects added one by one; None where only assembling will do."""
         made = effects_at(self.problem, hypotheses, e)
-        if made is None:
+        # What follows from the unknowns would stay behind.
+        if made is None or any(leaders(self.problem, h) for h in hypotheses):
             return None
         count = len(self.problem.unknowns)
         if self._bare is None or np.abs(u - self._bare[0])[:count].max(initial=0.0) > _CARRIED:

@@ -120,7 +120,7 @@ def calibrate(
     progress: Callable[[float, str], None] | None = None,
 ) -> Fit:
     """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,)."""
-    at = rough_start(problem) if start is None else start
+    at = rough_start(problem)[0] if start is None else start
     return fit(problem, (), at, np.zeros(0), stages, progress, exact=True)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import coarse_sigma, jacobian
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.surrogate import anchor
@@ -12,35 +13,40 @@ from vgvt.reconcile.surrogate import anchor
 Array = NDArray[np.float64]
 _SCANNED, _SWEEPS = 5, 2
 _GRID = np.linspace(-2.5, 2.5, 21)
+# Around what an effect's parameters are thought to be: a resonance of its own may be sharp.
+_NEAR_BY = np.linspace(-0.15, 0.15, 13)
 
 
-def rough_start(problem: Problem) -> Array:
-    """Scores (problem.size,) from which peaks overlap: line searches along the scores that matter most.
+def rough_start(
+    problem: Problem, hypotheses: tuple[Hypothesis, ...] = (), e: Array | None = None
+) -> tuple[Array, Array]:
+    """Scores u (problem.size,) and e from which peaks overlap: line searches along the scores that matter most.
 
-    The distance is the mean square of log|model / data|, which has no local minimum at every pair of peaks, plus the
-    prior's share of it.
+    ``e`` are roughly those of the hypotheses. The distance is the mean square of log|model / data|, which has no local
+    minimum at every pair of peaks, plus the prior's share of it.
     """
-    none = np.zeros(0)
-    u = np.zeros(problem.size)
+    u, e = np.zeros(problem.size), np.zeros(0) if e is None else e.copy()
     keep = problem.split.train
-    here = anchor(problem, u)
-    strength = np.linalg.norm(jacobian(here, u, none, here.predict(u, none), coarse_sigma(problem, 0.6)), axis=0)
+    here = anchor(problem, u, hypotheses, e)
+    strength = np.linalg.norm(jacobian(here, u, e, here.predict(u, e), coarse_sigma(problem, 0.6)), axis=0)
     strongest = np.argsort(-strength[: len(problem.unknowns)])[:_SCANNED]
     size = np.log(np.abs(problem.measured.values[keep]))
+    scores = np.concatenate([u, e])
 
-    def distance(scores: Array) -> float:
-        model = np.abs(here.predict(scores, none)[keep])
-        return float(np.mean((np.log(model) - size) ** 2) + 0.005 * scores @ scores)
+    def distance(trial: Array) -> float:
+        model = np.abs(here.predict(trial[: u.size], trial[u.size :])[keep])
+        return float(np.mean((np.log(model) - size) ** 2) + 0.005 * trial @ trial)
 
-    best = distance(u)
+    searched = [(u.size + k, e[k] + _NEAR_BY) for k in range(e.size)] + [(int(k), _GRID) for k in strongest]
+    best = distance(scores)
     for _ in range(_SWEEPS):
-        for k in strongest:
+        for k, grid in searched:
             trials = []
-            for value in _GRID:
-                trial = u.copy()
+            for value in grid:
+                trial = scores.copy()
                 trial[k] = value
                 trials.append((distance(trial), float(value)))
             lowest, value = min(trials)
             if lowest < best:
-                best, u[k] = lowest, value
-    return u
+                best, scores[k] = lowest, value
+    return scores[: u.size], scores[u.size :]

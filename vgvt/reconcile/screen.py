@@ -65,11 +65,12 @@ def screen(
     progress: Callable[[float, str], None] | None = None,
     *,
     least_nats: float = _WORTH_CHECKING,
+    slots: int = _SLOTS,
 ) -> tuple[Screened, ...]:
     """All variants by what they could buy, best first; an effect that leaves A/F alone is not ``visible``.
 
     Sizes come from a closed form for every variant; the most promising ones are then checked at those sizes, down to
-    what is promised ``least_nats``.
+    what is promised ``least_nats`` and until ``slots`` of them hold.
     """
     stand = Stand.of(null)
     tell = progress or (lambda fraction, message: None)
@@ -78,7 +79,7 @@ def screen(
         tell(_SIZED * k / len(hypotheses), f"screen {hypothesis.name}")
         sized += _at_sizes(stand, hypothesis)
     found = _check_the_best(
-        stand, sized, least_nats, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising")
+        stand, sized, least_nats, slots, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising")
     )
     starts = (null.scores if s.start is None else s.start for s in found)
     done = (replace(s, remaining=stand.cost - 2 * s.gain_nats, start=u) for s, u in zip(found, starts, strict=True))
@@ -104,7 +105,7 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
 
 
 def _check_the_best(
-    stand: Stand, sized: list[Screened], least_nats: float, tell: Callable[[float], None]
+    stand: Stand, sized: list[Screened], least_nats: float, slots: int, tell: Callable[[float], None]
 ) -> list[Screened]:
     """The best of every variant's sizes, looked at ever closer, the most promising first, while it could be asked for.
 
@@ -122,7 +123,7 @@ def _check_the_best(
         name = s.hypothesis.name
         # Those that held theirs came off the queue before: they are ahead of whatever is left.
         enough = held.count(name) >= _OF_ONE
-        enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= _SLOTS
+        enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= slots
         if closer < 2 and not enough and s.gain_nats >= least_nats and _checkable(stand, s):
             seen = known.setdefault(name, [])
             if closer == 0 and len(seen) >= _LOOKED_AT:

@@ -37,7 +37,7 @@ def shortened(
     """
     if before.train_chi2_per_dof < BIASED:
         return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST, needed=needed)
-    near = screen(current, left, part(tell, 0.0, 0.5))
+    near = screen(current, left, part(tell, 0.0, 0.5), slots=_SHORT_LIST - 1)
     nothing = np.zeros(current.u.size)
     coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
     far = screen(coarse, left, part(tell, 0.5, 1.0))

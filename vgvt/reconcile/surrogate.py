@@ -18,7 +18,6 @@ from vgvt.reconcile.chain import chain_factor
 from vgvt.reconcile.grouping import (
     Group,
     NoStructureError,
-    assembled,
     cells_at,
     effects_at,
     run_actions,
@@ -31,6 +30,7 @@ from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for
 from vgvt.reconcile.problem import MATRICES, Problem
 from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, by_rate, reduction
+from vgvt.reconcile.sides import Side, pulled_by, sides_of
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
@@ -38,7 +38,6 @@ ComplexArray = NDArray[np.complex128]
 
 # Modes up to this many times the top of the band; the rest is a static flexibility.
 _MODES_PER_BAND = 6.0
-_EFFECT_STEP = 0.002
 _SLOPE_STEP = 1e-4
 
 
@@ -182,64 +181,18 @@ def anchor(
         groups = kept.at(u, hypotheses, scores) if near is None else near
     if groups is None:
         raise NoStructureError("no such structure")
-    sides = _sides(kept, u, hypotheses, scores, groups) if slopes else None
+    sides = sides_of(kept, u, hypotheses, scores, groups) if slopes else None
+    pulled = pulled_by(kept, u, hypotheses, scores, groups) if slopes else []
     origin = None if rough or not slopes else origin_near(problem, u, scores, origin)
     try:
         known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
-        reduced = tuple(_reduced(problem, u, groups, g, sides, scores.size, known[g]) for g in range(len(groups)))
+        reduced = tuple(
+            _reduced(problem, u, groups, g, sides, pulled, scores.size, known[g]) for g in range(len(groups))
+        )
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
     filtered = any(g.filtered for g in groups)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin, kept)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Side:
-    """Groups at e and a step of one parameter away: what their difference is over the step is its slope."""
-
-    here: tuple[Group, ...]
-    there: tuple[Group, ...]
-    step: float
-
-
-def _sides(
-    structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
-) -> list[_Side]:
-    """For every parameter of the hypotheses, groups a step away from those at e."""
-    problem, sides = structures.problem, list[_Side]()
-    ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
-    for k, hypothesis in enumerate(hypotheses):
-        # Next to the rig without this effect every step is cheap; the others come first.
-        others = (*hypotheses[:k], *hypotheses[k + 1 :])
-        mine, rest = e[ends[k] : ends[k + 1]], np.concatenate([e[: ends[k]], e[ends[k + 1] :]])
-        bare = structures.beside(u, others, rest) if mine.size else None
-        ordered = (*others, hypothesis)
-        here = None if bare is None else groups_beside(problem, u, bare, ordered, np.concatenate([rest, mine]))
-        for j in range(mine.size):
-            side = None
-            for step in (_EFFECT_STEP, -_EFFECT_STEP):
-                moved = mine + step * np.eye(mine.size)[j]
-                near = None
-                if bare is not None and here is not None and _alike(groups, here):
-                    near = groups_beside(problem, u, bare, ordered, np.concatenate([rest, moved]))
-                if near is not None and here is not None and _alike(groups, near):
-                    side = _Side(here, near, hypothesis.reach(j, step))
-                    break
-                away = e.copy()
-                away[ends[k] + j] += step
-                near = assembled(problem, u, hypotheses, away)
-                if near is not None and _alike(groups, near):
-                    side = _Side(groups, near, hypothesis.reach(j, step))
-                    break
-            sides.append(side if side is not None else _Side(groups, groups, _EFFECT_STEP))
-    return sides
-
-
-def _alike(one: tuple[Group, ...], other: tuple[Group, ...]) -> bool:
-    return len(one) == len(other) and all(
-        a.structure.joints == b.structure.joints and np.array_equal(a.channels, b.channels)
-        for a, b in zip(one, other, strict=True)
-    )
 
 
 def _reduced(
@@ -247,7 +200,8 @@ def _reduced(
     u: Array,
     groups: tuple[Group, ...],
     index: int,
-    sides: list[_Side] | None,
+    sides: list[Side] | None,
+    pulled: list[tuple[int, Side]],
     effects: int,
     local: LocalSlopes,
 ) -> Reduced:
@@ -288,6 +242,9 @@ def _reduced(
             if near is not None and far is not None:
                 there = (far.shown - near.shown) / side.step
             shown.append(there)
+    pulls = [
+        (k, [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)], side.step) for k, side in pulled
+    ]
     for name in MATRICES:
         values = local.values[name]
         if name in ("mass", "damping", "stiffness"):
@@ -298,6 +255,8 @@ def _reduced(
             rows = values[:, grid_rows] @ part
         if name == "mass" and sensor is not None and not roving:
             rows[sensor] += basis.T @ carried @ basis / sensor_mass_factor(problem, u)
+        for k, (before, after), step in pulls:
+            rows[k] += (getattr(after, name) - getattr(before, name)) / step
         added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])
         if not extra and effects:
             added = np.zeros((effects, *rows.shape[1:]))

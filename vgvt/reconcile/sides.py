@@ -1,0 +1,106 @@
+"""What a parameter changes in a structure: the difference of two that stand beside the same one without the effect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.adjacent import beside
+from vgvt.reconcile.carried import Structures
+from vgvt.reconcile.following import beyond, leaders
+from vgvt.reconcile.grouping import Group, assembled
+from vgvt.reconcile.hypothesis import Hypothesis
+
+Array = NDArray[np.float64]
+_EFFECT_STEP = 0.002
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """Groups at e and a step of one parameter away: what their difference is over the step is its slope."""
+
+    here: tuple[Group, ...]
+    there: tuple[Group, ...]
+    step: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Apart:
+    """One hypothesis with its scores ``mine``, and the ``others`` with theirs, ``rest``; where its own begin in e."""
+
+    hypothesis: Hypothesis
+    mine: Array
+    others: tuple[Hypothesis, ...]
+    rest: Array
+    begin: int
+
+    @property
+    def last(self) -> tuple[Hypothesis, ...]:
+        """All, this one last: next to the rig without it every step is cheap."""
+        return (*self.others, self.hypothesis)
+
+
+def _apart(hypotheses: tuple[Hypothesis, ...], e: Array) -> Iterator[_Apart]:
+    ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
+    for k, hypothesis in enumerate(hypotheses):
+        begin, end = int(ends[k]), int(ends[k + 1])
+        others = (*hypotheses[:k], *hypotheses[k + 1 :])
+        yield _Apart(hypothesis, e[begin:end], others, np.concatenate([e[:begin], e[end:]]), begin)
+
+
+def sides_of(
+    structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
+) -> list[Side]:
+    """For every parameter of the hypotheses, groups a step away from those at e."""
+    problem, sides = structures.problem, list[Side]()
+    for one in _apart(hypotheses, e):
+        mine, rest = one.mine, one.rest
+        bare = structures.beside(u, one.others, rest) if mine.size else None
+        here = None if bare is None else beside(problem, u, bare, one.last, np.concatenate([rest, mine]))
+        for j in range(mine.size):
+            side = None
+            for step in (_EFFECT_STEP, -_EFFECT_STEP):
+                moved = mine + step * np.eye(mine.size)[j]
+                near = None
+                if bare is not None and here is not None and _alike(groups, here):
+                    near = beside(problem, u, bare, one.last, np.concatenate([rest, moved]))
+                if near is not None and here is not None and _alike(groups, near):
+                    side = Side(here, near, one.hypothesis.reach(j, step))
+                    break
+                away = e.copy()
+                away[one.begin + j] += step
+                near = assembled(problem, u, hypotheses, away)
+                if near is not None and _alike(groups, near):
+                    side = Side(groups, near, one.hypothesis.reach(j, step))
+                    break
+            sides.append(side if side is not None else Side(groups, groups, _EFFECT_STEP))
+    return sides
+
+
+def pulled_by(
+    structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
+) -> list[tuple[int, Side]]:
+    """Unknowns that what a hypothesis adds follows from, and groups with that as a step of the unknown has it."""
+    problem, found = structures.problem, list[tuple[int, Side]]()
+    for one in _apart(hypotheses, e):
+        known = leaders(problem, one.hypothesis)
+        bare = structures.beside(u, one.others, one.rest) if known else None
+        if bare is None:
+            continue
+        scores = np.concatenate([one.rest, one.mine])
+        for index in known:
+            start, step = beyond(problem, index)
+            here, there = (beside(problem, u, bare, one.last, scores, where) for where in (None, start))
+            if here is not None and there is not None and _alike(groups, here) and _alike(groups, there):
+                found.append((index, Side(here, there, step)))
+    return found
+
+
+def _alike(one: tuple[Group, ...], other: tuple[Group, ...]) -> bool:
+    return len(one) == len(other) and all(
+        a.structure.joints == b.structure.joints and np.array_equal(a.channels, b.channels)
+        for a, b in zip(one, other, strict=True)
+    )
