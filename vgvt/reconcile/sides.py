@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.effects.registry import effects_of
 from vgvt.reconcile.adjacent import beside
 from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.following import beyond, leaders
 from vgvt.reconcile.grouping import Group, assembled
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Nominal, Problem
 
 Array = NDArray[np.float64]
 _EFFECT_STEP = 0.002
+_EFFECT = "effect-"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,18 +32,44 @@ class Side:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Apart:
-    """One hypothesis with its scores ``mine``, and the ``others`` with theirs, ``rest``; where its own begin in e."""
+    """The hypothesis at a ``place`` among some, with its scores ``mine``, and the ``others`` with theirs, ``rest``.
+
+    Its scores begin at ``begin`` in e.
+    """
 
     hypothesis: Hypothesis
     mine: Array
     others: tuple[Hypothesis, ...]
     rest: Array
     begin: int
+    place: int
 
-    @property
-    def last(self) -> tuple[Hypothesis, ...]:
-        """All, this one last: next to the rig without it every step is cheap."""
-        return (*self.others, self.hypothesis)
+    def beside(
+        self, problem: Problem, u: Array, bare: tuple[Group, ...], mine: Array, like: tuple[Group, ...],
+        start: Nominal | None = None,
+    ) -> tuple[Group, ...] | None:  # fmt: skip
+        """It added last to a rig without it, which is cheap, over the coordinates of groups that are ``like`` it."""
+        last = (*self.others, self.hypothesis)
+        found = beside(problem, u, bare, last, np.concatenate([self.rest, mine]), start)
+        if found is None or len(found) != len(like):
+            return None
+        # What effects add is named after their order.
+        own, count = len(effects_of(problem.scenario)), len(last)
+        order = [*(k for k in range(count) if k != self.place), self.place]
+        known = {str(own + j): f"{_EFFECT}{own + k}" for j, k in enumerate(order)}
+        named = []
+        for group, other in zip(found, like, strict=True):
+            joints = tuple(_renamed(joint, known) for joint in group.structure.joints)
+            if set(joints) != set(other.structure.joints) or not np.array_equal(group.channels, other.channels):
+                return None
+            s = replace(group.structure, joints=joints).onto(other.structure.joints)
+            named.append(replace(group, structure=s))
+        return tuple(named)
+
+
+def _renamed(joint: str, known: dict[str, str]) -> str:
+    effect, _, rest = joint.removeprefix(_EFFECT).partition("-")
+    return f"{known[effect]}-{rest}" if joint.startswith(_EFFECT) and effect in known else joint
 
 
 def _apart(hypotheses: tuple[Hypothesis, ...], e: Array) -> Iterator[_Apart]:
@@ -48,7 +77,7 @@ def _apart(hypotheses: tuple[Hypothesis, ...], e: Array) -> Iterator[_Apart]:
     for k, hypothesis in enumerate(hypotheses):
         begin, end = int(ends[k]), int(ends[k + 1])
         others = (*hypotheses[:k], *hypotheses[k + 1 :])
-        yield _Apart(hypothesis, e[begin:end], others, np.concatenate([e[:begin], e[end:]]), begin)
+        yield _Apart(hypothesis, e[begin:end], others, np.concatenate([e[:begin], e[end:]]), begin, k)
 
 
 def sides_of(
@@ -57,17 +86,17 @@ def sides_of(
     """For every parameter of the hypotheses, groups a step away from those at e."""
     problem, sides = structures.problem, list[Side]()
     for one in _apart(hypotheses, e):
-        mine, rest = one.mine, one.rest
-        bare = structures.beside(u, one.others, rest) if mine.size else None
-        here = None if bare is None else beside(problem, u, bare, one.last, np.concatenate([rest, mine]))
+        mine = one.mine
+        bare = structures.beside(u, one.others, one.rest) if mine.size else None
+        here = None if bare is None else one.beside(problem, u, bare, mine, groups)
         for j in range(mine.size):
             side = None
             for step in (_EFFECT_STEP, -_EFFECT_STEP):
                 moved = mine + step * np.eye(mine.size)[j]
                 near = None
-                if bare is not None and here is not None and _alike(groups, here):
-                    near = beside(problem, u, bare, one.last, np.concatenate([rest, moved]))
-                if near is not None and here is not None and _alike(groups, near):
+                if bare is not None and here is not None:
+                    near = one.beside(problem, u, bare, moved, groups)
+                if near is not None and here is not None:
                     side = Side(here, near, one.hypothesis.reach(j, step))
                     break
                 away = e.copy()
@@ -90,11 +119,10 @@ def pulled_by(
         bare = structures.beside(u, one.others, one.rest) if known else None
         if bare is None:
             continue
-        scores = np.concatenate([one.rest, one.mine])
         for index in known:
             start, step = beyond(problem, index)
-            here, there = (beside(problem, u, bare, one.last, scores, where) for where in (None, start))
-            if here is not None and there is not None and _alike(groups, here) and _alike(groups, there):
+            here, there = (one.beside(problem, u, bare, one.mine, groups, where) for where in (None, start))
+            if here is not None and there is not None:
                 found.append((index, Side(here, there, step)))
     return found
 
