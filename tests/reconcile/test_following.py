@@ -75,8 +75,10 @@ def test_a_fit_from_a_rough_start_finds_the_surge(case: Problem) -> None:
     assert abs(size - 0.15) < 4 * sd
 
 
-@pytest.mark.parametrize(("behind", "fits"), [(3.0, 2), (5.0, 1)])
-def test_what_stays_far_behind_is_given_up(monkeypatch: pytest.MonkeyPatch, behind: float, fits: int) -> None:
+@pytest.mark.parametrize(("behind", "fits", "kept"), [(3.0, 2, 1), (5.0, 1, 0)])
+def test_what_stays_far_behind_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, behind: float, fits: int, kept: int
+) -> None:
     stages: list[Any] = []
 
     def fitted(*args: Any) -> Any:
@@ -87,5 +89,5 @@ def test_what_stays_far_behind_is_given_up(monkeypatch: pytest.MonkeyPatch, behi
     monkeypatch.setattr(candidate_fits, "rough_start", lambda problem, hypotheses, e: (np.zeros(1), e))
     current: Any = SimpleNamespace(problem=None, hypotheses=(), scores=np.zeros(1), u=np.zeros(1))
     chosen = [Screened(MASS, {"mass_kg": 0.02}, 1.0)]
-    assert len(candidate_fits.begun_anew(current, chosen, 100.0, lambda fraction, message: None)) == 1
+    assert len(candidate_fits.begun_anew(current, chosen, 100.0, lambda fraction, message: None)) == kept
     assert len(stages) == fits

@@ -56,3 +56,18 @@ def test_at_one_level_nonlinear_joints_are_asked_for_where_they_could_be_told(
     rivals: Any = [SimpleNamespace(name=n) for n in confirmed]
     before: Any = SimpleNamespace(adequate=adequate)
     assert [h.name for h in rounds._twins(bent, rivals, before, named)] == asked
+
+
+@pytest.mark.parametrize(("left", "set_of"), [(0.8, ["best", "near"]), (13.0, ["best", "near", "as good"])])
+def test_where_much_is_left_held_out_data_say_what_is_as_good(left: float, set_of: list[str]) -> None:
+    """Evidence then weighs wrong unknowns."""
+
+    def rival(name: str, gain_nats: float, held_out: float) -> Any:
+        return SimpleNamespace(
+            name=name, gain_nats=gain_nats, held_out=held_out, fit=SimpleNamespace(chi2_per_dof=left)
+        )
+
+    confirmed = [
+        rival("best", 400.0, 30.0), rival("near", 396.0, 36.0), rival("as good", 300.0, 31.0), rival("worse", 300.0, 36.0)
+    ]  # fmt: skip
+    assert [r.name for r in rounds._equal(confirmed[0], confirmed, THRESHOLDS)] == set_of

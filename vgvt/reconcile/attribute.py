@@ -30,6 +30,8 @@ _CHANCE = 2.0
 _MUCH = 0.25
 # Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
 _WITHIN = 0.1
+# Held-out errors this near to each other say nothing of which is right, where both are far from noise.
+_AS_GOOD = 1.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,8 +133,7 @@ def attribute(
         if not confirmed:
             break
         winner = max(confirmed, key=lambda r: r.gain_nats)
-        equal = tuple(r for r in confirmed if r.gain_nats > winner.gain_nats - thresholds.set_nats)
-        addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
+        addition = Addition(winner, _equal(winner, confirmed, thresholds), rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell))
         current = winner.fit
         if keep is not None:
@@ -189,6 +190,18 @@ def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) 
     return left
 
 
+def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) -> tuple[Rival, ...]:
+    """The confirmed that cannot be told from the winner: within reach of its evidence, or of its held-out error.
+
+    Under a model that still misses much, evidence weighs how far wrong unknowns are bent: held-out data decide alone.
+    """
+    reach = 0.0
+    if winner.fit.chi2_per_dof >= BIASED and winner.held_out is not None:
+        reach = _AS_GOOD * winner.held_out
+    near = winner.gain_nats - thresholds.set_nats
+    return tuple(r for r in confirmed if r.gain_nats > near or (r.held_out is not None and r.held_out <= reach))
+
+
 def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual, named: bool) -> list[Hypothesis]:
     """Of the nonlinear joints, those that a name could be mistaken for; all, where there is no name and should be one.
 
@@ -208,6 +221,7 @@ def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: P
         chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4)), part(tell, 0.4, 1.0)
         last = {s.hypothesis for s in chosen}
         screened = [s for s in screened if s.hypothesis in last]
+    tell, anew = part(tell, 0.0, 0.8), part(tell, 0.8, 1.0)
     found: list[Fit] = []
     for i, s in enumerate(chosen):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
@@ -218,7 +232,7 @@ def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: P
             found.append(fitted)
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
-        found += begun_anew(current, screened, min(f.chi2 for f in found), tell)
+        found += begun_anew(current, screened, min(f.chi2 for f in found), anew)
     return _against(current, found)
 
 

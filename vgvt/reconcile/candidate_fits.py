@@ -50,7 +50,7 @@ def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Prog
     """Candidates fitted from where peaks overlap, for a round in which all fits leave much: ``best`` is their least χ².
 
     Coarse steps forgive misplaced peaks, and not sharp ones: from far off these lead astray. What stays far behind
-    after some steps is given up.
+    is no candidate: near the stated values evidence would thank it for every tolerance that it keeps.
     """
     found: list[Fit] = []
     for i, s in enumerate(chosen):
@@ -64,7 +64,8 @@ def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Prog
                 begun = fit(current.problem, hypotheses, begun.u, begun.e, NEAR, told)
         except NoStructureError:
             continue
-        found.append(begun)
+        if begun.chi2 < _HOPELESS * best:
+            found.append(begun)
     return found
 
 
