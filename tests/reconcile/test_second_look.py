@@ -67,7 +67,6 @@ def test_where_much_is_left_held_out_data_say_what_is_as_good(left: float, set_o
             name=name, gain_nats=gain_nats, held_out=held_out, fit=SimpleNamespace(chi2_per_dof=left)
         )
 
-    confirmed = [
-        rival("best", 400.0, 30.0), rival("near", 396.0, 36.0), rival("as good", 300.0, 31.0), rival("worse", 300.0, 36.0)
-    ]  # fmt: skip
+    rows = (("best", 400.0, 30.0), ("near", 396.0, 36.0), ("as good", 300.0, 31.0), ("worse", 300.0, 36.0))
+    confirmed = [rival(*row) for row in rows]
     assert [r.name for r in rounds._equal(confirmed[0], confirmed, THRESHOLDS)] == set_of
