@@ -70,3 +70,34 @@ def test_where_much_is_left_held_out_data_say_what_is_as_good(left: float, set_o
     rows = (("best", 400.0, 30.0), ("near", 396.0, 36.0), ("as good", 300.0, 31.0), ("worse", 300.0, 36.0))
     confirmed = [rival(*row) for row in rows]
     assert [r.name for r in rounds._equal(confirmed[0], confirmed, THRESHOLDS)] == set_of
+
+
+@pytest.mark.parametrize(
+    ("before", "leaves", "named", "anew"),
+    [(20.0, 10.0, (), True), (20.0, 0.8, (), False), (1.0, 1.6, (), False), (20.0, 10.0, ("an effect",), False)],
+)
+def test_candidates_begin_anew_where_a_first_round_leaves_much(
+    monkeypatch: pytest.MonkeyPatch, before: float, leaves: float, named: tuple[str, ...], anew: bool
+) -> None:
+    """From where peaks overlap, those that were screened, with the least that a fit has left."""
+    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named)
+    chosen: Any = [SimpleNamespace(hypothesis=name, gain_nats=1.0) for name in ("first", "second")]
+    left = iter((leaves + 5.0, leaves))
+
+    def fitted(*args: Any) -> Any:
+        chi2 = next(left)
+        return SimpleNamespace(evidence_nats=1.0, chi2_per_dof=chi2, chi2=100 * chi2)
+
+    seen: list[Any] = []
+
+    def begun(current: Any, screened: Any, best: float, tell: Any) -> list[str]:
+        seen.append(([s.hypothesis for s in screened], best))
+        return ["begun anew"]
+
+    monkeypatch.setattr(rounds, "fitted_from", fitted)
+    monkeypatch.setattr(rounds, "begun_anew", begun)
+    monkeypatch.setattr(rounds, "_against", lambda current, fits: tuple(fits))
+    far: Any = SimpleNamespace(train_chi2_per_dof=before)
+    rivals = rounds._fit_all(current, chosen, far, lambda fraction, message: None)
+    assert (rivals[-1] == "begun anew") is anew
+    assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
