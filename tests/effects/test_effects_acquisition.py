@@ -217,3 +217,44 @@ def test_anti_alias_delay_turns_responses_against_the_force(short: Scenario, pla
 def test_impossible_settings_are_refused(name: str, parameters: dict[str, object]) -> None:
     with pytest.raises(InputError, match=name if "kind" not in parameters and "order" not in parameters else "fit"):
         make_effect(name, "test", **parameters)
+
+
+ON_CHANNELS = {
+    "aliased-interference": {"amplitude_v": 1e-2},
+    "anti-alias-delay": {"delay_s": 1e-3},
+    "channel-delay": {"delay_s": 1e-3},
+    "channel-gain": {"gain_error": 0.1},
+    "clock-skew": {"skew": 1e-4},
+    "dropped-samples": {"losses": 3.0},
+    "gain-drift": {"drift": 0.1},
+    "high-pass-mismatch": {"corner_hz": 1.0},
+    "mains-hum": {"amplitude_v": 1e-3},
+    "sign-flip": {},
+}
+"""Effects with a choice of channels, and enough of each to be felt."""
+
+
+@pytest.fixture(scope="module")
+def twice(short: Scenario) -> Scenario:
+    """The short run done a second time, when what drifts has drifted."""
+    acquisition = short.acquisition.model_copy(update={"runs": 2 * short.acquisition.runs})
+    return short.model_copy(update={"acquisition": acquisition})
+
+
+@pytest.mark.parametrize("name", sorted(ON_CHANNELS))
+@pytest.mark.parametrize(
+    ("choice", "meant"), [("sensor-2", ("10+Z",)), ("even", ("10+Z",)), ("force", ("force",)), ("sensor-3", ())]
+)
+def test_every_choice_of_channels_means_the_same_to_every_effect(
+    twice: Scenario, name: str, choice: str, meant: tuple[str, ...]
+) -> None:
+    changes = make_effect(name, "test", **{**ON_CHANNELS[name], "channels": choice}).act(twice, 1).channels
+    assert tuple(c.channels for c in changes) == meant
+
+
+@pytest.mark.parametrize("name", sorted(ON_CHANNELS))
+def test_a_choice_that_means_nothing_is_refused(twice: Scenario, name: str) -> None:
+    """A misspelt channel would leave the records as they were, and nobody would know."""
+    effect = make_effect(name, "test", **{**ON_CHANNELS[name], "channels": "sensor2"})
+    with pytest.raises(InputError, match=r"'force'.*sensor-2"):
+        effect.act(twice, 1)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelTransform
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -53,16 +54,14 @@ class AliasedInterference:
         source="switching supplies run at 20 to 200 kHz",
         least=0.0,
     )
-    channels: str = dataclasses.field(
-        default="response", metadata={"doc": "'all', 'response', 'force', 'drive' or a DOF like 12+Z"}
-    )
+    channels: str = dataclasses.field(default="response", metadata={"doc": f"'all', 'drive', {CHANNELS}"})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the sine at the converter, in every run."""
-        del scenario, run
         if self.amplitude_v == 0:
             return NOTHING
-        return Action(channels=(ChannelTransform(self.channels, self._folded, "converter"),))
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelTransform(c, self._folded, "converter") for c in where))
 
     def _folded(
         self, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator

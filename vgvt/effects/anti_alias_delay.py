@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelFilter
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -41,12 +42,14 @@ class AntiAliasDelay:
         source="corners 100 Hz to 4 kHz",
     )
     order: Literal[2, 4, 6, 8] = dataclasses.field(default=4, metadata={"doc": "order of the filter"})
-    channels: str = dataclasses.field(default="response", metadata={"doc": "'response', 'force' or a DOF like 12+Z"})
+    channels: str = dataclasses.field(default="response", metadata={"doc": CHANNELS})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Filter the chosen channels, in every run."""
-        del scenario, run
-        return NOTHING if self.delay_s == 0 else Action(channels=(ChannelFilter(self.channels, self._response),))
+        if self.delay_s == 0:
+            return NOTHING
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
 
     @property
     def corner_hz(self) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelFilter
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
-from vgvt.effects.sensor_choice import CHOICES, chosen_sensors
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -29,16 +29,14 @@ class ChannelGain:
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (calibration)"
 
     gain_error: float = parameter("", -0.15, 0.15, "relative error of the gain", neutral=0.0)
-    channels: str = dataclasses.field(default="response", metadata={"doc": f"'force', or {CHOICES}"})
+    channels: str = dataclasses.field(default="response", metadata={"doc": CHANNELS})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Scale the chosen channels of the run."""
         if self.gain_error == 0:
             return NOTHING
-        if self.channels == "force":
-            return Action(channels=(ChannelFilter("force", self._response),))
-        where = chosen_sensors(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(str(p.dof), self._response) for p in where))
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
 
     def _response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         return np.full(frequency_hz.shape, 1.0 + self.gain_error, dtype=complex)

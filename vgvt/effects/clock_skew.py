@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelTransform
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -34,7 +35,7 @@ class ClockSkew:
     skew: float = parameter(
         "", -1e-3, 1e-3, "fraction by which the clock is slow", neutral=0.0, source="crystals: 1e-6 to 1e-4"
     )
-    channels: str = dataclasses.field(default="response", metadata={"doc": "'response', 'force' or a DOF like 12+Z"})
+    channels: str = dataclasses.field(default="response", metadata={"doc": CHANNELS})
 
     def __post_init__(self) -> None:
         """ValueError for a clock that is no clock."""
@@ -43,8 +44,10 @@ class ClockSkew:
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Resample the chosen channels, in every run."""
-        del scenario, run
-        return NOTHING if self.skew == 0 else Action(channels=(ChannelTransform(self.channels, self._resampled),))
+        if self.skew == 0:
+            return NOTHING
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelTransform(c, self._resampled) for c in where))
 
     def _resampled(
         self, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator

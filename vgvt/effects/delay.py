@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelFilter
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -30,12 +31,14 @@ class ChannelDelay:
     delay_s: float = parameter(
         "s", 1e-6, 2e-3, "delay of the response channels against the force", neutral=0.0, scale="log"
     )
-    channels: str = dataclasses.field(default="response", metadata={"doc": "'response', 'force' or a DOF like 12+Z"})
+    channels: str = dataclasses.field(default="response", metadata={"doc": CHANNELS})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Delay the chosen channels in every run."""
-        del scenario, run
-        return NOTHING if self.delay_s == 0 else Action(channels=(ChannelFilter(self.channels, self._response),))
+        if self.delay_s == 0:
+            return NOTHING
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
 
     def _response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         return np.asarray(np.exp(-2j * np.pi * frequency_hz * self.delay_s))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelTransform
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 
@@ -41,9 +42,7 @@ class DroppedSamples:
     kind: Literal["repeated", "closed-up"] = dataclasses.field(
         default="repeated", metadata={"doc": "what is written in their place"}
     )
-    channels: str = dataclasses.field(
-        default="response", metadata={"doc": "'response', 'force', 'all' or a DOF like 12+Z"}
-    )
+    channels: str = dataclasses.field(default="response", metadata={"doc": f"'all', {CHANNELS}"})
 
     def __post_init__(self) -> None:
         """ValueError for fewer than none."""
@@ -66,7 +65,8 @@ class DroppedSamples:
                 return samples[np.maximum.accumulate(np.where(lost, 0, np.arange(samples.size)))]
             return np.concatenate([samples[~lost], np.full(int(lost.sum()), samples[-1])])
 
-        return Action(channels=(ChannelTransform(self.channels, change, "converter"),))
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelTransform(c, change, "converter") for c in where))
 
     def _lost(self, generator: np.random.Generator, size: int) -> NDArray[np.bool_]:
         """Which samples of a record are lost; never the first."""

@@ -12,6 +12,7 @@ from vgvt.effects.action import NOTHING, Action, ChannelFilter
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
 from vgvt.effects.run_schedule import Shape, check_schedule, progress
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -29,7 +30,7 @@ class GainDrift:
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (calibration before and after the test)"
 
     drift: float = parameter("", -0.1, 0.1, "relative change of the gain at the end", neutral=0.0)
-    channels: str = dataclasses.field(default="response", metadata={"doc": "'response', 'force' or a DOF like 12+Z"})
+    channels: str = dataclasses.field(default="response", metadata={"doc": CHANNELS})
     shape: Shape = dataclasses.field(default="linear", metadata={"doc": "'linear', 'exponential' or 'step'"})
     time_constant_runs: float = dataclasses.field(default=3.0, metadata={"doc": "of the exponential, in runs"})
     from_run: int = dataclasses.field(default=2, metadata={"doc": "first run after the step, counted from 1"})
@@ -46,4 +47,7 @@ class GainDrift:
         def response(frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
             return np.full(frequency_hz.shape, gain, dtype=complex)
 
-        return NOTHING if gain == 1 else Action(channels=(ChannelFilter(self.channels, response),))
+        if gain == 1:
+            return NOTHING
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(c, response) for c in where))

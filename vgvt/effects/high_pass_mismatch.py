@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelFilter
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
-from vgvt.effects.sensor_choice import CHOICES, chosen_sensors
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -39,16 +39,14 @@ class HighPassMismatch:
         scale="log",
         source="PCB 353B16: discharge 0.5-2 s, 0.08-0.3 Hz; PCB 208C01 at least 50 s; conditioner 480E09 about 0.15 Hz",
     )
-    channels: str = dataclasses.field(default="response", metadata={"doc": f"'force', or {CHOICES}"})
+    channels: str = dataclasses.field(default="response", metadata={"doc": CHANNELS})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Filter the chosen channels of the run."""
         if self.corner_hz == 0:
             return NOTHING
-        if self.channels == "force":
-            return Action(channels=(ChannelFilter("force", self._response),))
-        where = chosen_sensors(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(str(p.dof), self._response) for p in where))
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
 
     def _response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         return np.asarray(1j * frequency_hz / (self.corner_hz + 1j * frequency_hz))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.effects.action import NOTHING, Action, ChannelTransform
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -36,16 +37,14 @@ class MainsHum:
     )
     second: float = parameter("", 0.0, 0.5, "second harmonic per fundamental", default=0.1)
     third: float = parameter("", 0.0, 1.0, "third harmonic per fundamental", default=0.3)
-    channels: str = dataclasses.field(
-        default="all", metadata={"doc": "'all', 'response', 'force', 'drive' or a DOF like 12+Z"}
-    )
+    channels: str = dataclasses.field(default="all", metadata={"doc": f"'all', 'drive', {CHANNELS}"})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the hum at the converter, in every run."""
-        del scenario, run
         if self.amplitude_v == 0:
             return NOTHING
-        return Action(channels=(ChannelTransform(self.channels, self._hum, "converter"),))
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelTransform(c, self._hum, "converter") for c in where))
 
     def _hum(
         self, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator

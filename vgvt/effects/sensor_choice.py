@@ -1,4 +1,4 @@
-"""Which accelerometers an effect means: all, one, every other one, or one of the roving set."""
+"""Which accelerometers or channels an effect means: all, one, every other one, or one of the roving set."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import SensorPoint, sensor_points
 
 CHOICES = "'response' (all), 'odd' or 'even' nodes, 'sensor-2' (the second one of every run), or a DOF like 12+Z"
+CHANNELS = f"'force', or {CHOICES}"
+_ROLES = ("force", "drive", "response", "all")
 
 
-def chosen_sensors(scenario: Scenario, run: int, choice: str, effect: str) -> tuple[SensorPoint, ...]:
+def chosen_sensors(
+    scenario: Scenario, run: int, choice: str, effect: str, choices: str = CHOICES
+) -> tuple[SensorPoint, ...]:
     """The accelerometers of a run (counted from 0) that a choice means, in the order of the channels.
 
-    ``choice`` is one of ``CHOICES``. InputError, naming the effect, for anything
+    ``choice`` is one of ``CHOICES``. InputError, naming the effect and ``choices``, for anything
     else, and for a DOF that the test does not measure.
     """
     by_node = {p.dof.node: p for p in sensor_points(scenario)}
@@ -26,13 +30,23 @@ def chosen_sensors(scenario: Scenario, run: int, choice: str, effect: str) -> tu
     instrument = re.fullmatch(r"sensor-([1-9]\d*)", choice)
     if instrument is not None:
         return there[int(instrument[1]) - 1 : int(instrument[1])]
-    wanted = _dof(scenario, choice, effect)
+    wanted = _dof(scenario, choice, effect, choices)
     if wanted not in {p.dof for p in by_node.values()}:
         known = ", ".join(str(p.dof) for p in list(by_node.values())[:30])
         raise InputError(
             f"scenario {scenario.name}: effect {effect}", f"nothing measures {choice}", f"There is {known}."
         )
     return tuple(p for p in there if p.dof == wanted)
+
+
+def chosen_channels(scenario: Scenario, run: int, choice: str, effect: str) -> tuple[str, ...]:
+    """What changes of channels call those of a run (counted from 0) that a choice means: a role, or labels of DOFs.
+
+    ``choice`` is 'force', 'drive', 'all' or one of ``CHOICES``. InputError as in :func:`chosen_sensors`.
+    """
+    if choice in _ROLES:
+        return (choice,)
+    return tuple(str(p.dof) for p in chosen_sensors(scenario, run, choice, effect, CHANNELS))
 
 
 def chosen_node(scenario: Scenario, node: int, effect: str) -> SensorPoint:
@@ -45,9 +59,9 @@ def chosen_node(scenario: Scenario, node: int, effect: str) -> SensorPoint:
     return by_node[chosen]
 
 
-def _dof(scenario: Scenario, text: str, effect: str) -> Dof:
+def _dof(scenario: Scenario, text: str, effect: str, choices: str) -> Dof:
     try:
         return Dof.from_label(text)
     except ValueError as error:
         where = f"scenario {scenario.name}: effect {effect}"
-        raise InputError(where, f"{text!r} chooses no sensor", f"Write {CHOICES}.") from error
+        raise InputError(where, f"{text!r} chooses no sensor", f"Write {choices}.") from error

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vgvt.effects.action import NOTHING, Action, ChannelFilter
 from vgvt.effects.protocol import Family
-from vgvt.effects.sensor_choice import CHOICES, chosen_sensors
+from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
 
 
@@ -27,16 +27,14 @@ class SignFlip:
     separating_test: ClassVar[str] = "rigid modes: all of a rigid aircraft heaves the same way"
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (checks on the transducers)"
 
-    channels: str = dataclasses.field(default="", metadata={"doc": f"empty for none, 'force', or {CHOICES}"})
+    channels: str = dataclasses.field(default="", metadata={"doc": f"empty for none, {CHANNELS}"})
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Turn the chosen channels of the run over."""
         if not self.channels:
             return NOTHING
-        if self.channels == "force":
-            return Action(channels=(ChannelFilter("force", _minus),))
-        where = chosen_sensors(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(str(p.dof), _minus) for p in where))
+        where = chosen_channels(scenario, run, self.channels, self.name)
+        return Action(channels=tuple(ChannelFilter(c, _minus) for c in where))
 
 
 def _minus(frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:

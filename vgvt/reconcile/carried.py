@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.adjacent import adjacent
 from vgvt.reconcile.following import leaders
-from vgvt.reconcile.grouping import Group, assembled, cells_at, effects_at, sensor_mass_factor
+from vgvt.reconcile.grouping import Group, assembled, cells_at, effects_at, sensor_mass
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import slopes_for
 from vgvt.reconcile.problem import MATRICES, Problem
@@ -80,11 +80,11 @@ def carried(problem: Problem, groups: Groups, start: Array, u: Array) -> Groups:
     """Groups without hypotheses, assembled at scores ``start``, moved to u by the slopes of the stated values."""
     scores = zip(problem.unknowns, start, u, strict=False)
     moved = np.array([k.change(float(there)) - k.change(float(here)) for k, here, there in scores])
-    sensors = sensor_mass_factor(problem, u) / sensor_mass_factor(problem, start)
-    return tuple(_moved(problem, group, moved, sensors) for group in groups)
+    heavier = sensor_mass(problem, u) - sensor_mass(problem, start)
+    return tuple(_moved(problem, group, moved, heavier) for group in groups)
 
 
-def _moved(problem: Problem, group: Group, moved: Array, sensors: float) -> Group:
+def _moved(problem: Problem, group: Group, moved: Array, heavier: float) -> Group:
     s, slopes = group.structure, slopes_for(problem, (), None, group)
     index, rows = np.array([s.joints.index(j) for j in slopes.joints]), slopes.rows(s.places)
     matrices = {}
@@ -97,4 +97,4 @@ def _moved(problem: Problem, group: Group, moved: Array, sensors: float) -> Grou
         else:
             matrix[np.ix_(index, index)] += change
         matrices[name] = matrix
-    return replace(group, structure=replace(s, **matrices), masses_kg=group.masses_kg * sensors)
+    return replace(group, structure=replace(s, **matrices), masses_kg=group.masses_kg + heavier)

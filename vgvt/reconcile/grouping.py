@@ -44,10 +44,11 @@ def cells_at(problem: Problem, u: Array) -> float:
     return CELLS.amount(float(u[problem.unknowns.index(CELLS)]))
 
 
-def sensor_mass_factor(problem: Problem, u: Array) -> float:
-    """The factor that the scores u put on every sensor's mass."""
+def sensor_mass(problem: Problem, u: Array) -> float:
+    """What the scores u make of every sensor's own mass, kg: whatever effects add to it stays as it is."""
     index = sensor_mass_index(problem)
-    return 1.0 if index is None else problem.unknowns[index].amount(float(u[index]))
+    stated = problem.scenario.accelerometers.mass_kg
+    return stated if index is None else stated * problem.unknowns[index].amount(float(u[index]))
 
 
 def sensor_mass_index(problem: Problem) -> int | None:

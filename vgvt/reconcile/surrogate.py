@@ -21,7 +21,7 @@ from vgvt.reconcile.grouping import (
     cells_at,
     effects_at,
     run_actions,
-    sensor_mass_factor,
+    sensor_mass,
     sensor_mass_index,
     spare_flexibility,
 )
@@ -98,12 +98,12 @@ class Anchor:
         moved = [k.change(float(a)) - k.change(float(b)) for k, a, b in zip(problem.unknowns, u, self.u0, strict=False)]
         x = np.concatenate([moved, e - self.e0])
         still = not x.any()
-        sensor = sensor_mass_factor(problem, u) / sensor_mass_factor(problem, self.u0)
+        heavier = sensor_mass(problem, u) - sensor_mass(problem, self.u0)
         out = np.empty(problem.measured.values.shape, dtype=complex)
         for group in self.groups:
             matrices = group.matrices if still else _at(group, x)
             masses = tuple(
-                (group.masses_kg[rows] + (0.0 if still else x[count:] @ group.mass_slopes[:, rows])) * sensor
+                group.masses_kg[rows] + heavier + (0.0 if still else x[count:] @ group.mass_slopes[:, rows])
                 if group.roving
                 else np.zeros(rows.size)
                 for rows in group.runs
@@ -133,7 +133,7 @@ class Anchor:
             if group.roving:
                 mass_slopes[len(known) :] = group.mass_slopes
                 if index is not None:
-                    mass_slopes[index] = group.masses_kg * known[index].sd
+                    mass_slopes[index] = problem.scenario.accelerometers.mass_kg * rate[index]
             changes = {n: by_rate(rate, group.slopes[n]) for n in MATRICES}
             out[:, group.channels] = accelerance_slopes(
                 group.matrices, omega, group.runs, masses, Slopes(**changes, masses_kg=mass_slopes)
@@ -254,7 +254,8 @@ def _reduced(
         else:
             rows = values[:, grid_rows] @ part
         if name == "mass" and sensor is not None and not roving:
-            rows[sensor] += basis.T @ carried @ basis / sensor_mass_factor(problem, u)
+            own = np.full(group.rows.size, problem.scenario.accelerometers.mass_kg)
+            rows[sensor] += basis.T @ _carried(s, group.rows, own, runs, roving) @ basis
         for k, (before, after), step in pulls:
             rows[k] += (getattr(after, name) - getattr(before, name)) / step
         added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])

@@ -1,0 +1,104 @@
+"""What the sensors weigh and what an effect adds to that: two amounts, of which a tolerance scales the first alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, problem, small_scenario
+
+from vgvt.effects import available_effects, make_effect
+from vgvt.reconcile.carried import carried
+from vgvt.reconcile.fit import NEAR, cost_at, fit
+from vgvt.reconcile.grouping import assembled, sensor_mass_index
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.screen import screen
+from vgvt.reconcile.surrogate import anchor
+
+ADDED_KG = 0.008
+EFFECT = Hypothesis(available_effects()["roving-sensor-mass"], {})
+E = EFFECT.scores({"mass_kg": ADDED_KG})
+
+
+@pytest.fixture(scope="module")
+def roving(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """Sensors that move from run to run, heavier than stated."""
+    whole = small_scenario()
+    runs = tuple(tuple(range(k, 21, 4)) for k in (1, 2, 3, 4))
+    scenario = whole.model_copy(update={"acquisition": whole.acquisition.model_copy(update={"runs": runs})})
+    truth = make_effect("roving-sensor-mass", "test", mass_kg=ADDED_KG)
+    return make_problem(campaign_of(scenario, 1, truth), scenario, lines=200, cache=tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="module")
+def staying(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """Sensors that all stay where they are."""
+    return problem(tmp_path_factory.mktemp("cache"), 1)
+
+
+def heavier(case: Problem, by: float) -> np.ndarray:
+    """Scores with another mass of the sensors, in standard deviations."""
+    u = np.zeros(case.size)
+    index = sensor_mass_index(case)
+    assert index is not None
+    u[index] = by
+    return u
+
+
+@pytest.mark.parametrize("which", ["roving", "staying"])
+def test_the_tolerance_leaves_what_an_effect_adds_as_it_is(which: str, request: pytest.FixtureRequest) -> None:
+    """Predicted from afar as assembled there, to what a factor of two on 2.8 g leaves of linearity."""
+    case: Problem = request.getfixturevalue(which)
+    far = heavier(case, 14.0)
+    wanted = anchor(case, far, (EFFECT,), E, slopes=False).mechanical(far, E)
+    here = anchor(case, np.zeros(case.size), (EFFECT,), E)
+    moved = wanted - here.mechanical(np.zeros(case.size), E)
+    missed = here.mechanical(far, E) - wanted
+    assert np.linalg.norm(moved) > 1e-3 * np.linalg.norm(wanted)
+    assert np.linalg.norm(missed) < 0.05 * np.linalg.norm(moved)
+
+
+@pytest.mark.parametrize("which", ["roving", "staying"])
+def test_its_slope_beside_the_effect_is_that_of_differences(which: str, request: pytest.FixtureRequest) -> None:
+    case: Problem = request.getfixturevalue(which)
+    index, step = sensor_mass_index(case), 0.01
+    assert index is not None
+    known = anchor(case, np.zeros(case.size), (EFFECT,), E).slopes()[index]
+    ends = [
+        anchor(case, heavier(case, s * step), (EFFECT,), E, slopes=False).mechanical(heavier(case, s * step), E)
+        for s in (1, -1)
+    ]
+    wanted = (ends[0] - ends[1]) / (2 * step)
+    assert np.linalg.norm(known - wanted) < 0.02 * np.linalg.norm(wanted)
+
+
+def test_carried_along_they_weigh_what_they_weigh_assembled(roving: Problem) -> None:
+    groups = assembled(roving, np.zeros(roving.size), (), np.zeros(0))
+    assert groups is not None
+    # As if an effect had added something before.
+    loaded = tuple(replace(g, masses_kg=g.masses_kg + ADDED_KG) for g in groups)
+    there = carried(roving, loaded, np.zeros(roving.size), heavier(roving, 14.0))
+    stated = roving.scenario.accelerometers.mass_kg
+    factor = roving.unknowns[sensor_mass_index(roving) or 0].amount(14.0)
+    np.testing.assert_allclose(there[0].masses_kg, stated * factor + ADDED_KG, rtol=1e-12)
+
+
+def test_a_mass_that_the_tolerance_stood_in_for_is_found(roving: Problem) -> None:
+    """A calibration puts all of it into the stated mass, tens of deviations out; screen and fit take it back."""
+    null = fit(roving, (), heavier(roving, 26.0), np.zeros(0))
+    index = sensor_mass_index(roving)
+    assert index is not None and null.u[index] > 15
+    (best,) = screen(null, (EFFECT,))
+    assert best.gain_nats > 50
+    assert best.start is not None
+    # What the screen promises is what the fit starts from.
+    e = EFFECT.scores(best.values)
+    cost = cost_at(roving, (EFFECT,), best.start, e)
+    assert cost < null.chi2 + null.u @ null.u - best.gain_nats
+    found = fit(roving, (EFFECT,), best.start, e, NEAR)
+    value, sd, _ = found.values(0)["mass_kg"]
+    assert abs(found.u[index]) < 4
+    assert abs(value - ADDED_KG) < 4 * sd
+    assert sd < 0.1 * ADDED_KG
