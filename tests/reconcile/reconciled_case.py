@@ -27,6 +27,13 @@ def small_scenario() -> Scenario:
     return whole.model_copy(update=changes)
 
 
+def roving_scenario() -> Scenario:
+    """The small scenario with five accelerometers that rove over its points in four runs."""
+    whole = small_scenario()
+    runs = tuple(tuple(range(k, 21, 4)) for k in (1, 2, 3, 4))
+    return whole.model_copy(update={"acquisition": whole.acquisition.model_copy(update={"runs": runs})})
+
+
 def campaign_of(scenario: Scenario, seed: int, *effects: Effect) -> Campaign:
     """A campaign whose truth is drawn from the scenario's tolerances, with effects."""
     known = unknowns(scenario)

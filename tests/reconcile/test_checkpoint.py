@@ -26,7 +26,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     u = 0.3 * np.random.default_rng(0).standard_normal(case.size)
     start = fit(case, (), u, np.zeros(0), ())
     rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 0.7) for h in (delay, gain))
-    kept = Checkpoint(tmp_path, "this question")
+    kept = Checkpoint(tmp_path / "rounds.json", "this question")
     kept.keep(start, [Addition(rivals[1], rivals, rivals, None)])
     begun = kept.begun(case, (delay, gain))
     assert begun is not None
@@ -36,7 +36,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     assert addition.winner.hypothesis.label == gain.label
     assert [r.name for r in addition.equivalent] == ["channel-delay", "channel-gain"]
     assert addition.winner.fit.evidence_nats == rivals[1].fit.evidence_nats
-    assert Checkpoint(tmp_path, "another question").begun(case, (delay, gain)) is None
+    assert Checkpoint(tmp_path / "rounds.json", "another question").begun(case, (delay, gain)) is None
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_other_samples_or_another_catalogue_are_another_question(tmp_path: Path)
     run = campaign.runs[0]
     other = replace(campaign, runs=(replace(run, samples=run.samples * 1.001), *campaign.runs[1:]))
     keys = {
-        Checkpoint.of(tmp_path, found).key
+        Checkpoint.of(tmp_path / "rounds.json", found).key
         for found in (
             first,
             provenance_of(other, scenario, ["added-mass"], limits, 100),

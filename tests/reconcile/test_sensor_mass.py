@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, problem, small_scenario
+from reconciled_case import campaign_of, problem, roving_scenario
 
 from vgvt.effects import available_effects, make_effect
 from vgvt.reconcile.carried import carried
@@ -25,9 +25,7 @@ E = EFFECT.scores({"mass_kg": ADDED_KG})
 @pytest.fixture(scope="module")
 def roving(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     """Sensors that move from run to run, heavier than stated."""
-    whole = small_scenario()
-    runs = tuple(tuple(range(k, 21, 4)) for k in (1, 2, 3, 4))
-    scenario = whole.model_copy(update={"acquisition": whole.acquisition.model_copy(update={"runs": runs})})
+    scenario = roving_scenario()
     truth = make_effect("roving-sensor-mass", "test", mass_kg=ADDED_KG)
     return make_problem(campaign_of(scenario, 1, truth), scenario, lines=200, cache=tmp_path_factory.mktemp("cache"))
 

@@ -23,7 +23,6 @@ from vgvt.reconcile.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 
-_FILE = "rounds.json"
 Begun = tuple[Fit, tuple[Addition, ...]]
 
 
@@ -45,27 +44,27 @@ def provenance_of(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checkpoint:
-    """Rounds kept in ``folder`` under a key; what was kept under another key is not used."""
+    """Rounds kept in a file under a key; what was kept under another key is not used."""
 
-    folder: Path
+    file: Path
     key: str
 
     @classmethod
-    def of(cls, folder: Path, provenance: Mapping[str, str], *settings: object) -> Checkpoint:
+    def of(cls, file: Path, provenance: Mapping[str, str], *settings: object) -> Checkpoint:
         """The checkpoint of a question: everything in its provenance, and any further settings."""
         text = json.dumps([sorted(provenance.items()), [str(s) for s in settings]])
-        return cls(folder, hashlib.sha256(text.encode()).hexdigest())
+        return cls(file, hashlib.sha256(text.encode()).hexdigest())
 
     def keep(self, start: Fit, rounds: Sequence[Addition]) -> None:
         """Write the rounds so far."""
         document = {"key": self.key, "start": start.u.tolist(), "rounds": [_round(a) for a in rounds]}
-        with replacing(self.folder / _FILE) as part:
+        with replacing(self.file) as part:
             part.write_text(json.dumps(document), encoding="utf-8")
 
     def begun(self, problem: Problem, hypotheses: Sequence[Hypothesis]) -> Begun | None:
         """The null model and the rounds that were kept, or None where there are none of this question."""
         try:
-            document = json.loads((self.folder / _FILE).read_text(encoding="utf-8"))
+            document = json.loads(self.file.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
         if not isinstance(document, dict) or document.get("key") != self.key:

@@ -29,13 +29,14 @@ class Split:
         return self.held_runs | self.held_channels
 
 
-def split(scenario: Scenario, measured: Measured) -> Split:
+def split(scenario: Scenario, measured: Measured, turn: int = 0) -> Split:
     """Hold out a fifth of the runs (from four on) and about a seventh of the other channels.
 
-    It depends on the scenario's seed and the campaign's labels alone, not on a single sample. Every run that
-    is not held out keeps a channel to fit; a campaign too small for either keeps everything.
+    It depends on the scenario's seed and the campaign's labels alone, not on a single sample; each ``turn`` is
+    another draw. Every run that is not held out keeps a channel to fit; a campaign too small for either keeps
+    everything.
     """
-    stream = named_stream(scenario.seed, "hold-out")
+    stream = named_stream(scenario.seed, "hold-out", *([turn] if turn else []))
     run = np.array([c.run for c in measured.channels])
     count = len(measured.channels)
     runs = np.unique(run)
