@@ -12,7 +12,7 @@ from reconciled_case import drawn_scores, problem
 
 from vgvt.effects import available_effects
 from vgvt.reconcile import place_control
-from vgvt.reconcile.attribute import Addition, Rival, _confirmed
+from vgvt.reconcile.attribute import Addition, Rival
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, place_of
@@ -82,30 +82,6 @@ def test_a_strong_absorber_does_worse_everywhere_else(tmp_path: Path) -> None:
     assert len(trials) >= 2
     assert not any(as_good(t.fit, winner, 5.0) for t in trials)
     assert as_good(winner, winner, 5.0)
-
-
-def test_held_out_data_must_speak_for_a_name() -> None:
-    """A gain on fitted data alone is refused, unless it is the tolerances that speak and nothing speaks against it."""
-    limits = SimpleNamespace(held_out_per_dof=1.2)
-    before = SimpleNamespace(held_out_chi2_per_dof=1.0, held_out_noise_per_dof=1.0, limits=limits)
-    needs: Any = SimpleNamespace(evidence_nats=9.0)
-
-    def confirmed(held_out: float, null_scores: float, apart: float = 0.0) -> bool:
-        own = leaving(noise(0))
-        own.scores = np.zeros(3)
-        null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]), foretold=own.foretold + apart)
-        own.problem.measured.frequency_hz = np.zeros(LINES)
-        return _confirmed(Rival(own, 50.0, 50.0, held_out), null, before, needs)  # type: ignore[arg-type]
-
-    assert confirmed(0.9, 0.0)
-    assert not confirmed(1.0, 0.0)
-    assert not confirmed(1.1, 0.0)
-    assert confirmed(1.0, 5.0)
-    assert not confirmed(1.1, 5.0)
-    # 200 held-out values: 6 nats against it are chance where the two predictions are 8 apart, and are not where 2.
-    assert confirmed(1.03, 5.0, apart=0.2)
-    assert not confirmed(1.03, 5.0, apart=0.05)
-    assert not confirmed(1.03, 0.0, apart=0.2)
 
 
 @pytest.mark.parametrize(("behind", "converged", "fits"), [(3.0, False, 2), (5.0, False, 1), (1.0, True, 1)])

@@ -213,7 +213,7 @@ TWINS: dict[str, Draw] = {
         _log(g, 0.05, 0.3), _log(g, 0.05, 0.3), (("-right", "-left"), ("-right",), ("-left",))[int(g.integers(3))]
     ),
     "channel-gain": lambda g, nodes: channel_gain((int(g.choice(nodes)),), _side(g) * _log(g, 0.08, 0.3)),
-    "channel-delay": lambda g, nodes: channel_delay(nodes, _log(g, 5e-5, 2e-3)),
+    "channel-delay": lambda g, nodes: channel_delay((int(g.choice(nodes)),), _log(g, 5e-5, 2e-3)),
     "loose-sensor-mount": lambda g, nodes: loose_sensor_mount(int(g.choice(nodes)), _log(g, 40, 200), 0.05),
     "high-pass-mismatch": lambda g, nodes: high_pass_mismatch(_log(g, 0.2, 2)),
     "swapped-sensors": lambda g, nodes: swapped_sensors(*(int(n) for n in g.permutation(nodes[:4])[:2])),

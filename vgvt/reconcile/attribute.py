@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
+from vgvt.reconcile.confirmation import confirmed_by_held_out
 from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
@@ -22,12 +23,6 @@ from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shorte
 from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
-# Held-out data must speak for a name by more than chance fluctuation.
-_HELD_OUT_NATS = 1.0
-# Standard deviations within which held-out data are not against a name that tolerances speak for.
-_CHANCE = 2.0
-# What 'much better' means where held-out data are still missed: this share of what was too much.
-_MUCH = 0.25
 # Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
 _WITHIN = 0.1
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
@@ -154,7 +149,8 @@ def _tried(
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
     """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
-    return rival.gain_nats >= thresholds.evidence_nats and _confirmed(rival, current, before, thresholds)
+    enough = rival.gain_nats >= thresholds.evidence_nats
+    return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
 
 
 def _ended(
@@ -263,34 +259,6 @@ def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
 def _judged(current: Fit, found: Fit) -> Rival:
     """One fit as a rival on its own."""
     return _against(current, [found])[0]
-
-
-def _confirmed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
-    """Held-out data must be met better than before; where nothing is held out there is no name.
-
-    Where they are still missed, much better: a wrong effect often takes a little of what another one leaves, held-out
-    data or tolerances. Where the unknowns had imitated the effect, far out of their tolerances, the data were met
-    already: then the tolerances must speak for the name by as much as a name needs, and the held-out data not against.
-    """
-    if rival.held_out is None or before.held_out_chi2_per_dof is None:
-        return False
-    excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
-    better = before.held_out_chi2_per_dof - rival.held_out
-    problem = rival.fit.problem
-    held, sigma = problem.split.held, problem.measured.sigma
-    lines = int(held.sum()) * problem.measured.frequency_hz.size
-    rho = ((rival.fit.foretold - problem.measured.values) / sigma)[held]
-    worth = min(1.0, independent_values(rho) / (2 * lines)) * noise_share(problem.measured, held).worth
-    nats = worth * lines * better
-    tolerances_nats = 0.5 * float(current.scores @ current.scores - rival.fit.scores @ rival.fit.scores)
-    if rival.held_out > before.limits.held_out_per_dof and better < _MUCH * excess:
-        return False
-    # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
-    apart = worth * float(np.sum(np.abs((rival.fit.foretold - current.foretold) / sigma)[held] ** 2))
-    chance = max(_HELD_OUT_NATS, _CHANCE * np.sqrt(2 * apart))
-    if tolerances_nats >= thresholds.evidence_nats and nats > -chance:
-        return True
-    return nats > _HELD_OUT_NATS
 
 
 def _restart(null: Fit, winner: Rival) -> Fit:

@@ -145,7 +145,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         winner = addition.winner
         said.append(
             f"Adding {winner.hypothesis.label} gains {winner.gain_nats:.0f} nats (a name needs "
-            f"{limits.evidence_nats:.0f}); held-out error falls "
+            f"{limits.evidence_nats:.0f}); held-out error goes "
             f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
         )
         others = sorted({r.name for r in addition.equivalent} - {winner.name})

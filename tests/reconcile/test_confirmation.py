@@ -1,0 +1,113 @@
+"""Held-out data confirm a name, refuse it, or cannot tell: an effect on fitted channels alone is none of theirs."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario
+
+from vgvt.effects import available_effects, make_effect
+from vgvt.reconcile import confirmation, reconcile
+from vgvt.reconcile.confirmation import confirmed_by_held_out
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.holdout import split
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem, make_problem
+
+CHANNELS, LINES = 8, 100
+BEFORE: Any = SimpleNamespace(
+    held_out_chi2_per_dof=1.0, held_out_noise_per_dof=1.0, limits=SimpleNamespace(held_out_per_dof=1.2)
+)
+NEEDS: Any = SimpleNamespace(evidence_nats=9.0)
+
+
+def white() -> Any:
+    """A fit that leaves white noise (C, L); the first two channels are held out."""
+    g = np.random.default_rng(0)
+    shape = (CHANNELS, LINES)
+    left = (g.standard_normal(shape) + 1j * g.standard_normal(shape)) / np.sqrt(2)
+    held = np.arange(CHANNELS) < 2
+    measured = SimpleNamespace(
+        values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.ones(shape), frequency_hz=np.zeros(LINES)
+    )
+    problem = SimpleNamespace(measured=measured, split=SimpleNamespace(held=held, train=~held))
+    return SimpleNamespace(problem=problem, foretold=1 + left, scores=np.zeros(3))
+
+
+@pytest.fixture
+def confirmed(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Whether a name is confirmed by what is missed with it, the scores needed without, and what its effect does."""
+
+    def asked(held_out: float, null_scores: float, apart: float = 0.0, felt: float = 1000.0) -> bool:
+        own = white()
+        monkeypatch.setattr(confirmation, "_felt", lambda found: felt)
+        null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]), foretold=own.foretold + apart)
+        return confirmed_by_held_out(own, held_out, null, BEFORE, NEEDS)
+
+    return asked
+
+
+def test_held_out_data_must_speak_for_a_name(confirmed: Any) -> None:
+    """A gain on fitted data alone is refused, unless it is the tolerances that speak and nothing speaks against it."""
+    assert confirmed(0.9, 0.0)
+    assert not confirmed(1.0, 0.0)
+    assert not confirmed(1.1, 0.0)
+    assert confirmed(1.0, 5.0)
+    assert not confirmed(1.1, 5.0)
+    # 200 held-out values: 6 nats against it are chance where the two predictions are 8 apart, and are not where 2.
+    assert confirmed(1.03, 5.0, apart=0.2)
+    assert not confirmed(1.03, 5.0, apart=0.05)
+    assert not confirmed(1.03, 0.0, apart=0.2)
+
+
+def test_of_what_they_do_not_feel_held_out_data_only_speak_against(confirmed: Any) -> None:
+    assert confirmed(1.0, 0.0, felt=0.1)
+    assert not confirmed(1.0, 0.0, felt=10.0)
+    assert not confirmed(1.1, 0.0, felt=0.1)
+    assert confirmed(1.03, 0.0, apart=0.2, felt=0.1)
+    # And where they are missed they still have to be met much better.
+    assert not confirmed(1.5, 0.0, felt=0.1)
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A campaign of roving sensors."""
+    scenario = roving_scenario()
+    return make_problem(campaign_of(scenario, 1), scenario, lines=150, cache=tmp_path_factory.mktemp("cache"))
+
+
+def delayed(case: Problem, held: bool) -> Fit:
+    """A delay of 1 ms on one channel, held out or not, as if it had been fitted."""
+    where = case.split.held_channels if held else case.split.train
+    label = str(case.measured.channels[int(np.flatnonzero(where)[0])].dof)
+    hypothesis = Hypothesis(available_effects()["channel-delay"], {"channels": label})
+    return fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores({"delay_s": 1e-3}), ())
+
+
+def test_what_is_felt_is_what_the_effect_does_to_held_out_data(case: Problem) -> None:
+    assert confirmation._felt(delayed(case, held=False)) == 0
+    found = delayed(case, held=True)
+    row = case.split.held_channels & np.any(
+        found.predicted != fit(case, (), found.u, np.zeros(0), ()).predicted, axis=1
+    )
+    omega = 2 * np.pi * case.measured.frequency_hz
+    wanted = np.abs(1 - np.exp(1j * omega * 1e-3)) * np.abs(found.predicted[row] / case.measured.sigma[row])
+    assert confirmation._felt(found) == pytest.approx(float(np.sum(wanted**2)), rel=1e-9)
+
+
+def test_a_small_delay_of_one_fitted_channel_has_a_name() -> None:
+    """Too small to bend any unknown: no other record is better for knowing it."""
+    scenario = roving_scenario()
+    first = split(scenario, make_problem(campaign_of(scenario, 2), scenario, lines=60).measured)
+    grid = [node for run in scenario.acquisition.run_nodes for node in run]
+    label = f"{grid[int(np.flatnonzero(first.train)[2])]}+Z"
+    campaign = campaign_of(scenario, 2, make_effect("channel-delay", "test", channels=label, delay_s=2e-4))
+    effects = {"channel-delay": available_effects()["channel-delay"]}
+    verdict = reconcile(campaign, scenario, effects=effects, lines=150, most=1)
+    (named,) = verdict.effects
+    assert named.settings["channels"] == label
+    value, sd, _ = named.parameters["delay_s"]
+    assert abs(value - 2e-4) < 4 * sd

@@ -1,0 +1,67 @@
+"""Whether data that no fit has seen confirm a name: better than chance where they can tell, not worse where not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.residual import Residual, independent_values
+from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.thresholds import Thresholds, noise_share
+
+# Held-out data must speak for a name by more than chance fluctuation.
+_HELD_OUT_NATS = 1.0
+# Standard deviations within which held-out data are not against a name that they cannot tell.
+_CHANCE = 2.0
+# What 'much better' means where held-out data are still missed: this share of what was too much.
+_MUCH = 0.25
+
+
+def confirmed_by_held_out(
+    found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds
+) -> bool:
+    """Held-out data must be met better than before; where nothing is held out there is no name.
+
+    ``found`` is the fit with the effect, ``missed`` its held-out χ² per degree of freedom, ``current`` the model
+    without it and ``before`` what that leaves. Where held-out data are still missed, they must be met much better: a
+    wrong effect often takes a little of what another one leaves, held-out data or tolerances.
+
+    Two kinds of effect they cannot speak for, only against. Where the unknowns had imitated the effect, far out of
+    their tolerances, the data were met already: the tolerances must then speak for the name by as much as a name
+    needs. And what happens to a fitted channel alone no other record knows of.
+    """
+    if missed is None or before.held_out_chi2_per_dof is None:
+        return False
+    excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
+    better = before.held_out_chi2_per_dof - missed
+    if missed > before.limits.held_out_per_dof and better < _MUCH * excess:
+        return False
+    problem = found.problem
+    held, sigma = problem.split.held, problem.measured.sigma
+    lines = int(held.sum()) * problem.measured.frequency_hz.size
+    rho = ((found.foretold - problem.measured.values) / sigma)[held]
+    worth = min(1.0, independent_values(rho) / (2 * lines)) * noise_share(problem.measured, held).worth
+    nats = worth * lines * better
+    if nats > _HELD_OUT_NATS:
+        return True
+    tolerances_nats = 0.5 * float(current.scores @ current.scores - found.scores @ found.scores)
+    if tolerances_nats < thresholds.evidence_nats and worth * _felt(found) > _HELD_OUT_NATS:
+        return False
+    # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
+    apart = worth * float(np.sum(np.abs((found.foretold - current.foretold) / sigma)[held] ** 2))
+    return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * apart))
+
+
+def _felt(found: Fit) -> float:
+    """What the last effect, and nothing else, does to the held-out data, in squared standard deviations."""
+    problem, last = found.problem, len(found.hypotheses[-1].parameters)
+    held, sigma = problem.split.held, problem.measured.sigma
+    rest = found.e[: found.e.size - last]
+    try:
+        without = anchor(problem, found.u, found.hypotheses[:-1], rest, slopes=False).predict(found.u, rest)
+    except NoStructureError:
+        return np.inf
+    return float(np.sum(np.abs((found.predicted - without) / sigma)[held] ** 2))
