@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, roving_scenario
 
-from vgvt.effects import available_effects, make_effect
-from vgvt.reconcile import confirmation, reconcile
+from vgvt.effects import available_effects
+from vgvt.reconcile import confirmation
 from vgvt.reconcile.confirmation import confirmed_by_held_out
 from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.holdout import split
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
 
@@ -96,18 +95,3 @@ def test_what_is_felt_is_what_the_effect_does_to_held_out_data(case: Problem) ->
     omega = 2 * np.pi * case.measured.frequency_hz
     wanted = np.abs(1 - np.exp(1j * omega * 1e-3)) * np.abs(found.predicted[row] / case.measured.sigma[row])
     assert confirmation._felt(found) == pytest.approx(float(np.sum(wanted**2)), rel=1e-9)
-
-
-def test_a_small_delay_of_one_fitted_channel_has_a_name() -> None:
-    """Too small to bend any unknown: no other record is better for knowing it."""
-    scenario = roving_scenario()
-    first = split(scenario, make_problem(campaign_of(scenario, 2), scenario, lines=60).measured)
-    grid = [node for run in scenario.acquisition.run_nodes for node in run]
-    label = f"{grid[int(np.flatnonzero(first.train)[2])]}+Z"
-    campaign = campaign_of(scenario, 2, make_effect("channel-delay", "test", channels=label, delay_s=2e-4))
-    effects = {"channel-delay": available_effects()["channel-delay"]}
-    verdict = reconcile(campaign, scenario, effects=effects, lines=150, most=1)
-    (named,) = verdict.effects
-    assert named.settings["channels"] == label
-    value, sd, _ = named.parameters["delay_s"]
-    assert abs(value - 2e-4) < 4 * sd

@@ -12,10 +12,12 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
+from vgvt.effects.loose_sensor_mount import LooseSensorMount
 from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate, fit
+from vgvt.reconcile.scan import scan_of
 from vgvt.reconcile.screen import parted, screen
 from vgvt.reconcile.stand import Stand
 
@@ -88,6 +90,21 @@ def test_a_sharp_resonance_between_the_steps_of_a_scan_is_met(tmp_path: Path, ma
     assert found[0].values["mass_kg"] == pytest.approx(mass_kg, rel=0.05)
     assert found[0].tuned == "mass_kg"
     assert parted(found[0], 0.125) == found[0].values
+
+
+def test_a_sensor_that_resonates_in_the_band_is_met(tmp_path: Path) -> None:
+    """Its period is a size where it lies far above the band, and none within: there its peak is where it is."""
+    case = problem(tmp_path, 1, LooseSensorMount(node=6, period_s=0.033, damping_ratio=0.11))
+    null = fit(case, (), np.zeros(case.size), np.zeros(0), ())
+    found = screen(null, candidates(case, {"loose-sensor-mount": LooseSensorMount}))
+    assert found[0].hypothesis.settings["node"] == 6
+    assert found[0].gain_nats > 10 * max(1.0, found[1].gain_nats)
+    assert found[0].values["period_s"] == pytest.approx(0.033, rel=0.06)
+    # Far above the band the closed form still has its say.
+    starts = scan_of(case, found[0].hypothesis).starts
+    assert "period_s" not in starts[0] and all("period_s" in s for s in starts[1:])
+    slowest = 1 / (3 * case.measured.frequency_hz[-1])
+    assert min(s["period_s"] for s in starts[1:]) == pytest.approx(slowest, rel=0.15)
 
 
 def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> None:

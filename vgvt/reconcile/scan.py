@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vgvt.effects.action import ChannelFilter
 from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -15,6 +16,10 @@ from vgvt.reconcile.problem import Problem
 
 # Of the logarithm of a resonance's frequency.
 _STEP = 0.06
+# Beyond this multiple of the band a sensor's own resonance only lifts the end of it, as its closed form says.
+_ABOVE = 3.0
+# Where a filter's own peak is looked for, and how high above what it does far from there.
+_GRID_HZ, _PEAK = np.geomspace(0.5, 2000.0, 1500), 1.5
 # The damping ratio of what is as wide as half a step to either side; how much narrower is sharp.
 _WIDE, _SHARP = _STEP / 2, 3.0
 
@@ -24,7 +29,7 @@ class Scan:
     """Values of the parameters without a neutral one: the defaults, or a scan of ``tuned``, which moves a resonance.
 
     ``step`` is that of its logarithm. What resonates sharply is also taken as wide as the steps, or it would be met by
-    luck alone.
+    luck alone. A resonance that can lie far above the band is a size there: one start leaves it to the closed form.
     """
 
     starts: tuple[dict[str, float], ...]
@@ -38,19 +43,26 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
     found = _resonant(problem, hypothesis)
     if found is None:
         return Scan((defaults,), "", 0.0)
-    scanned, power = found
+    scanned, power, first = found
     low, high = math.log(scanned.low), math.log(scanned.high)
+    band, starts = problem.measured.frequency_hz, []
     if scanned.unit == "Hz":
-        band = problem.measured.frequency_hz
         low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
-    wide = _widened(problem, hypothesis, scanned)
-    # Sharp ones in half steps: what lies between them is met by the wide ones.
-    dense = [(defaults, _STEP / 2), ({**defaults, **wide}, _STEP)] if wide else [(defaults, _STEP)]
-    starts = []
-    for start, step in dense:
-        count = max(2, math.ceil((high - low) * power / step))
+    elif scanned.neutral is not None and first > (top := 2 * math.pi * _ABOVE * float(band[-1])):
+        low, starts = low + math.log(first / top) / power, [defaults]
+    wide, step = _widened(problem, hypothesis, scanned), _STEP
+    dense = [(defaults, step), *([({**defaults, **wide}, step)] if wide else [])]
+    if starts:
+        # A sensor's own resonance is not sharp.
+        step *= 2
+        dense = [(start, step) for start, _ in dense]
+    elif wide:
+        # Sharp ones in half steps: what lies between them is met by the wide ones.
+        dense[0] = (defaults, step / 2)
+    for start, apart in dense:
+        count = max(2, math.ceil((high - low) * power / apart))
         starts += [{**start, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))]
-    return Scan(tuple(starts), scanned.name, _STEP / power)
+    return Scan(tuple(starts), scanned.name, step / power)
 
 
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:
@@ -58,17 +70,18 @@ def start_values(hypothesis: Hypothesis) -> dict[str, float]:
     return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
 
 
-def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, float] | None:
-    """The parameter that moves the resonance of what an effect adds, and the power of it that the frequency goes with.
+def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, float, float] | None:
+    """The parameter that moves the resonance of what an effect adds, the power of it that the frequency goes with.
 
-    Which one it is shows in the effect's elements at either end of its range.
+    And the angular frequency at its lower end. Which parameter it is shows in the effect's elements, or in what it
+    does to a channel, at either end of its range.
     """
     for p in sorted(hypothesis.parameters, key=lambda p: (p.unit != "Hz", p.neutral is not None)):
         if p.scale == "log":
             (low, _), (high, _) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
             moved = abs(math.log(low / high)) if low and high else 0.0
             if moved > 0.1:
-                return p, moved / math.log(p.high / p.low)
+                return p, moved / math.log(p.high / p.low), low
     return None
 
 
@@ -80,8 +93,11 @@ def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> di
         (one, low), (other, high) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
         if one and other and low and high and abs(math.log(one / other)) < 0.1 < math.log(high / low):
             power = math.log(high / low) / math.log(p.high / p.low)
-            wide = p.low * (_WIDE / low) ** (1 / power)
-            return {p.name: wide} if wide > _SHARP * float(getattr(hypothesis.cls(), p.name)) else {}
+            wide, stated = p.low * (_WIDE / low) ** (1 / power), float(getattr(hypothesis.cls(), p.name))
+            if wide <= _SHARP * stated:
+                # What multiplies a record shows its damping at once: too high a peak is worse than none.
+                return {p.name: min(_SHARP * stated, p.high)} if scanned.neutral is not None else {}
+            return {p.name: wide}
     return {}
 
 
@@ -89,11 +105,29 @@ def _resonance(problem: Problem, hypothesis: Hypothesis, values: dict[str, float
     """Angular frequency and damping ratio of the first resonance that an effect adds; zeros where it adds none."""
     values_at = {p.name: middle(p) for p in hypothesis.parameters}
     effect = hypothesis.effect({**values_at, **values})
-    try:
-        elements = () if effect is None else effect.act(problem.scenario, len(problem.measured.runs) - 1).elements
-    except ValueError:
-        elements = ()
-    return next(iter(_own_resonances(elements)), (0.0, 0.0))
+    if effect is None:
+        return 0.0, 0.0
+    # In the run in which it acts: the last is one where things between runs have happened.
+    for run in reversed(range(len(problem.measured.runs))):
+        try:
+            action = effect.act(problem.scenario, run)
+        except ValueError:
+            return 0.0, 0.0
+        for own in (*_own_resonances(action.elements), *_of_channels(action.channels)):
+            return own
+    return 0.0, 0.0
+
+
+def _of_channels(changes: Sequence[object]) -> list[tuple[float, float]]:
+    """Angular frequencies and damping ratios of the peaks that filters put on channels."""
+    found = []
+    for change in changes:
+        if isinstance(change, ChannelFilter):
+            height = np.abs(change.response(_GRID_HZ))
+            peak = int(height.argmax())
+            if height[peak] > _PEAK * max(height[0], height[-1]):
+                found.append((2 * math.pi * float(_GRID_HZ[peak]), 0.5 * float(height[0] / height[peak])))
+    return found
 
 
 def _own_resonances(elements: Sequence[object]) -> list[tuple[float, float]]:

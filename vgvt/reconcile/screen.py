@@ -94,9 +94,10 @@ def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
         ]
     scan = scan_of(stand.fit.problem, hypothesis)
     scanned = scan.tuned
-    sized = sorted((_sized(stand, hypothesis, values, scanned) for values in scan.starts), key=lambda s: -s.gain_nats)
-    if not scanned or sized[0].gain_nats <= _WORTH_REFINING:
-        return sized[:1]
+    tried = (_sized(stand, hypothesis, values, scanned if scanned in values else "") for values in scan.starts)
+    sized = sorted(tried, key=lambda s: -s.gain_nats)
+    if not sized[0].tuned or sized[0].gain_nats <= _WORTH_REFINING:
+        return sized[:_KEPT] if scanned else sized[:1]
     switches = {p.name for p in hypothesis.parameters if p.neutral is not None}
     others = {k: v for k, v in sized[0].values.items() if k not in switches}
     centre, steps = sized[0].values[scanned], math.exp(_FINE * scan.step) ** np.array([-3, -2, -1, 1, 2, 3])

@@ -13,13 +13,15 @@ from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.localise import Place, localise
 from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.screen import Screened, screen
 
 _SHORT_LIST, _A_FAMILY = 6, 2
 BIASED = 1.5
 """Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
-_FORGIVING = ((0.6, 4), (0.1, 8))
+# Less forgiving than this a calibration begins to swallow what it should leave.
+_FORGIVING = ((0.6, 8), (0.15, 8))
 # Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
@@ -38,8 +40,8 @@ def shortened(
     if before.train_chi2_per_dof < BIASED:
         return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST, needed=needed)
     near = screen(current, left, part(tell, 0.0, 0.5), slots=_SHORT_LIST - 1)
-    nothing = np.zeros(current.u.size)
-    coarse = fit(current.problem, current.hypotheses, nothing, current.e, _FORGIVING, judged=_FORGIVING[-1][0])
+    rough, e = rough_start(current.problem, current.hypotheses, current.e)
+    coarse = fit(current.problem, current.hypotheses, rough, e, _FORGIVING, judged=_FORGIVING[-1][0])
     far = screen(coarse, left, part(tell, 0.5, 1.0))
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)

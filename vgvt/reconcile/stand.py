@@ -6,6 +6,7 @@ therefore taken at no size at all, and at a finite size the unknowns are moved a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.effects.parameter import Parameter
-from vgvt.reconcile.adjacent import groups_at
+from vgvt.reconcile.adjacent import beside, groups_at
 from vgvt.reconcile.first_order import FirstOrder
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
@@ -22,8 +23,12 @@ from vgvt.reconcile.misfit import data_misfit
 from vgvt.reconcile.surrogate import Anchor, anchor
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+Change = Callable[[Hypothesis, dict[str, float]], tuple[Array, bool] | None]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
 _FOLLOWED = 8
+# Beyond a joint's own step by this factor, in steps ever longer, from a fifth of the least plausible size on.
+_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 5.0, 3
 # No further at once than the linearised matrices carry.
 _LONGEST = 20.0
 
@@ -65,34 +70,91 @@ class Stand:
 
     def change(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
         """Change of the misfit vector by an effect added with some values; None where it is impossible."""
+        found = self._changed(hypothesis, values)
+        return None if found is None else found[0]
+
+    def _changed(self, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[Array, bool] | None:
+        """:meth:`change`, and whether the effect gives the structure a joint more."""
         null = self.fit
+        added = (*null.hypotheses, _with_values(hypothesis, values))
+        near = beside(null.problem, null.u, self.groups, added, null.e)
+        if near is not None and self._unmoved(near):
+            return self._change_to(null.predicted + self._of_filters(added, near)), False
         try:
-            there = anchor(
-                null.problem, null.u, (*null.hypotheses, _with_values(hypothesis, values)), null.e, slopes=False,
-                beside=self.groups,
-            )  # fmt: skip
+            there = anchor(null.problem, null.u, added, null.e, slopes=False, beside=self.groups)
             predicted = there.predict(null.u, null.e)
         except NoStructureError:
             return None
+        return self._change_to(predicted), self._wider(there.assembled)
+
+    def _change_to(self, predicted: ComplexArray) -> Array:
+        """Change of the misfit vector by another prediction (C, L)."""
+        null = self.fit
         moved = data_misfit(null.problem, predicted, null.sigma) - self.misfit[: null.points]
         return np.concatenate([moved, np.zeros(null.scores.size)])
 
+    def _unmoved(self, there: tuple[Group, ...]) -> bool:
+        """Whether structures and sensors are those it stands on: what there is to see happens to channels alone."""
+        pairs = [(g, next((o for o in self.groups if o.structure is g.structure), None)) for g in there]
+        return all(
+            o is not None and np.array_equal(g.rows, o.rows[chosen := np.isin(o.channels, g.channels)])
+            and np.array_equal(g.masses_kg, o.masses_kg[chosen])
+            for g, o in pairs
+        )  # fmt: skip
+
+    def _of_filters(self, added: tuple[Hypothesis, ...], there: tuple[Group, ...]) -> ComplexArray:
+        """Change (C, L) of the prediction by what effects do to channels, the structures being those it stands on."""
+        null = self.fit
+        plain = self.here.chain(null.u, null.e)
+        filtered = replace(self.here, hypotheses=added, assembled=there, filtered=True).chain(null.u, null.e)
+        return np.asarray(null.predicted * (filtered / plain - 1))
+
     def slope(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> Array | None:
-        """Derivative of the misfit vector in a size at its neutral value; None if impossible."""
+        """Derivative of the misfit vector in a size at its neutral value; None if impossible.
+
+        A joint more, however stiff, is one coordinate more to answer with: a small step that is there at any size. It
+        is taken off, and steps are as long as it takes to be more than that.
+        """
         neutral, step = float(p.neutral or 0.0), step_from_neutral(p)
         if self.motions is not None:
             found = self._linear_change(hypothesis, {**values, p.name: neutral + step})
-            if found is not None:
-                return found / step
-        # Curvature is taken off by a second step.
-        near = self.change(hypothesis, {**values, p.name: neutral + step})
-        twice = self.change(hypothesis, {**values, p.name: neutral + 2 * step})
+            if found is not None and not found[1]:
+                return found[0] / step
+            slope = None if found is None else self._beyond_the_joint(self._linear_change, hypothesis, values, p)
+            if slope is not None:
+                return slope
+        near = self._changed(hypothesis, {**values, p.name: neutral + step})
         if near is None:
             return None
-        return near / step if twice is None else (4 * near - twice) / (2 * step)
+        if near[1]:
+            return self._beyond_the_joint(self._changed, hypothesis, values, p)
+        # Curvature is taken off by a second step.
+        twice = self._changed(hypothesis, {**values, p.name: neutral + 2 * step})
+        return near[0] / step if twice is None else (4 * near[0] - twice[0]) / (2 * step)
 
-    def _linear_change(self, hypothesis: Hypothesis, values: dict[str, float]) -> Array | None:
-        """:meth:`change` to first order in what structure and measuring chain become; None where there is none."""
+    def _beyond_the_joint(
+        self, change: Change, hypothesis: Hypothesis, values: dict[str, float], p: Parameter
+    ) -> Array | None:
+        """The slope between two sizes that are twice apart; None where there is no change at either."""
+        neutral, slope, step = float(p.neutral or 0.0), None, step_from_neutral(p)
+        for _ in range(_LONGER_STEPS):
+            ends = [change(hypothesis, {**values, p.name: neutral + k * step}) for k in (1, 2)]
+            if ends[0] is None or ends[1] is None:
+                break
+            between = ends[1][0] - ends[0][0]
+            slope = between / step
+            if np.linalg.norm(between) > _MORE_THAN_A_JOINT * np.linalg.norm(ends[0][0] - between):
+                break
+            step *= _LONGER
+        return slope
+
+    def _wider(self, there: tuple[Group, ...]) -> bool:
+        """Whether structures have a joint that those it stands on have not."""
+        own = {j for g in self.groups for j in g.structure.joints}
+        return any(j not in own for g in there for j in g.structure.joints)
+
+    def _linear_change(self, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[Array, bool] | None:
+        """:meth:`_changed` to first order in what structure and measuring chain become; None where there is none."""
         null, problem = self.fit, self.fit.problem
         added = (*null.hypotheses, _with_values(hypothesis, values))
         there = groups_at(problem, null.u, added, null.e, self.groups)
@@ -101,13 +163,11 @@ class Stand:
         moved = self.motions.change(there)
         if moved is None:
             return None
-        plain = self.here.chain(null.u, null.e)
-        out = plain * moved
+        out = self.here.chain(null.u, null.e) * moved
         if any(g.filtered for g in there):
-            filtered = replace(self.here, hypotheses=added, assembled=there, filtered=True).chain(null.u, null.e)
-            out = out + null.predicted * (filtered / plain - 1)
+            out = out + self._of_filters(added, there)
         change = data_misfit(problem, problem.measured.values + out, null.sigma)
-        return np.concatenate([change, np.zeros(null.scores.size)])
+        return np.concatenate([change, np.zeros(null.scores.size)]), self._wider(there)
 
     def projected(self, vectors: Array) -> Array:
         """What of vectors (2 N + scores, …) no score can imitate."""

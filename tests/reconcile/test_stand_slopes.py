@@ -1,0 +1,66 @@
+"""What a stand says an effect would change, against whole predictions: joints that are new, and channels alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.fit import fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.misfit import data_misfit
+from vgvt.reconcile.stand import Stand, step_from_neutral
+from vgvt.reconcile.surrogate import anchor
+
+
+@pytest.fixture(scope="module")
+def stand(tmp_path_factory: pytest.TempPathFactory) -> Stand:
+    """On the nominal aircraft of a small campaign."""
+    case = problem(tmp_path_factory.mktemp("cache"), 1)
+    return Stand.of(fit(case, (), np.zeros(case.size), np.zeros(0), ()))
+
+
+def alike(one: np.ndarray, other: np.ndarray) -> float:
+    """Cosine."""
+    return float(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
+
+
+def test_a_stiff_joint_more_is_no_part_of_its_slope(stand: Stand) -> None:
+    """At a size that nobody could see it is one coordinate more, which a slope from no joint at all would magnify."""
+    root = Hypothesis(available_effects()["root-compliance"], {"side": "right"})
+    torsion = next(p for p in root.parameters if p.name == "torsion")
+    none = {"bending": 0.0, "torsion": 0.0}
+    found = stand.slope(root, none, torsion)
+    near, far = (stand.change(root, {**none, "torsion": t}) for t in (0.02, 0.03))
+    assert found is not None and near is not None and far is not None
+    wanted = (far - near) / 0.01
+    assert alike(found, wanted) > 0.9
+    assert alike(stand.projected(found), stand.projected(wanted)) > 0.95
+    assert np.linalg.norm(stand.projected(found)) == pytest.approx(np.linalg.norm(stand.projected(wanted)), rel=0.15)
+    # Without taking that off most of the slope would be what the joint alone does.
+    joint = stand.change(root, {**none, "torsion": 1e-6})
+    assert joint is not None
+    assert np.linalg.norm(joint) / step_from_neutral(torsion) > 10 * np.linalg.norm(wanted)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("channel-delay", {"channels": "3+Z", "delay_s": 1e-3}),
+        ("channel-gain", {"channels": "sensor-2", "gain_error": 0.1}),
+        ("loose-sensor-mount", {"node": 6, "period_s": 0.03, "damping_ratio": 0.1}),
+    ],
+)
+def test_what_happens_to_channels_alone_needs_no_structure(
+    stand: Stand, name: str, values: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hypothesis = Hypothesis(available_effects()[name], values)
+    null = stand.fit
+    whole = anchor(null.problem, null.u, (hypothesis,), np.zeros(0), slopes=False).predict(null.u, np.zeros(0))
+    wanted = data_misfit(null.problem, whole, null.sigma) - stand.misfit[: null.points]
+    monkeypatch.setattr("vgvt.reconcile.stand.anchor", None)
+    found = stand.change(hypothesis, {})
+    assert found is not None
+    np.testing.assert_allclose(found[: null.points], wanted, atol=1e-6 * np.abs(wanted).max())
+    assert np.abs(wanted).max() > 1
