@@ -15,10 +15,11 @@ import loop_truth as lab
 import numpy as np
 
 from vgvt.data import Campaign
-from vgvt.effects import available_effects
+from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.data import measured_frfs
 from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.holdout import Split
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.power import power
 from vgvt.reconcile.problem import problem_of
@@ -104,8 +105,8 @@ def staged(case: Case) -> Staged:
     true = lab.drawn(lab.quiet(scenario), case.stream("truth"), cells)
     true = true.model_copy(update={"seed": int(case.stream("seed").integers(2**31))})
     if case.source == SECOND:
-        campaign, place = _second(case, true)
-        sizes, ratio = {name: {} for name in case.truth}, float("nan")
+        campaign, sizes, place = _second(case, true)
+        ratio = min((_over_the_limit(case, name, said) for name, said in sizes.items()), default=float("nan"))
     else:
         sizes, ratio, place = {}, float("inf"), None
         for name in case.truth:
@@ -114,10 +115,11 @@ def staged(case: Case) -> Staged:
                 return Staged(None, {}, 0.0)
             sizes[name], own = chosen
             ratio = min(ratio, own)
-            if {"x_m", "y_m"} <= set(sizes[name]):
-                place = (sizes[name]["x_m"], sizes[name]["y_m"])
         tables = tuple(EffectTable(name=name, **values) for name, values in sizes.items())
         campaign = simulate(true.model_copy(update={"effect": tables}), engine=case.engine).campaign
+    for said in sizes.values():
+        if {"x_m", "y_m"} <= set(said):
+            place = (said["x_m"], said["y_m"])
     noisy = lab.read_by_instruments(campaign, scenario, case.stream("instruments"), case.noise)
     # A name or a note could tell: the analysis gets neither.
     blind = dataclasses.replace(noisy, name="campaign", notes={})
@@ -141,19 +143,33 @@ def _second_laboratory() -> tuple[dict[str, Any], dict[str, Any], Any]:
     return catalogue_twins.TWINS, never_catalogued.UNCATALOGUED, second_laboratory
 
 
-def _second(case: Case, true: Scenario) -> tuple[Campaign, tuple[float, float] | None]:
+def _second(case: Case, true: Scenario) -> tuple[Campaign, dict[str, dict[str, Any]], tuple[float, float] | None]:
+    """The campaign, what the catalogue would call the effects that it has, and the place of one that it has not."""
     twins, never, laboratory = _second_laboratory()
-    changes, place = [], None
+    changes, sizes, place = [], {}, None
     nodes = true.acquisition.runs[1]
     for name in case.truth:
         if name in never:
             change, node = never[name](case.stream("effect"), nodes)
             place = None if node is None else laboratory.place(true, node)
         else:
-            change = twins[name](case.stream("effect"), nodes)
+            change, sizes[name] = twins[name](case.stream("effect"), nodes)
         changes.append(change)
     campaign: Campaign = laboratory.campaign_of(true, tuple(changes))
-    return campaign, place
+    return campaign, sizes, place
+
+
+def _over_the_limit(case: Case, name: str, said: dict[str, Any]) -> float:
+    """The largest of an effect's sizes over what is just visible of it; not a number for what has none.
+
+    What is visible with every channel fitted: what happens to a held-out one alone is fitted in a second look.
+    """
+    here = expected(case.noise, whole=True)
+    cls = available_effects()[name]
+    sizes = {p.name for p in parameters_of(cls) if p.neutral is not None}
+    fixed = Hypothesis(cls, {k: v for k, v in said.items() if k not in sizes})
+    limits = power(here, [fixed])
+    return max((abs(said[p.parameter]) / p.smallest for p in limits if p.parameter in said), default=float("nan"))
 
 
 def _chosen(case: Case, name: str) -> tuple[dict[str, Any], float] | None:
@@ -190,8 +206,11 @@ def _jittered(g: np.random.Generator, name: str, value: Any) -> Any:
 
 
 @lru_cache(maxsize=4)
-def expected(noise: float) -> Fit:
-    """The nominal aircraft against its own campaign with some noise, nothing fitted: where visibility is judged."""
+def expected(noise: float, whole: bool = False) -> Fit:
+    """The nominal aircraft against its own campaign with some noise, nothing fitted: where visibility is judged.
+
+    ``whole`` with nothing held out.
+    """
     scenario = lab.nominal()
     campaign = simulate(lab.quiet(scenario), engine="linear").campaign
     exact = scenario.tolerances.model_copy(update={"gain": 0.0, "channel_gain": 0.0})
@@ -199,6 +218,9 @@ def expected(noise: float) -> Fit:
     noisy = lab.read_by_instruments(campaign, instruments, named_stream(0, "expected"), noise)
     measured = measured_frfs(noisy, lines=LINES, floor=scenario.tolerances.model_form)
     problem = problem_of(measured, scenario)
+    if whole:
+        every = np.ones(len(measured.channels), dtype=bool)
+        problem = dataclasses.replace(problem, split=Split(every, ~every, ~every))
     return fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
 
 

@@ -42,8 +42,8 @@ def judged(rows: Iterable[Row], group: str) -> list[Row]:
 
 
 def visible(row: Row) -> bool:
-    """Above the detection limit; the second laboratory's sizes are drawn large and count as such."""
-    return not row["ratio"] < 1.0 or row["source"] != "simulation"
+    """Above the detection limit; what has no size counts as such."""
+    return not row["ratio"] < 1.0
 
 
 def named(row: Row) -> bool:

@@ -98,7 +98,6 @@ def best_rival(verdict: Verdict) -> float:
 def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
     """Held-out χ² per degree of freedom of a fit that is told which effect acts, with which settings and sizes."""
     if case.group != "effect" or not all(stage.truth.values()):
-        # The second laboratory keeps its draws to itself.
         return None
     hypotheses, start = [], []
     for name, values in stage.truth.items():

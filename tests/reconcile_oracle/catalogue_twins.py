@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from finite_element import Array, arc_length, build
@@ -187,7 +188,14 @@ def suspension_stiffness(factor: float) -> Change:
     return change
 
 
-Draw = Callable[[np.random.Generator, tuple[int, ...]], Change]
+class Twin(NamedTuple):
+    """A change of the rig, and what the catalogue's effect of that name would call it: settings and sizes."""
+
+    change: Change
+    settings: dict[str, Any]
+
+
+Draw = Callable[[np.random.Generator, tuple[int, ...]], Twin]
 
 
 def _log(g: np.random.Generator, low: float, high: float) -> float:
@@ -203,22 +211,81 @@ def _wing_point(g: np.random.Generator) -> tuple[float, float]:
     return 0.47 + 0.52 * share, _side(g) * (0.2 + 1.25 * share)
 
 
+def _absorber(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    mass, frequency, damping, (x, y) = _log(g, 0.02, 0.2), _log(g, 5, 30), _log(g, 0.005, 0.05), _wing_point(g)
+    said = {"mass_kg": mass, "frequency_hz": frequency, "damping_ratio": damping, "x_m": x, "y_m": y}
+    return Twin(local_absorber(mass, frequency, damping, x, y), said)
+
+
+def _mass(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    mass, (x, y) = _log(g, 0.05, 0.2), _wing_point(g)
+    return Twin(added_mass(mass, x, y), {"mass_kg": mass, "x_m": x, "y_m": y})
+
+
+def _surge(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    mass, loss = _log(g, 0.1, 0.9), _log(g, 0.002, 0.02)
+    return Twin(suspension_surge(mass, loss), {"mass_kg": mass, "loss_factor": loss})
+
+
+def _root(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    bending, torsion = _log(g, 0.05, 0.3), _log(g, 0.05, 0.3)
+    side = ("both", "right", "left")[int(g.integers(3))]
+    sides = ("-right", "-left") if side == "both" else (f"-{side}",)
+    return Twin(root_compliance(bending, torsion, sides), {"bending": bending, "torsion": torsion, "side": side})
+
+
+def _gain(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    node = int(g.choice(nodes))
+    error = _side(g) * _log(g, 0.08, 0.3)
+    return Twin(channel_gain((node,), error), {"channels": f"{node}+Z", "gain_error": error})
+
+
+def _delay(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    node = int(g.choice(nodes))
+    delay = _log(g, 5e-5, 2e-3)
+    return Twin(channel_delay((node,), delay), {"channels": f"{node}+Z", "delay_s": delay})
+
+
+def _loose(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    node = int(g.choice(nodes))
+    frequency, damping = _log(g, 40, 200), 0.05
+    said = {"node": node, "period_s": 1 / frequency, "damping_ratio": damping}
+    return Twin(loose_sensor_mount(node, frequency, damping), said)
+
+
+def _high_pass(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    corner = _log(g, 0.2, 2)
+    return Twin(high_pass_mismatch(corner), {"channels": "force", "corner_hz": corner})
+
+
+def _swapped(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    one, other = (int(n) for n in g.permutation(nodes[:4])[:2])
+    return Twin(swapped_sensors(one, other), {"node": one, "other_node": other})
+
+
+def _heavier(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    extra = _log(g, 0.003, 0.02)
+    return Twin(roving_sensor_mass(extra), {"mass_kg": extra})
+
+
+def _drift(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    drift = _side(g) * _log(g, 0.01, 0.05)
+    return Twin(run_drift(drift), {"shape": "linear", "drift": drift})
+
+
+def _moment(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    stiffness = _log(g, 5, 30)
+    return Twin(stinger_moment(stiffness), {"rotational_stiffness_n_m_per_rad": stiffness})
+
+
+def _offset(g: np.random.Generator, nodes: tuple[int, ...]) -> Twin:
+    x, y = _side(g) * _log(g, 0.02, 0.05), _side(g) * 0.02
+    return Twin(drive_point_offset(x, y), {"dx_m": x, "dy_m": y})
+
+
 TWINS: dict[str, Draw] = {
-    "local-absorber": lambda g, nodes: local_absorber(
-        _log(g, 0.02, 0.2), _log(g, 5, 30), _log(g, 0.005, 0.05), *_wing_point(g)
-    ),
-    "added-mass": lambda g, nodes: added_mass(_log(g, 0.05, 0.2), *_wing_point(g)),
-    "suspension-surge": lambda g, nodes: suspension_surge(_log(g, 0.1, 0.9), _log(g, 0.002, 0.02)),
-    "root-compliance": lambda g, nodes: root_compliance(
-        _log(g, 0.05, 0.3), _log(g, 0.05, 0.3), (("-right", "-left"), ("-right",), ("-left",))[int(g.integers(3))]
-    ),
-    "channel-gain": lambda g, nodes: channel_gain((int(g.choice(nodes)),), _side(g) * _log(g, 0.08, 0.3)),
-    "channel-delay": lambda g, nodes: channel_delay((int(g.choice(nodes)),), _log(g, 5e-5, 2e-3)),
-    "loose-sensor-mount": lambda g, nodes: loose_sensor_mount(int(g.choice(nodes)), _log(g, 40, 200), 0.05),
-    "high-pass-mismatch": lambda g, nodes: high_pass_mismatch(_log(g, 0.2, 2)),
-    "swapped-sensors": lambda g, nodes: swapped_sensors(*(int(n) for n in g.permutation(nodes[:4])[:2])),
-    "roving-sensor-mass": lambda g, nodes: roving_sensor_mass(_log(g, 0.003, 0.02)),
-    "run-drift": lambda g, nodes: run_drift(_side(g) * _log(g, 0.01, 0.05)),
-    "stinger-moment": lambda g, nodes: stinger_moment(_log(g, 5, 30)),
-    "drive-point-offset": lambda g, nodes: drive_point_offset(_side(g) * _log(g, 0.02, 0.05), _side(g) * 0.02),
-}
+    "local-absorber": _absorber, "added-mass": _mass, "suspension-surge": _surge, "root-compliance": _root,
+    "channel-gain": _gain, "channel-delay": _delay, "loose-sensor-mount": _loose, "high-pass-mismatch": _high_pass,
+    "swapped-sensors": _swapped, "roving-sensor-mass": _heavier, "run-drift": _drift, "stinger-moment": _moment,
+    "drive-point-offset": _offset,
+}  # fmt: skip

@@ -12,6 +12,7 @@ import pytest
 import second_laboratory as lab
 
 from vgvt.data import Campaign, ChannelRole
+from vgvt.effects import make_effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulate
@@ -107,7 +108,8 @@ def one_run() -> lab.Rig:
 def test_every_twin_changes_what_is_recorded(name: str) -> None:
     rig = replace(one_run(), seats=NODES, labels=NODES)
     late = lab.rig_of(scenario(8).model_copy(update={"acquisition": two_runs()}), 1)
-    change = twins.TWINS[name](np.random.default_rng(1), NODES)
+    change, settings = twins.TWINS[name](np.random.default_rng(1), NODES)
+    make_effect(name, "test", **settings)
     changed, before = change(late, 1), lab.accelerances(late, BAND_HZ)
     assert changed.labels != rig.labels or miss(lab.accelerances(changed, BAND_HZ), before) > 1e-3
 

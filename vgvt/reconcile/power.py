@@ -48,7 +48,10 @@ class Power:
 def power(
     null: Fit, hypotheses: Sequence[Hypothesis], progress: Callable[[float, str], None] | None = None
 ) -> tuple[Power, ...]:
-    """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|)."""
+    """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|).
+
+    Of what grows with the square of its size, from the second one.
+    """
     stand = Stand.of(null)
     worth = np.sqrt(noise_share(null.problem.measured, null.problem.split.train).worth)
     rows, signatures = [], []
@@ -58,10 +61,13 @@ def power(
         switches = [p for p in hypothesis.parameters if p.neutral is not None]
         neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
         for p in switches:
-            slope = stand.slope(hypothesis, {**start_values(hypothesis), **neutral}, p)
+            values = {**start_values(hypothesis), **neutral}
+            square = stand.squared(hypothesis, values, p)
+            slope = stand.slope(hypothesis, values, p) if square is None else square[1]
             seen = None if slope is None else stand.projected(slope)
             length = 0.0 if seen is None else float(np.linalg.norm(seen))
-            rows.append((hypothesis, p, _SIGMA / (worth * length) if length > 1e-9 else float("inf")))
+            smallest = _SIGMA / (worth * length) if length > 1e-9 else float("inf")
+            rows.append((hypothesis, p, smallest if square is None else square[0] * smallest**0.5))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
     return tuple(
         Power(h.name, h.label, p.name, p.unit, smallest, p.low, p.high, _alike(k, rows, signatures))

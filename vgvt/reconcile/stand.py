@@ -29,6 +29,8 @@ _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
 _FOLLOWED = 8
 # Beyond a joint's own step by this factor, in steps ever longer, from a fifth of the least plausible size on.
 _MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 5.0, 3
+# Twice the size does more than this many times as much: not two, but four times.
+_SQUARED = 3.0
 # No further at once than the linearised matrices carry.
 _LONGEST = 20.0
 
@@ -131,6 +133,21 @@ class Stand:
         # Curvature is taken off by a second step.
         twice = self._changed(hypothesis, {**values, p.name: neutral + 2 * step})
         return near[0] / step if twice is None else (4 * near[0] - twice[0]) / (2 * step)
+
+    def squared(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> tuple[float, Array] | None:
+        """A small size and its change of the misfit vector where that grows with the square of the size, else None.
+
+        So does what a resonance far above the band does to a channel; whatever moves the structure grows as a slope.
+        """
+        neutral, step = float(p.neutral or 0.0), step_from_neutral(p)
+        added = (*self.fit.hypotheses, _with_values(hypothesis, {**values, p.name: neutral + step}))
+        near = beside(self.fit.problem, self.fit.u, self.groups, added, self.fit.e)
+        if near is None or not self._unmoved(near):
+            return None
+        once, twice = (self.change(hypothesis, {**values, p.name: neutral + k * step}) for k in (1, 2))
+        if once is None or twice is None or not np.linalg.norm(twice) > _SQUARED * np.linalg.norm(once):
+            return None
+        return step, once
 
     def _beyond_the_joint(
         self, change: Change, hypothesis: Hypothesis, values: dict[str, float], p: Parameter
