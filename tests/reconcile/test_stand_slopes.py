@@ -64,3 +64,23 @@ def test_what_happens_to_channels_alone_needs_no_structure(
     assert found is not None
     np.testing.assert_allclose(found[: null.points], wanted, atol=1e-6 * np.abs(wanted).max())
     assert np.abs(wanted).max() > 1
+
+
+def test_what_is_hung_on_vanishes_with_its_mass_and_needs_one_size_alone(stand: Stand) -> None:
+    absorber = Hypothesis(available_effects()["local-absorber"], {"x_m": 0.9, "y_m": 1.1})
+    mass = next(p for p in absorber.parameters if p.name == "mass_kg")
+    middle = {"frequency_hz": 12.0, "damping_ratio": 0.03}
+    asked: list[float] = []
+    change = Stand._linear_change
+
+    def counted(self: Stand, hypothesis: Hypothesis, values: dict[str, float]) -> object:
+        asked.append(values["mass_kg"])
+        return change(self, hypothesis, values)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Stand, "_linear_change", counted)
+        found = stand.slope(absorber, {**middle, "mass_kg": 0.0}, mass)
+    assert len(asked) == 1
+    near, far = (stand.change(absorber, {**middle, "mass_kg": m}) for m in (1e-5, 2e-5))
+    assert found is not None and near is not None and far is not None
+    assert alike(found, far - near) > 0.999

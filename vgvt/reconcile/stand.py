@@ -21,6 +21,7 @@ from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit
 from vgvt.reconcile.surrogate import Anchor, anchor
+from vgvt.simulation.attached import vanishes
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -83,7 +84,7 @@ class Stand:
         if near is not None and self._unmoved(near):
             return self._change_to(null.predicted + self._of_filters(added, near)), False
         try:
-            there = anchor(null.problem, null.u, added, null.e, slopes=False, beside=self.groups)
+            there = anchor(null.problem, null.u, added, null.e, slopes=False, groups=near)
             predicted = there.predict(null.u, null.e)
         except NoStructureError:
             return None
@@ -166,9 +167,9 @@ class Stand:
         return slope
 
     def _wider(self, there: tuple[Group, ...]) -> bool:
-        """Whether structures have a joint that those it stands on have not."""
+        """Whether structures have a joint that those it stands on have not, and that is there at no size at all."""
         own = {j for g in self.groups for j in g.structure.joints}
-        return any(j not in own for g in there for j in g.structure.joints)
+        return any(j not in own and not vanishes(j) for g in there for j in g.structure.joints)
 
     def _linear_change(self, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[Array, bool] | None:
         """:meth:`_changed` to first order in what structure and measuring chain become; None where there is none."""

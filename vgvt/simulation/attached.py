@@ -72,6 +72,11 @@ def sensed_at(structure: Structure, layout: Plan, point: MeasurementPoint) -> tu
     return moved, direction @ moved, tilt
 
 
+def vanishes(joint: str) -> bool:
+    """Whether a joint is that of a thing hung on the structure by an effect: with its inertia it is gone."""
+    return joint.startswith("effect-") and "/" in joint
+
+
 def _own_joint(name: str, element: Absorber | HingedFlap) -> str:
     return f"{name}/{element.kind}" if isinstance(element, Absorber) else f"{name}/flap"
 
