@@ -75,19 +75,11 @@ def test_a_fit_from_a_rough_start_finds_the_surge(case: Problem) -> None:
     assert abs(size - 0.15) < 4 * sd
 
 
-@pytest.mark.parametrize(("behind", "fits", "kept"), [(3.0, 2, 1), (5.0, 1, 0)])
-def test_what_stays_far_behind_is_given_up(
-    monkeypatch: pytest.MonkeyPatch, behind: float, fits: int, kept: int
-) -> None:
-    stages: list[Any] = []
-
-    def fitted(*args: Any) -> Any:
-        stages.append(args[4])
-        return SimpleNamespace(chi2=behind * 100.0, converged=False, u=np.zeros(1), e=np.zeros(1))
-
-    monkeypatch.setattr(candidate_fits, "fit", fitted)
+@pytest.mark.parametrize(("behind", "kept"), [(3.0, 1), (5.0, 0)])
+def test_what_stays_far_behind_is_no_candidate(monkeypatch: pytest.MonkeyPatch, behind: float, kept: int) -> None:
+    left = SimpleNamespace(chi2=behind * 100.0)
+    monkeypatch.setattr(candidate_fits, "fit_unless_behind", lambda *args: left)
     monkeypatch.setattr(candidate_fits, "rough_start", lambda problem, hypotheses, e: (np.zeros(1), e))
     current: Any = SimpleNamespace(problem=None, hypotheses=(), scores=np.zeros(1), u=np.zeros(1))
     chosen = [Screened(MASS, {"mass_kg": 0.02}, 1.0)]
     assert len(candidate_fits.begun_anew(current, chosen, 100.0, lambda fraction, message: None)) == kept
-    assert len(stages) == fits

@@ -82,21 +82,3 @@ def test_a_strong_absorber_does_worse_everywhere_else(tmp_path: Path) -> None:
     assert len(trials) >= 2
     assert not any(as_good(t.fit, winner, 5.0) for t in trials)
     assert as_good(winner, winner, 5.0)
-
-
-@pytest.mark.parametrize(("behind", "converged", "fits"), [(3.0, False, 2), (5.0, False, 1), (1.0, True, 1)])
-def test_only_what_comes_near_the_winner_is_fitted_to_the_end(
-    monkeypatch: pytest.MonkeyPatch, behind: float, converged: bool, fits: int
-) -> None:
-    winner: Any = SimpleNamespace(problem=None, hypotheses=("winner",), u=0, chi2=100.0)
-    stages: list[Any] = []
-
-    def fitted(*args: Any) -> Any:
-        stages.append(args[-1])
-        return SimpleNamespace(chi2=behind * winner.chi2, converged=converged, u=0, e=0)
-
-    monkeypatch.setattr(place_control, "fit", fitted)
-    there: Any = "elsewhere"
-    place_control._fitted(winner, there, np.zeros(0))
-    assert len(stages) == fits
-    assert stages[1:] == [NEAR][: fits - 1]

@@ -160,3 +160,13 @@ def test_a_small_study_in_the_time_domain(tmp_path: Path) -> None:
     ((_, rows, _),) = study.results_of([case], tmp_path, 1, float("inf"))
     assert rows[0]["verdict"] in loop_results.JUDGED
     assert "placebo: an effect named" in study.results(rows)
+
+
+@pytest.mark.slow
+def test_a_root_that_gives_way_a_lot_on_one_side_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dozens of unknowns imitate it, the body's mass by 48 standard deviations: a forgiving calibration shows it."""
+    monkeypatch.setattr(loop_cases, "SHORT", ("added-inertia", "local-absorber", "root-compliance", "stinger-moment"))
+    (row,) = loop_work.work(Case("effect", ("root-compliance",), 0, 0.0, 0.01, loop_cases.SECOND, short=True))
+    assert row["ratio"] > 10
+    assert (row["verdict"], row["answer"]) == ("explained", "right")
+    assert row["held_after"] <= 1.15 * row["oracle_held_out"]

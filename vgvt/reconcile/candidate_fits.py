@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import FAR, NEAR, Fit, cost_at, fit
+from vgvt.reconcile.fit_unless_behind import HOPELESS, fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.rough_start import rough_start
@@ -22,8 +23,8 @@ FINALISTS = 4
 _LITTLE = 0.125
 # Worse by more than what a superfluous parameter costs in evidence.
 _LOST = 10.0
-# What a fit begun anew is given before it is asked how far behind it is, and what is too far, as a multiple of χ².
-_FIRST, _HOPELESS = ((0.0, 6),), 4.0
+# What a fit begun anew is given before it is asked how far behind it is.
+_FIRST = ((0.0, 6),)
 
 
 def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple[Screened, ...]:
@@ -59,12 +60,10 @@ def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Prog
         hypotheses = (*current.hypotheses, hypothesis)
         try:
             u, e = rough_start(current.problem, hypotheses, e)
-            begun = fit(current.problem, hypotheses, u, e, _FIRST, told)
-            if not begun.converged and begun.chi2 < _HOPELESS * best:
-                begun = fit(current.problem, hypotheses, begun.u, begun.e, NEAR, told)
+            begun = fit_unless_behind(current.problem, hypotheses, u, e, _FIRST, best, told)
         except NoStructureError:
             continue
-        if begun.chi2 < _HOPELESS * best:
+        if begun.chi2 < HOPELESS * best:
             found.append(begun)
     return found
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed, places
-from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
+from vgvt.reconcile.fit import FAR, Fit
+from vgvt.reconcile.fit_unless_behind import fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.residual import independent_values
@@ -24,8 +25,8 @@ Place = tuple[float, float]
 APART_M = 0.25
 """Places nearer than this are one place: a station of the candidates' grid is about twice as long."""
 _NEIGHBOURS = 2
-# What a fit elsewhere is given before it is asked how far behind it is, and what is too far, as a multiple of χ².
-_FIRST, _HOPELESS = (*FAR[:-1], (0.0, 6)), 4.0
+# What a fit elsewhere is given before it is asked how far behind it is.
+_FIRST = (*FAR[:-1], (0.0, 6))
 _OTHER_SIDE = {"left": "right", "right": "left"}
 
 
@@ -65,7 +66,8 @@ def elsewhere(winner: Fit, progress: Callable[[float, str], None] | None = None)
         before = winner.e[: winner.e.size - len(winner.hypotheses[-1].parameters)]
         start = np.concatenate([before, hypothesis.scores(values)])
         try:
-            found = _fitted(winner, hypothesis, start)
+            known = (*winner.hypotheses[:-1], hypothesis)
+            found = fit_unless_behind(winner.problem, known, winner.u, start, _FIRST, winner.chi2)
         except NoStructureError:
             continue
         place = place_of(found)
@@ -74,15 +76,6 @@ def elsewhere(winner: Fit, progress: Callable[[float, str], None] | None = None)
         if place is None or own is None or _apart(place, own) > APART_M:
             trials.append(ElsewhereTrial(where, found))
     return tuple(trials)
-
-
-def _fitted(winner: Fit, hypothesis: Hypothesis, start: Array) -> Fit:
-    """The winner's model with its effect elsewhere: to the end only where it comes anywhere near the winner."""
-    hypotheses = (*winner.hypotheses[:-1], hypothesis)
-    found = fit(winner.problem, hypotheses, winner.u, start, _FIRST)
-    if found.converged or found.chi2 > _HOPELESS * winner.chi2:
-        return found
-    return fit(winner.problem, hypotheses, found.u, found.e, NEAR)
 
 
 def as_good(other: Fit, winner: Fit, set_nats: float) -> bool:
