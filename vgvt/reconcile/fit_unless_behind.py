@@ -24,7 +24,7 @@ def fit_unless_behind(
     best: float,
     progress: Callable[[float, str], None] | None = None,
 ) -> Fit:
-    """A fit from scores u and e by ``first`` stages, then near by, unless ``HOPELESS`` times worse than the χ² ``best``.
+    """A fit from scores u and e by ``first`` stages, then near by unless ``HOPELESS`` times worse than ``best``, a χ².
 
     NoStructureError where the start describes no aircraft.
     """
