@@ -20,8 +20,9 @@ _SHORT_LIST, _A_FAMILY = 6, 2
 BIASED = 1.5
 """Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
-# Less forgiving than this a calibration begins to swallow what it should leave.
-_FORGIVING = ((0.6, 8), (0.15, 8))
+_FORGIVING = ((0.6, 4), (0.1, 8))
+# Where the calibration has bent an unknown by so many standard deviations, less forgiveness would bend it again.
+_BENT, _MORE_FORGIVING = 10.0, ((0.6, 8), (0.15, 8))
 # Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
@@ -40,15 +41,21 @@ def shortened(
     if before.train_chi2_per_dof < BIASED:
         return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST, needed=needed)
     near = screen(current, left, part(tell, 0.0, 0.5), slots=_SHORT_LIST - 1)
-    rough, e = rough_start(current.problem, current.hypotheses, current.e)
-    coarse = fit(current.problem, current.hypotheses, rough, e, _FORGIVING, judged=_FORGIVING[-1][0])
-    far = screen(coarse, left, part(tell, 0.5, 1.0))
+    far = screen(_forgiving(current), left, part(tell, 0.5, 1.0))
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
     chosen = [] if place is None else _swinging(current, far, place)
     chosen += [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
     return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
+
+
+def _forgiving(current: Fit) -> Fit:
+    """The model calibrated again from its stated values, or from where peaks overlap, by a coarse relative error."""
+    u, e, stages = np.zeros(current.u.size), current.e, _FORGIVING
+    if np.abs(current.u).max() > _BENT:
+        (u, e), stages = rough_start(current.problem, current.hypotheses, current.e), _MORE_FORGIVING
+    return fit(current.problem, current.hypotheses, u, e, stages, judged=stages[-1][0])
 
 
 def part(tell: Progress, start: float, stop: float) -> Progress:

@@ -123,14 +123,17 @@ class Stand:
             found = self._linear_change(hypothesis, {**values, p.name: neutral + step})
             if found is not None and not found[1]:
                 return found[0] / step
-            slope = None if found is None else self._beyond_the_joint(self._linear_change, hypothesis, values, p)
+            slope = None
+            if found is not None:
+                slope = self._beyond_the_joint(self._linear_change, hypothesis, values, p, step, _LONGER_STEPS)
             if slope is not None:
                 return slope
         near = self._changed(hypothesis, {**values, p.name: neutral + step})
         if near is None:
             return None
         if near[1]:
-            return self._beyond_the_joint(self._changed, hypothesis, values, p)
+            # Whole structures are dear: at once from the least that is plausible on.
+            return self._beyond_the_joint(self._changed, hypothesis, values, p, _LONGER * step, 1)
         # Curvature is taken off by a second step.
         twice = self._changed(hypothesis, {**values, p.name: neutral + 2 * step})
         return near[0] / step if twice is None else (4 * near[0] - twice[0]) / (2 * step)
@@ -151,11 +154,11 @@ class Stand:
         return step, once
 
     def _beyond_the_joint(
-        self, change: Change, hypothesis: Hypothesis, values: dict[str, float], p: Parameter
+        self, change: Change, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, step: float, tries: int
     ) -> Array | None:
-        """The slope between two sizes that are twice apart; None where there is no change at either."""
-        neutral, slope, step = float(p.neutral or 0.0), None, step_from_neutral(p)
-        for _ in range(_LONGER_STEPS):
+        """The slope between two sizes that are twice apart, from ``step`` on; None where there is no change at either."""
+        neutral, slope = float(p.neutral or 0.0), None
+        for _ in range(tries):
             ends = [change(hypothesis, {**values, p.name: neutral + k * step}) for k in (1, 2)]
             if ends[0] is None or ends[1] is None:
                 break

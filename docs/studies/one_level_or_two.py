@@ -1,0 +1,167 @@
+"""Is it nonlinear? ``python docs/studies/one_level_or_two.py FOLDER``: five truths, each at one level and at two.
+
+What `vgvt reconcile` says of a joint that stiffens, slips or has play, of a drift between runs and of a joint that is
+just soft, given runs at one level of drive or at two. Every case is one small file in FOLDER; ``--report`` fills
+docs/studies/one-level-or-two.md from them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+import loop_truth as lab
+from loop_cases import LINES, SHORT
+from loop_work import core
+from virtual_lab import PAGES, table, write_results
+
+from vgvt.data import Campaign
+from vgvt.effects import available_effects
+from vgvt.files.atomically import replacing
+from vgvt.reconcile import Verdict, reconcile
+from vgvt.scenario import Scenario
+from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.streams import named_stream
+from vgvt.simulation import simulate
+
+NONLINEAR = ("cubic-root-stiffness", "root-friction", "root-freeplay")
+NOISE = 0.003
+RUNS = lab.RUNS[:3]
+"""Nodes of three runs; each is recorded twice, at the same level or at two."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Truth:
+    """An effect with its settings, and the drive's amplitudes in V: the quiet one and the loud one."""
+
+    name: str
+    settings: dict[str, Any]
+    quiet_v: float
+    loud_v: float
+
+    @property
+    def engine(self) -> Literal["mujoco", "linear"]:
+        """What solves it: where superposition holds, exactly and with as many cells as the study's other truths."""
+        return "mujoco" if self.name in NONLINEAR else "linear"
+
+
+TRUTHS = (
+    Truth("cubic-root-stiffness", {"cubic_n_m_per_rad3": 2e7, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
+    Truth("root-friction", {"friction_n_m": 0.3, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
+    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 1.0, 4.0),
+    Truth("run-drift", {"drift": 0.02}, 0.25, 1.0),
+    Truth("root-compliance", {"bending": 0.2, "torsion": 0.0}, 0.25, 1.0),
+)
+
+
+def nominal() -> Scenario:
+    """The scenario that the analysis gets: three runs of four sensors, twice."""
+    scenario = lab.nominal()
+    acquisition = scenario.acquisition.model_copy(update={"runs": (*RUNS, *RUNS)})
+    return scenario.model_copy(update={"acquisition": acquisition})
+
+
+@lru_cache(maxsize=1)
+def records(truth: Truth) -> dict[float, tuple[Campaign, tuple[Any, ...]]]:
+    """What the drawn aircraft with the effect answers, without instruments' errors: six runs at either amplitude.
+
+    Where runs differ in their sensors alone three are stepped and stand for both halves.
+    """
+    scenario = nominal()
+    cells = lab.STEPPED_CELLS if truth.engine == "mujoco" else lab.TRUE_CELLS
+    true = lab.drawn(lab.quiet(scenario), named_stream(20260101, "one level or two", truth.name), cells)
+    half = truth.engine == "mujoco"
+    acquisition = true.acquisition.model_copy(update={"runs": RUNS}) if half else true.acquisition
+    effect = EffectTable(name=truth.name, **truth.settings)
+    true = true.model_copy(update={"effect": (effect,), "seed": 7, "acquisition": acquisition})
+    found = {}
+    for volt in (truth.quiet_v, truth.loud_v):
+        driven = true.model_copy(update={"excitation": true.excitation.model_copy(update={"amplitude_v": volt})})
+        campaign = simulate(driven, engine=truth.engine).campaign
+        runs = campaign.runs
+        again = tuple(replace(run, run=run.run + len(RUNS)) for run in runs) if half else ()
+        found[volt] = (campaign, (*runs, *again))
+    return found
+
+
+def campaign_of(truth: Truth, levels: int) -> Campaign:
+    """The campaign as the analysis gets it: the first three runs quiet, or all loud."""
+    parts = records(truth)
+    campaign, loud = parts[truth.loud_v]
+    first = parts[truth.quiet_v if levels == 2 else truth.loud_v][1]
+    runs = (*first[: len(RUNS)], *loud[len(RUNS) :])
+    joined = replace(campaign, runs=runs, name="campaign", notes={})
+    return lab.read_by_instruments(joined, nominal(), named_stream(20260101, "instruments", truth.name), NOISE)
+
+
+def row_of(truth: Truth, levels: int) -> dict[str, Any]:
+    """The verdict on a case in plain values."""
+    started = time.process_time()
+    catalogue = {n: c for n, c in available_effects().items() if n in (*SHORT, *NONLINEAR)}
+    verdict = reconcile(campaign_of(truth, levels), nominal(), effects=catalogue, lines=LINES, most=1)
+    return {
+        "truth": truth.name, "levels": levels, "verdict": verdict.kind.value, "named": _named(verdict),
+        "held_before": _held(verdict, "before"), "held_after": _held(verdict, "after"),
+        "rivals": [(r.name, round(r.gain_nats, 1), r.held_out) for r in _rivals(verdict)[:5]],
+        "reasons": list(verdict.reasons), "core": core(), "cpu_s": round(time.process_time() - started),
+    }  # fmt: skip
+
+
+def _named(verdict: Verdict) -> str:
+    return " | ".join(" or ".join(dict.fromkeys((e.name, *e.equivalent))) for e in verdict.effects)
+
+
+def _held(verdict: Verdict, end: str) -> float:
+    return float(getattr(verdict, end).held_out.chi2_per_dof)
+
+
+def _rivals(verdict: Verdict) -> Any:
+    found = verdict.attribution
+    return found.rounds[0].rivals if found.rounds else found.last_rivals
+
+
+def results(rows: list[dict[str, Any]]) -> str:
+    """The table of the page."""
+    lines = []
+    for r in sorted(rows, key=lambda r: ([t.name for t in TRUTHS].index(r["truth"]), r["levels"])):
+        named = r["named"] or "–"
+        rivals = [x for x in r["rivals"] if x[0] not in named]
+        top = max((x[1] for x in r["rivals"]), default=0.0)
+        behind = f"{rivals[0][0]}, {top - rivals[0][1]:.0f}" if rivals else "–"
+        held = f"{r['held_before']:.2f} → {r['held_after']:.2f}"
+        verdict = r["verdict"].replace("_", " ")
+        lines.append((f"`{r['truth']}`", str(r["levels"]), verdict, named, held, behind, str(r["cpu_s"])))
+    cores = ", ".join(sorted({r["core"] for r in rows}))
+    head = ("truth", "levels", "verdict", "named", "held-out χ²/ν", "next best, nats behind", "CPU s")
+    return f"Source of the analysis: {cores}.\n\n{table(head, lines)}"
+
+
+def main() -> None:
+    """Run what is not there yet, or fill the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="where the cases are kept")
+    parser.add_argument("--only", default="", help="this truth alone")
+    parser.add_argument("--report", action="store_true", help="fill the page from what is done")
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    for truth in TRUTHS:
+        for levels in (2, 1):
+            file = given.folder / f"{truth.name}-{levels}.json"
+            if given.report or file.is_file() or given.only not in ("", truth.name):
+                continue
+            row = row_of(truth, levels)
+            with replacing(file) as part_file:
+                part_file.write_text(json.dumps(row, indent=1), encoding="utf-8")
+            print(truth.name, levels, row["verdict"], row["named"], row["cpu_s"], flush=True)  # noqa: T201
+    if given.report:
+        rows = [json.loads(f.read_text(encoding="utf-8")) for f in sorted(given.folder.glob("*.json"))]
+        write_results(PAGES / "one-level-or-two.md", results(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""The study of levels: what its campaigns hold, and that they hold nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+import one_level_or_two as study
+
+from vgvt.data import Campaign, ChannelRole
+
+DRIFT = next(t for t in study.TRUTHS if t.name == "run-drift")
+
+
+def levels_of(campaign: Campaign) -> list[float]:
+    """The force of every run, rms."""
+    found = []
+    for run in campaign.runs:
+        (force,) = (k for k, c in enumerate(run.channels) if c.role is ChannelRole.REFERENCE)
+        found.append(float(np.std(run.samples[force])))
+    return found
+
+
+def test_the_same_sensors_twice_at_two_levels_or_at_one() -> None:
+    two, one = (study.campaign_of(DRIFT, levels) for levels in (2, 1))
+    half = len(study.RUNS)
+    for campaign, ratio in ((two, DRIFT.loud_v / DRIFT.quiet_v), (one, 1.0)):
+        force = levels_of(campaign)
+        np.testing.assert_allclose(np.divide(force[half:], force[:half]), ratio, rtol=0.1)
+        assert [r.response_dofs for r in campaign.runs[:half]] == [r.response_dofs for r in campaign.runs[half:]]
+        assert campaign.name == "campaign" and not campaign.notes
+    # The loud half is the same in both.
+    assert np.array_equal(two.runs[-1].samples.shape, one.runs[-1].samples.shape)
+
+
+def test_what_is_nonlinear_is_stepped_in_time() -> None:
+    engines = {t.name: t.engine for t in study.TRUTHS}
+    assert {n for n, e in engines.items() if e == "mujoco"} == set(study.NONLINEAR)
+    assert len(study.TRUTHS) == 5
+
+
+def test_the_table_names_the_next_best_that_was_not_named() -> None:
+    row = {
+        "truth": "run-drift", "levels": 2, "verdict": "partly_explained", "named": "run-drift", "held_before": 3.0,
+        "held_after": 1.0, "rivals": [["run-drift", 100.0, 1.0], ["added-mass", 20.0, 2.0]], "core": "abc", "cpu_s": 7,
+    }  # fmt: skip
+    text = study.results([row])
+    assert "| `run-drift` | 2 | partly explained | run-drift | 3.00 → 1.00 | added-mass, 80 | 7 |" in text
