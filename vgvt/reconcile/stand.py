@@ -156,7 +156,7 @@ class Stand:
     def _beyond_the_joint(
         self, change: Change, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, step: float, tries: int
     ) -> Array | None:
-        """The slope between two sizes that are twice apart, from ``step`` on; None where there is no change at either."""
+        """The slope between two sizes twice apart, from ``step`` on; None where there is no change at either."""
         neutral, slope = float(p.neutral or 0.0), None
         for _ in range(tries):
             ends = [change(hypothesis, {**values, p.name: neutral + k * step}) for k in (1, 2)]
