@@ -29,7 +29,7 @@ Change = Callable[[Hypothesis, dict[str, float]], tuple[Array, bool] | None]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
 _FOLLOWED = 8
 # Beyond a joint's own step by this factor, in steps ever longer, from a fifth of the least plausible size on.
-_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 5.0, 3
+_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 3.0, 3
 # Twice the size does more than this many times as much: not two, but four times.
 _SQUARED = 3.0
 # No further at once than the linearised matrices carry.
@@ -118,24 +118,25 @@ class Stand:
         A joint more, however stiff, is one coordinate more to answer with: a small step that is there at any size. It
         is taken off, and steps are as long as it takes to be more than that.
         """
-        neutral, step = float(p.neutral or 0.0), step_from_neutral(p)
-        if self.motions is not None:
-            found = self._linear_change(hypothesis, {**values, p.name: neutral + step})
-            if found is not None and not found[1]:
-                return found[0] / step
-            slope = None
-            if found is not None:
-                slope = self._beyond_the_joint(self._linear_change, hypothesis, values, p, step, _LONGER_STEPS)
+        step = step_from_neutral(p)
+
+        def at(change: Change, size: float) -> tuple[Array, bool] | None:
+            return change(hypothesis, {**values, p.name: float(p.neutral or 0.0) + size})
+
+        found = None if self.motions is None else at(self._linear_change, step)
+        if found is not None and not found[1]:
+            return found[0] / step
+        if found is not None:
+            slope = _beyond_a_joint(lambda size: at(self._linear_change, size), step, found[0], _LONGER_STEPS)
             if slope is not None:
                 return slope
-        near = self._changed(hypothesis, {**values, p.name: neutral + step})
+        near = at(self._changed, step)
         if near is None:
             return None
         if near[1]:
-            # Whole structures are dear: at once from the least that is plausible on.
-            return self._beyond_the_joint(self._changed, hypothesis, values, p, _LONGER * step, 1)
+            return _beyond_a_joint(lambda size: at(self._changed, size), step, near[0], _LONGER_STEPS)
         # Curvature is taken off by a second step.
-        twice = self._changed(hypothesis, {**values, p.name: neutral + 2 * step})
+        twice = at(self._changed, 2 * step)
         return near[0] / step if twice is None else (4 * near[0] - twice[0]) / (2 * step)
 
     def squared(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> tuple[float, Array] | None:
@@ -152,22 +153,6 @@ class Stand:
         if once is None or twice is None or not np.linalg.norm(twice) > _SQUARED * np.linalg.norm(once):
             return None
         return step, once
-
-    def _beyond_the_joint(
-        self, change: Change, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, step: float, tries: int
-    ) -> Array | None:
-        """The slope between two sizes twice apart, from ``step`` on; None where there is no change at either."""
-        neutral, slope = float(p.neutral or 0.0), None
-        for _ in range(tries):
-            ends = [change(hypothesis, {**values, p.name: neutral + k * step}) for k in (1, 2)]
-            if ends[0] is None or ends[1] is None:
-                break
-            between = ends[1][0] - ends[0][0]
-            slope = between / step
-            if np.linalg.norm(between) > _MORE_THAN_A_JOINT * np.linalg.norm(ends[0][0] - between):
-                break
-            step *= _LONGER
-        return slope
 
     def _wider(self, there: tuple[Group, ...]) -> bool:
         """Whether structures have a joint that those it stands on have not, and that is there at no size at all."""
@@ -271,6 +256,22 @@ class Stand:
             return np.inf, np.zeros(self.fit.points)
         misfit = data_misfit(self.fit.problem, predicted, self.fit.sigma)
         return float(misfit @ misfit + scores @ scores), misfit
+
+
+def _beyond_a_joint(
+    change: Callable[[float], tuple[Array, bool] | None], size: float, before: Array, tries: int
+) -> Array | None:
+    """The slope between two sizes, from ``size`` and its change ``before`` on; None where there is none further."""
+    slope = None
+    for _ in range(tries):
+        there = change(_LONGER * size)
+        if there is None:
+            break
+        slope = (there[0] - before) / ((_LONGER - 1) * size)
+        if np.linalg.norm(size * slope) > _MORE_THAN_A_JOINT * np.linalg.norm(before - size * slope):
+            break
+        size, before = _LONGER * size, there[0]
+    return slope
 
 
 def step_from_neutral(p: Parameter) -> float:
