@@ -29,7 +29,7 @@ Change = Callable[[Hypothesis, dict[str, float]], tuple[Array, bool] | None]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
 _FOLLOWED = 8
 # Beyond a joint's own step by this factor, in steps ever longer, from a fifth of the least plausible size on.
-_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 3.0, 3
+_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 3.0, 4
 # Twice the size does more than this many times as much: not two, but four times.
 _SQUARED = 3.0
 # No further at once than the linearised matrices carry.
