@@ -15,6 +15,7 @@ from vgvt.reconcile.one_level import rests_on_one_level
 from vgvt.reconcile.place_control import distinct_places
 from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.shortlist import BIASED
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
@@ -150,7 +151,11 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         )
         others = sorted({r.name for r in addition.equivalent} - {winner.name})
         if others:
-            said.append(f"{', '.join(others)} explain the data as well, within {limits.set_nats:.0f} nats")
+            far = winner.fit.chi2_per_dof >= BIASED
+            said.append(
+                f"{', '.join(others)} explain{'s' if len(others) == 1 else ''} the data as well, within "
+                f"{limits.set_nats:.0f} nats{' or a tenth of its held-out error' if far else ''}"
+            )
         said += [
             f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
             for x, y in _other_places(addition)
