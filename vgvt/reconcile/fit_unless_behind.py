@@ -24,7 +24,7 @@ def fit_unless_behind(
     best: float,
     progress: Callable[[float, str], None] | None = None,
 ) -> Fit:
-    """A fit from scores u and e by ``first`` stages, then near by unless ``HOPELESS`` times worse than ``best``, a χ².
+    """A fit from u (scores,) and e by ``first`` stages, then near by unless ``HOPELESS`` times ``best``, a χ², is left.
 
     NoStructureError where the start describes no aircraft.
     """
