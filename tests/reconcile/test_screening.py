@@ -107,6 +107,7 @@ def test_a_sensor_that_resonates_in_the_band_is_met(tmp_path: Path) -> None:
     assert min(s["period_s"] for s in starts[1:]) == pytest.approx(slowest, rel=0.15)
 
 
+@pytest.mark.slow
 def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> None:
     """The best by a few forgiving steps, from where these arrived, best first."""
     chosen = screen(null, hypotheses)[: FINALISTS + 2]

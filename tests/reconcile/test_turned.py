@@ -72,6 +72,7 @@ def test_a_held_out_channel_that_reads_too_much_has_a_name(loud: tuple[Verdict, 
     assert held_out_label() in verdict.reasons[0].split("were missed")[0]
 
 
+@pytest.mark.slow
 def test_a_second_call_goes_on_after_the_round_of_the_other_hold_out(loud: tuple[Verdict, Path]) -> None:
     verdict, folder = loud
     assert (folder / "rounds-turned.json").is_file()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import one_level_or_two as study
+import pytest
 
 from vgvt.data import Campaign, ChannelRole
 
@@ -19,7 +20,9 @@ def levels_of(campaign: Campaign) -> list[float]:
     return found
 
 
-def test_the_same_sensors_twice_at_two_levels_or_at_one() -> None:
+def test_the_same_sensors_twice_at_two_levels_or_at_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study.lab, "TRUE_CELLS", 6)
+    study.records.cache_clear()
     two, one = (study.campaign_of(DRIFT, levels) for levels in (2, 1))
     half = len(study.RUNS)
     for campaign, ratio in ((two, DRIFT.loud_v / DRIFT.quiet_v), (one, 1.0)):
@@ -28,6 +31,7 @@ def test_the_same_sensors_twice_at_two_levels_or_at_one() -> None:
         dofs = [[c.dof for c in run.channels] for run in campaign.runs]
         assert dofs[:half] == dofs[half:]
         assert campaign.name == "campaign" and not campaign.notes
+    study.records.cache_clear()
 
 
 def test_what_is_nonlinear_is_stepped_in_time() -> None:
