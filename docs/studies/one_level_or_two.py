@@ -18,6 +18,7 @@ from typing import Any, Literal
 import loop_truth as lab
 from loop_cases import LINES, SHORT
 from loop_work import core
+from rich.console import Console
 from virtual_lab import PAGES, table, write_results
 
 from vgvt.data import Campaign
@@ -149,6 +150,7 @@ def main() -> None:
     parser.add_argument("--report", action="store_true", help="fill the page from what is done")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
+    console = Console(stderr=True)
     for truth in TRUTHS:
         for levels in (2, 1):
             file = given.folder / f"{truth.name}-{levels}.json"
@@ -157,7 +159,7 @@ def main() -> None:
             row = row_of(truth, levels)
             with replacing(file) as part_file:
                 part_file.write_text(json.dumps(row, indent=1), encoding="utf-8")
-            print(truth.name, levels, row["verdict"], row["named"], row["cpu_s"], flush=True)  # noqa: T201
+            console.print(f"{truth.name}, levels {levels}: {row['verdict']} {row['named']}", highlight=False)
     if given.report:
         rows = [json.loads(f.read_text(encoding="utf-8")) for f in sorted(given.folder.glob("*.json"))]
         write_results(PAGES / "one-level-or-two.md", results(rows))

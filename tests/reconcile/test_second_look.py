@@ -6,7 +6,10 @@ import importlib
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
+
+from vgvt.reconcile import shortlist
 
 rounds = importlib.import_module("vgvt.reconcile.attribute")
 THRESHOLDS: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
@@ -101,3 +104,20 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     rivals = rounds._fit_all(current, chosen, far, lambda fraction, message: None)
     assert (rivals[-1] == "begun anew") is anew
     assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
+
+
+@pytest.mark.parametrize(("bent", "stages"), [(9.0, shortlist._FORGIVING), (-11.0, shortlist._MORE_FORGIVING)])
+def test_the_further_a_calibration_is_bent_the_more_is_forgiven(
+    monkeypatch: pytest.MonkeyPatch, bent: float, stages: Any
+) -> None:
+    """And then it begins where peaks overlap, not at the stated values."""
+    seen: list[Any] = []
+
+    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, given: Any, judged: float) -> None:
+        seen.append((float(u[0]), given, judged))
+
+    monkeypatch.setattr(shortlist, "fit", fitted)
+    monkeypatch.setattr(shortlist, "rough_start", lambda problem, hypotheses, e: (np.array([2.0]), e))
+    current: Any = SimpleNamespace(problem=None, hypotheses=(), u=np.array([bent]), e=np.zeros(0))
+    shortlist._forgiving(current)
+    assert seen == [(2.0 if stages is shortlist._MORE_FORGIVING else 0.0, stages, stages[-1][0])]

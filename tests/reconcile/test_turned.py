@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, roving_scenario
 
-from vgvt.effects import available_effects, make_effect
+from vgvt.effects import Effect, available_effects, make_effect
 from vgvt.reconcile import Verdict, reconcile
 from vgvt.reconcile.data import Measured, measured_frfs
 from vgvt.reconcile.holdout import Split, split
@@ -31,10 +31,10 @@ def drawn(turn: int = 0) -> Split:
     return split(roving_scenario(), measured(), turn)
 
 
-def judged(folder: Path, *truth: object, known: tuple[str, ...] = CATALOGUE) -> Verdict:
+def judged(folder: Path, *truth: Effect, known: tuple[str, ...] = CATALOGUE) -> Verdict:
     """The verdict on a campaign with some effects, a few being known."""
     effects = {n: c for n, c in available_effects().items() if n in known}
-    campaign = campaign_of(roving_scenario(), 3, *truth)  # type: ignore[arg-type]
+    campaign = campaign_of(roving_scenario(), 3, *truth)
     return reconcile(campaign, roving_scenario(), effects=effects, lines=LINES, folder=folder, most=1)
 
 

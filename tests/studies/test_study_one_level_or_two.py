@@ -27,7 +27,7 @@ def test_the_same_sensors_twice_at_two_levels_or_at_one(monkeypatch: pytest.Monk
     half = len(study.RUNS)
     for campaign, ratio in ((two, DRIFT.loud_v / DRIFT.quiet_v), (one, 1.0)):
         force = levels_of(campaign)
-        np.testing.assert_allclose(np.divide(force[half:], force[:half]), ratio, rtol=0.1)
+        np.testing.assert_allclose(np.divide(force[half:], force[:half]), ratio, rtol=0.01)
         dofs = [[c.dof for c in run.channels] for run in campaign.runs]
         assert dofs[:half] == dofs[half:]
         assert campaign.name == "campaign" and not campaign.notes
