@@ -14,6 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import resource
 import sys
 import time
 from dataclasses import replace
@@ -48,6 +49,7 @@ from vgvt.scenario.streams import named_stream
 RAW = "hati-2015-09-24"
 FOLDER = PAGES.parent / "_build" / "hati-reconciled"
 FINE_FLOOR = 0.004
+JOBS = 2
 SPLITS = ("odd runs", "even runs", "forward row", "aft row", "right wing", "left wing")
 """What is fitted in each of the further hold-outs; the other half is judged."""
 Document = dict[str, Any]
@@ -93,12 +95,12 @@ def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any
     def tell(fraction: float, message: str, left: float | None) -> None:
         print(f"{stage} {time.strftime('%H:%M:%S')} {fraction:.0%} {message}", flush=True)  # noqa: T201
 
-    verdict = reconcile(campaign, scenario, folder=FOLDER / stage, progress=tell, **choices)
+    verdict = reconcile(campaign, scenario, folder=FOLDER / stage, jobs=JOBS, progress=tell, **choices)
     found = verdict.attribution
     document = verdict.document() | {
         "core": CORE,
         "wall_s": time.perf_counter() - wall,
-        "processor_s": time.process_time() - own,
+        "processor_s": time.process_time() - own + sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]),
         "load": os.getloadavg()[0],
         "converged": {"before": found.null.converged, "after": found.final.converged},
         "posterior_before": posterior_of(found.null),

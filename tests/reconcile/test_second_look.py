@@ -93,7 +93,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
 
     seen: list[Any] = []
 
-    def begun(current: Any, screened: Any, best: float, tell: Any) -> list[str]:
+    def begun(current: Any, screened: Any, best: float, tell: Any, team: Any) -> list[str]:
         seen.append(([s.hypothesis for s in screened], best))
         return ["begun anew"]
 

@@ -67,10 +67,10 @@ def test_a_fit_sets_out_from_the_better_start(named: Fit, monkeypatch: pytest.Mo
 def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
     monkeypatch.setattr(rounds, "fit", lambda *given, exact: further)
-    monkeypatch.setattr(rounds, "origin_near", lambda problem, u, e, last: None)
+    monkeypatch.setattr(rounds, "origin_near", lambda *_: None)
     stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(), u=None, e=None)
     assert rounds._finished(stopped) is further
-    ended: Any = SimpleNamespace(converged=True, problem=None, u=None, e=None)
+    ended: Any = SimpleNamespace(converged=True, problem=None, u=None, e=None, hypotheses=())
     assert rounds._finished(ended) is ended
     further.evidence_nats = 10.0
     assert rounds._finished(stopped) is stopped

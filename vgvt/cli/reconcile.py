@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 _LINES = 500
 _FEWEST_LINES = 50
 _POWER_SHARE = 0.1
+_MOST_PROCESSES = 4
 
 
 def reconcile(
@@ -54,6 +56,9 @@ def reconcile(
     power: Annotated[
         bool, typer.Option("--power", help="Say how small each effect could be and still be seen.")
     ] = False,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes that share the work. Default: one a core, at most four.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Do it again where the answer is there already.")] = False,
     as_json: JsonOption = False,
 ) -> int:
@@ -89,7 +94,7 @@ def reconcile(
     fingerprint = fingerprint_of(measured, believed, options)
     document = None if force else folder.answer(fingerprint)
     if document is None:
-        document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint)
+        document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(jobs))
     else:
         log(f"took the verdict that {folder.path} already holds; --force does it again")
     if as_json:
@@ -97,6 +102,12 @@ def reconcile(
         return 0
     _show(document, folder)
     return 0
+
+
+def _processes(asked: int | None) -> int:
+    """How many processes share the work: as many as there are cores, where nobody asked, and as there are tasks."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(cores, _MOST_PROCESSES) if asked is None else asked
 
 
 def chosen_effects(only: list[str], without: list[str]) -> dict[str, type]:
@@ -124,6 +135,7 @@ def _reconciled(
     lines: int,
     with_power: bool,
     fingerprint: str,
+    jobs: int,
 ) -> dict[str, Any]:
     """Reconcile and write the three files; the verdict, which makes the folder an answer, last."""
     from vgvt.files.atomically import replacing
@@ -136,7 +148,7 @@ def _reconciled(
     with _kept_on_interrupt(folder), progress(f"reconcile {campaign.name}") as report:
         share = 1.0 - _POWER_SHARE
         verdict = close_the_loop(
-            campaign, scenario, effects=effects, lines=lines, folder=folder.cache,
+            campaign, scenario, effects=effects, lines=lines, folder=folder.cache, jobs=jobs,
             progress=lambda fraction, message, _: report(share * fraction, message),
         )  # fmt: skip
         # "Nothing is needed" is worth as much as what could have been seen.

@@ -16,13 +16,17 @@ from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.local_slopes import origin_near
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
+from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual, independent_values, residual
 from vgvt.reconcile.same_place import left_where_it_was
 from vgvt.reconcile.screen import Screened
-from vgvt.reconcile.shortlist import BIASED, Progress, part, second_list, shortened
+from vgvt.reconcile.shortlist import BIASED, second_list, shortened
+from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
+# Fitted together after these, whoever shares the work: none of them is left out for another one's sake.
+_AT_ONCE = 2
 # Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
 _WITHIN = 0.1
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
@@ -84,11 +88,28 @@ def attribute(
     progress: Progress | None = None,
     begun: tuple[Fit, tuple[Addition, ...]] | None = None,
     keep: Callable[[Fit, Sequence[Addition]], None] | None = None,
+    jobs: int = 1,
 ) -> Attribution:
     """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
 
     ``begun`` are the null model and the rounds of a call that was broken off; ``keep`` is told both after each round.
+    ``jobs`` processes share what can be done at once; the answer is the same with any number.
     """
+    with Team(jobs, (null.problem, *hypotheses)) as team:
+        return _selected(null, hypotheses, thresholds, most, progress, begun, keep, team)
+
+
+def _selected(
+    null: Fit,
+    hypotheses: Sequence[Hypothesis],
+    thresholds: Thresholds,
+    most: int,
+    progress: Progress | None,
+    begun: tuple[Fit, tuple[Addition, ...]] | None,
+    keep: Callable[[Fit, Sequence[Addition]], None] | None,
+    team: Team,
+) -> Attribution:
+    """:func:`attribute`, with those who share the work."""
     tell = progress or (lambda fraction, message: None)
     start, done = (null, ()) if begun is None else begun
     rounds = list(done)
@@ -102,7 +123,7 @@ def attribute(
         straight, bent = linear_first(current.problem, left)
         before = residual(current, thresholds)
         here = part(tell, k / most, (k + 1) / most)
-        rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6))
+        rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
             if current is not null:
@@ -110,14 +131,14 @@ def attribute(
                 found = [r.fit for r in rivals]
                 if before.train_chi2_per_dof < BIASED <= null.chi2_per_dof:
                     # What was screened where the calibration had lost its way says little of where it belongs.
-                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8))
+                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team)
                     found += [r.fit for r in again]
                 rivals = _against(current, found)
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
-            later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9))
-            more = _fit_all(current, later, before, part(here, 0.9, 1.0))
+            later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9), team)
+            more = _fit_all(current, later, before, part(here, 0.9, 1.0), team)
             rivals = _against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if confirmed:
@@ -129,7 +150,7 @@ def attribute(
             break
         winner = max(confirmed, key=lambda r: r.gain_nats)
         addition = Addition(winner, _equal(winner, confirmed, thresholds), rivals, before.held_out_chi2_per_dof)
-        rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell))
+        rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell, team))
         current = winner.fit
         if keep is not None:
             keep(start, rounds)
@@ -140,11 +161,16 @@ def attribute(
 
 
 def _tried(
-    current: Fit, hypotheses: Sequence[Hypothesis], before: Residual, thresholds: Thresholds, tell: Progress
+    current: Fit,
+    hypotheses: Sequence[Hypothesis],
+    before: Residual,
+    thresholds: Thresholds,
+    tell: Progress,
+    team: Team = ALONE,
 ) -> tuple[Rival, ...]:
     """The most promising of some hypotheses, fitted."""
-    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6))
-    return _fit_all(current, chosen, before, part(tell, 0.6, 1.0))
+    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6), team)
+    return _fit_all(current, chosen, before, part(tell, 0.6, 1.0), team)
 
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
@@ -165,7 +191,7 @@ def _ended(
 
 def _finished(found: Fit) -> Fit:
     """A fit gone on with to its end, with exact slopes where that is far out."""
-    if found.converged and origin_near(found.problem, found.u, found.e, None) is None:
+    if found.converged and origin_near(found.problem, found.u, found.e, None, found.hypotheses) is None:
         return found
     more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, exact=True)
     return more if more.evidence_nats >= found.evidence_nats else found
@@ -210,25 +236,31 @@ def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Resid
     return [h for h in bent if names & set(h.cls.confused_with)]  # type: ignore[attr-defined]
 
 
-def _fit_all(current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress) -> tuple[Rival, ...]:
+def _fit_all(
+    current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress, team: Team = ALONE
+) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
     near, screened = before.train_chi2_per_dof < BIASED, chosen
     if not near and len(chosen) > FINALISTS:
-        chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4)), part(tell, 0.4, 1.0)
+        chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4), team), part(tell, 0.4, 1.0)
         last = {s.hypothesis for s in chosen}
         screened = [s for s in screened if s.hypothesis in last]
     tell, anew = part(tell, 0.0, 0.8), part(tell, 0.8, 1.0)
     found: list[Fit] = []
-    for i, s in enumerate(chosen):
+    waves = [chosen[:_AT_LEAST], *(chosen[k : k + _AT_ONCE] for k in range(_AT_LEAST, len(chosen), _AT_ONCE))]
+    for k, wave in enumerate(waves):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
-        if len(found) >= _AT_LEAST and best > _FAR_AHEAD * s.gain_nats and best > 0.4 * current.chi2:
-            continue
-        fitted = fitted_from(current, s, NEAR if near else FAR, part(tell, i / len(chosen), (i + 1) / len(chosen)))
-        if fitted is not None:
-            found.append(fitted)
+        enough = len(found) >= _AT_LEAST and best > 0.4 * current.chi2
+        tasks: list[Task] = [
+            (fitted_from, (current, s, NEAR if near else FAR))
+            for s in wave
+            if not (enough and best > _FAR_AHEAD * s.gain_nats)
+        ]
+        fits = team.work_off(tasks, part(tell, k / len(waves), (k + 1) / len(waves)))
+        found += [f for f in fits if f is not None]
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
-        found += begun_anew(current, screened, min(f.chi2 for f in found), anew)
+        found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
     return _against(current, found)
 
 

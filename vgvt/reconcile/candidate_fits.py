@@ -13,9 +13,10 @@ from vgvt.reconcile.fit import FAR, NEAR, Fit, cost_at, fit
 from vgvt.reconcile.fit_unless_behind import HOPELESS, fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.progress import Progress, naming
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.screen import Screened, parted
-from vgvt.reconcile.shortlist import Progress, naming, part
+from vgvt.reconcile.team import ALONE, Team
 
 FINALISTS = 4
 """As many as a far-off round fits to the end."""
@@ -27,45 +28,49 @@ _LOST = 10.0
 _FIRST = ((0.0, 6),)
 
 
-def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress) -> tuple[Screened, ...]:
+def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress, team: Team = ALONE) -> tuple[Screened, ...]:
     """Those of the short list that do best by a few steps that forgive misplaced peaks, at what these arrived at."""
-    coarse = FAR[:1]
+    reached = team.work_off([(_begun, (current, s)) for s in chosen], tell)
     found: list[tuple[float, Screened]] = []
-    for i, s in enumerate(chosen):
-        hypothesis, u, start = _start(current, s)
-        told = naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
-        try:
-            there = fit(
-                current.problem, (*current.hypotheses, hypothesis), u, start, coarse, told, judged=coarse[-1][0]
-            )
-        except NoStructureError:
-            continue
-        here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
-        ahead = replace(s, values={**s.values, **here}, start=there.scores[: current.scores.size])
-        found.append((there.evidence_nats, ahead))
+    for s, there in zip(chosen, reached, strict=True):
+        if there is not None:
+            here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
+            ahead = replace(s, values={**s.values, **here}, start=there.scores[: current.scores.size])
+            found.append((there.evidence_nats, ahead))
     found.sort(key=lambda f: -f[0])
     return tuple(s for _, s in found[:FINALISTS])
 
 
-def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Progress) -> list[Fit]:
+def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:
+    """A candidate after a few steps that forgive misplaced peaks; None where there is no such aircraft."""
+    coarse = FAR[:1]
+    hypothesis, u, start = _start(current, s)
+    hypotheses = (*current.hypotheses, hypothesis)
+    try:
+        return fit(current.problem, hypotheses, u, start, coarse, naming(tell, hypothesis), judged=coarse[-1][0])
+    except NoStructureError:
+        return None
+
+
+def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Progress, team: Team = ALONE) -> list[Fit]:
     """Candidates fitted from where peaks overlap, for a round in which all fits leave much: ``best`` is their least χ².
 
     Coarse steps forgive misplaced peaks, and not sharp ones: from far off these lead astray. What stays far behind
     is no candidate: near the stated values evidence would thank it for every tolerance that it keeps.
     """
-    found: list[Fit] = []
-    for i, s in enumerate(chosen):
-        hypothesis, _, e = _start(current, s)
-        told = naming(part(tell, i / len(chosen), (i + 1) / len(chosen)), hypothesis)
-        hypotheses = (*current.hypotheses, hypothesis)
-        try:
-            u, e = rough_start(current.problem, hypotheses, e)
-            begun = fit_unless_behind(current.problem, hypotheses, u, e, _FIRST, best, told)
-        except NoStructureError:
-            continue
-        if begun.chi2 < HOPELESS * best:
-            found.append(begun)
-    return found
+    found = team.work_off([(_anew, (current, s, best)) for s in chosen], tell)
+    return [f for f in found if f is not None and f.chi2 < HOPELESS * best]
+
+
+def _anew(current: Fit, s: Screened, best: float, tell: Progress) -> Fit | None:
+    """A candidate fitted from where peaks overlap; None where there is no such aircraft."""
+    hypothesis, _, e = _start(current, s)
+    hypotheses = (*current.hypotheses, hypothesis)
+    try:
+        u, e = rough_start(current.problem, hypotheses, e)
+        return fit_unless_behind(current.problem, hypotheses, u, e, _FIRST, best, naming(tell, hypothesis))
+    except NoStructureError:
+        return None
 
 
 def _start(current: Fit, s: Screened) -> tuple[Hypothesis, NDArray[np.float64], NDArray[np.float64]]:

@@ -11,7 +11,7 @@ shape a reading: matrices are projected on them once, whatever the number of run
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,8 @@ class FirstOrder:
     omega: Array
     shape: tuple[int, int]
     known: tuple[_Known, ...]
+    last: dict[tuple[int, int, int], tuple[Array, ComplexArray]] = field(default_factory=dict)
+    """By group, run and matrix: a block that was asked for last, and its product with the run's motions."""
 
     @classmethod
     def of(cls, here: Anchor) -> FirstOrder | None:
@@ -83,7 +85,7 @@ class FirstOrder:
         """
         out = np.zeros(self.shape, dtype=complex)
         for group in there:
-            for known in self.known:
+            for k, known in enumerate(self.known):
                 shared = np.isin(known.group.channels, group.channels)
                 if not shared.any():
                     continue
@@ -91,12 +93,24 @@ class FirstOrder:
                     return None
                 change = _Change.between(known, group)
                 try:
-                    for run in known.runs:
+                    for r, run in enumerate(known.runs):
                         if shared[run.rows].all():
-                            out[known.group.channels[run.rows]] = change.moved(run, self.omega)
+                            within = [self._product((k, r, i), m[0], run) for i, m in enumerate(change.matrices)]
+                            out[known.group.channels[run.rows]] = change.moved(run, self.omega, within)
                 except np.linalg.LinAlgError:
                     return None
         return out
+
+    def _product(self, which: tuple[int, int, int], block: Array | None, run: _Run) -> ComplexArray | None:
+        """A block (tests, motions) times a run's motions: the same for all of a scan that tunes what is added."""
+        if block is None:
+            return None
+        known = self.last.get(which)
+        if known is None or not np.array_equal(known[0], block):
+            modes = run.adjoint.shape[2]
+            here = np.concatenate([np.arange(modes), modes + run.rows])
+            self.last[which] = known = (block, _times(block[here], run.q))
+        return known[1]
 
 
 def _motions(here: Anchor, index: int, omega: Array) -> _Known:
@@ -190,17 +204,26 @@ class _Change:
             masses if known.roving else np.zeros_like(masses),
         )  # fmt: skip
 
-    def moved(self, run: _Run, omega: Array) -> ComplexArray:
-        """What it adds to the readings (R, L) of a run."""
+    @property
+    def reseated(self) -> bool:
+        """Whether sensors read the old coordinates otherwise."""
+        return bool(self.axis.any() or self.tilt.any())
+
+    def moved(self, run: _Run, omega: Array, within: Sequence[ComplexArray | None]) -> ComplexArray:
+        """What it adds to the readings (R, L) of a run; ``within``: old coordinates' blocks times its motions."""
         rows, square = run.rows, omega**2
         modes = run.adjoint.shape[2]
         here = np.concatenate([np.arange(modes), modes + rows])
         by_line = ((1.0 + 0j) * np.ones(omega.size), 1j * omega, -(1.0 + 0j) * square)
-        right = self.drive[here, None] + _times(self.pulled[np.ix_(here, rows)], run.force)
-        for line, (within, _, _, _) in zip(by_line, self.matrices, strict=True):
-            if within is not None:
-                right -= line * _times(within[here], run.q)
-        moved, felt = _times(self.axis[rows], run.q), _times(self.tilt[rows], run.q)
+        right: ComplexArray = np.zeros((here.size, omega.size), dtype=np.complex128) + self.drive[here, None]
+        moved: ComplexArray = np.zeros((rows.size, omega.size), dtype=np.complex128)
+        felt = moved
+        for line, product in zip(by_line, within, strict=True):
+            if product is not None:
+                right -= line * product
+        if self.reseated:
+            right += _times(self.pulled[np.ix_(here, rows)], run.force)
+            moved, felt = _times(self.axis[rows], run.q), _times(self.tilt[rows], run.q)
         if self.own_drive.size:
             own = self._own(run, by_line)
             for line, (_, _, beside, _) in zip(by_line, self.matrices, strict=True):
@@ -208,8 +231,9 @@ class _Change:
                     right -= line * _times(beside[here], own)
             moved, felt = moved + _times(self.own_axis[rows], own), felt + _times(self.own_tilt[rows], own)
         # What the sensors weigh, and where they sit, loads the structure along their axes.
-        load = run.loading * moved + square * self.masses_kg[rows, None] * run.displaced
-        right += _times(self.sensed[np.ix_(here, rows)], load)
+        if self.reseated or self.own_drive.size or self.masses_kg.any():
+            load = run.loading * moved + square * self.masses_kg[rows, None] * run.displaced
+            right += _times(self.sensed[np.ix_(here, rows)], load)
         read = (run.adjoint @ right[:modes].T[:, :, None])[:, :, 0].T - square * right[modes:]
         return np.asarray(read - square * moved + felt)
 

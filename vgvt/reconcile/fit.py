@@ -151,7 +151,7 @@ def fit(
             structures.coarse = False
             here, predicted = _assembled(structures, u, hypotheses, e)
         if not rough:
-            if origin_near(problem, u, e, None) is None:
+            if origin_near(problem, u, e, None, hypotheses) is None:
                 continue
             here = anchor(problem, u, hypotheses, e, groups=here.assembled, structures=structures)
         damping = 1.0

@@ -8,7 +8,7 @@ over, and what it adds moves the masses, too: a wing that turns at its root swin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from vgvt.reconcile.grouping import Group, assembled, home
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import MATRICES, Problem
+from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.mirror import expanded_beams
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
@@ -25,6 +27,8 @@ Array = NDArray[np.float64]
 # way is long and every tangent rough: a share of the way, then.
 _SERVE, _SERVE_SHARE = 5.0, 0.25
 _STEP = 0.02
+# Of an effect's range: a root of this softness is some per cent of what a wing gives; and scores that change it little.
+_MUCH, _AS_LOOSE = 0.1, 0.3
 # One for each start of a round's fits, and a few on their way.
 _KEPT = 6
 
@@ -54,16 +58,49 @@ class LocalSlopes:
         return [self.places.index(p if p in self.places else home(p)) for p in places]
 
 
-def origin_near(problem: Problem, u: Array, e: Array, last: Origin | None) -> Origin | None:
+def origin_near(
+    problem: Problem, u: Array, e: Array, last: Origin | None, hypotheses: tuple[Hypothesis, ...] = ()
+) -> Origin | None:
     """Where slopes that serve at u are to be taken: None for the stated values, the ``last`` place, or here."""
     count = len(problem.unknowns)
     wandered = float(np.abs(u[:count]).max(initial=0.0))
-    if wandered <= _SERVE:
+    loose = _loose(problem, hypotheses, e)
+    if wandered <= _SERVE and not loose:
         return None
     serves = max(_SERVE, _SERVE_SHARE * wandered)
-    if last is not None and last.e.size == e.size and np.abs(u - last.u)[:count].max(initial=0.0) <= serves:
-        return last
+    alike = last is not None and last.e.size == e.size
+    if last is not None and alike and np.abs(u - last.u)[:count].max(initial=0.0) <= serves:
+        alike = not loose or bool(np.abs(e - last.e).max() <= _AS_LOOSE)
+        return last if alike else Origin(u.copy(), e.copy())
     return Origin(u.copy(), e.copy())
+
+
+def _loose(problem: Problem, hypotheses: tuple[Hypothesis, ...], e: Array) -> bool:
+    """Whether an effect holds a wing by a joint that gives way a lot: what each unknown moves is then something else.
+
+    Where the effect is fitted, that is; a stand that is only looked at has the slopes that it was fitted with.
+    """
+    start = 0
+    for hypothesis in hypotheses:
+        stop = start + len(hypothesis.parameters)
+        scores, start = e[start:stop], stop
+        values = hypothesis.values(scores)
+        # A joint with a law of its own is there at any size of that law.
+        much = any(
+            p.neutral is None or abs(values[p.name] - p.neutral) > _MUCH * (p.high - p.neutral)
+            for p in hypothesis.parameters
+        )
+        if much and _edited_airframes(problem, hypothesis, scores, _held):
+            return True
+    return False
+
+
+def _held(airframe: Airframe) -> list[tuple[bool, bool]]:
+    """Which roots are rigid in bending and in torsion."""
+    return [
+        (b.root_bending_stiffness_n_m_per_rad is None, b.root_torsional_stiffness_n_m_per_rad is None)
+        for b in expanded_beams(airframe)
+    ]
 
 
 def slopes_for(
@@ -80,7 +117,7 @@ def slopes_for(
     kept, scores = [], []
     ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
     for hypothesis, start, stop in zip(hypotheses, ends[:-1], ends[1:], strict=True):
-        if hypothesis.parameters and _adds_joints(problem, hypothesis, origin.e[start:stop]):
+        if hypothesis.parameters and _edited_airframes(problem, hypothesis, origin.e[start:stop]):
             kept.append(hypothesis)
             scores.append(origin.e[start:stop])
     e = np.concatenate([np.zeros(0), *scores])
@@ -91,13 +128,15 @@ def slopes_for(
     return stated
 
 
-def _adds_joints(problem: Problem, hypothesis: Hypothesis, scores: Array) -> bool:
-    """Whether an effect edits the airframe in any run, and may cut it into other coordinates."""
+def _edited_airframes(
+    problem: Problem, hypothesis: Hypothesis, scores: Array, look: Callable[[Airframe], object] = lambda a: a
+) -> bool:
+    """Whether an effect edits the airframe in any run, as far as ``look`` looks: coordinates may be others then."""
     effect, stated = hypothesis.effect(hypothesis.values(scores)), problem.start.scenario
     if effect is None:
         return False
     edited = (effect.act(stated, run).scenario for run in range(len(problem.measured.runs)))
-    return any(s is not None and s.airframe != stated.airframe for s in edited)
+    return any(s is not None and look(s.airframe) != look(stated.airframe) for s in edited)
 
 
 @lru_cache(maxsize=_KEPT)

@@ -14,7 +14,9 @@ from vgvt.reconcile.fit import FAR, Fit
 from vgvt.reconcile.fit_unless_behind import fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.progress import Progress, silent
 from vgvt.reconcile.residual import independent_values
+from vgvt.reconcile.team import ALONE, Team
 
 if TYPE_CHECKING:
     from vgvt.reconcile.attribute import Addition, Rival
@@ -39,43 +41,44 @@ class ElsewhereTrial:
 
 
 def controlled(
-    addition: Addition,
-    judged: Callable[[Fit], Rival],
-    set_nats: float,
-    progress: Callable[[float, str], None] | None = None,
+    addition: Addition, judged: Callable[[Fit], Rival], set_nats: float, tell: Progress = silent, team: Team = ALONE
 ) -> Addition:
     """A round whose equivalence set holds the winner's effect elsewhere too, where that does as well on held-out data.
 
     ``judged`` makes a rival of a fit as the round did.
     """
-    trials = elsewhere(addition.winner.fit, progress)
+    trials = elsewhere(addition.winner.fit, tell, team)
     added = [judged(t.fit) for t in trials if as_good(t.fit, addition.winner.fit, set_nats)]
     return replace(addition, equivalent=(*addition.equivalent, *added), rivals=(*addition.rivals, *added))
 
 
-def elsewhere(winner: Fit, progress: Callable[[float, str], None] | None = None) -> tuple[ElsewhereTrial, ...]:
+def elsewhere(winner: Fit, tell: Progress = silent, team: Team = ALONE) -> tuple[ElsewhereTrial, ...]:
     """The winner's last effect fitted at its mirror image and, its place held, at the two nearest other stations.
 
     Nothing for an effect that has neither a place nor a side.
     """
-    tell = progress or (lambda fraction, message: None)
-    offers = _offers(winner)
-    trials = []
-    for k, (where, hypothesis, values) in enumerate(offers):
-        tell(k / len(offers), f"control: {hypothesis.name} {where}")
-        before = winner.e[: winner.e.size - len(winner.hypotheses[-1].parameters)]
-        start = np.concatenate([before, hypothesis.scores(values)])
-        try:
-            known = (*winner.hypotheses[:-1], hypothesis)
-            found = fit_unless_behind(winner.problem, known, winner.u, start, _FIRST, winner.chi2)
-        except NoStructureError:
-            continue
-        place = place_of(found)
-        own = place_of(winner)
-        # One that wandered back says nothing.
-        if place is None or own is None or _apart(place, own) > APART_M:
-            trials.append(ElsewhereTrial(where, found))
-    return tuple(trials)
+    offers, own = _offers(winner), place_of(winner)
+    found = team.work_off([(_fitted_at, (winner, *offer)) for offer in offers], tell)
+    places_found = [None if fitted is None else place_of(fitted) for fitted in found]
+    # One that wandered back says nothing.
+    return tuple(
+        ElsewhereTrial(where, fitted)
+        for (where, _, _), fitted, place in zip(offers, found, places_found, strict=True)
+        if fitted is not None and (place is None or own is None or _apart(place, own) > APART_M)
+    )
+
+
+def _fitted_at(winner: Fit, where: str, hypothesis: Hypothesis, values: dict[str, float], tell: Progress) -> Fit | None:
+    """The effect somewhere else, fitted; None where there is no such aircraft."""
+    tell(0.0, f"control: {hypothesis.name} {where}")
+    before = winner.e[: winner.e.size - len(winner.hypotheses[-1].parameters)]
+    start = np.concatenate([before, hypothesis.scores(values)])
+    try:
+        return fit_unless_behind(
+            winner.problem, (*winner.hypotheses[:-1], hypothesis), winner.u, start, _FIRST, winner.chi2
+        )
+    except NoStructureError:
+        return None
 
 
 def as_good(other: Fit, winner: Fit, set_nats: float) -> bool:

@@ -22,20 +22,28 @@ def rough_start(
 ) -> tuple[Array, Array]:
     """Scores u (problem.size,) and e from which peaks overlap: line searches along the scores that matter most.
 
-    ``e`` are roughly those of the hypotheses. The distance is the mean square of log|model / data|, which has no local
-    minimum at every pair of peaks, plus the prior's share of it.
+    ``e`` are roughly those of the hypotheses.
+    """
+    u, found, _ = nearest(problem, hypotheses, e)
+    return u, found
+
+
+def nearest(
+    problem: Problem, hypotheses: tuple[Hypothesis, ...] = (), e: Array | None = None
+) -> tuple[Array, Array, float]:
+    """:func:`rough_start`, and the distance that it leaves.
+
+    That is the mean square of log|model / data|, which has no local minimum at every pair of peaks, plus the prior's
+    share of it.
     """
     u, e = np.zeros(problem.size), np.zeros(0) if e is None else e.copy()
-    keep = problem.split.train
     here = anchor(problem, u, hypotheses, e)
     strength = np.linalg.norm(jacobian(here, u, e, here.predict(u, e), coarse_sigma(problem, 0.6)), axis=0)
     strongest = np.argsort(-strength[: len(problem.unknowns)])[:_SCANNED]
-    size = np.log(np.abs(problem.measured.values[keep]))
     scores = np.concatenate([u, e])
 
     def distance(trial: Array) -> float:
-        model = np.abs(here.predict(trial[: u.size], trial[u.size :])[keep])
-        return float(np.mean((np.log(model) - size) ** 2) + 0.005 * trial @ trial)
+        return log_distance(problem, here.predict(trial[: u.size], trial[u.size :])) + 0.005 * float(trial @ trial)
 
     searched = [(u.size + k, e[k] + _NEAR_BY) for k in range(e.size)] + [(int(k), _GRID) for k in strongest]
     best = distance(scores)
@@ -49,4 +57,10 @@ def rough_start(
             lowest, value = min(trials)
             if lowest < best:
                 best, scores[k] = lowest, value
-    return scores[: u.size], scores[u.size :]
+    return scores[: u.size], scores[u.size :], best
+
+
+def log_distance(problem: Problem, predicted: NDArray[np.complex128]) -> float:
+    """Mean square of log|model/data| over the channels to fit, of a prediction (C, L)."""
+    keep = problem.split.train
+    return float(np.mean(np.log(np.abs(predicted[keep] / problem.measured.values[keep])) ** 2))

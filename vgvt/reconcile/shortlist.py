@@ -2,36 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.from_stated import bent, from_stated
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.localise import Place, localise
+from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.screen import Screened, screen
+from vgvt.reconcile.team import ALONE, Task, Team
 
 _SHORT_LIST, _A_FAMILY = 6, 2
 BIASED = 1.5
 """Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
 _FORGIVING = ((0.6, 4), (0.1, 8))
-# Where the calibration has bent an unknown by so many standard deviations, less forgiveness would bend it again.
-_BENT, _MORE_FORGIVING = 10.0, ((0.6, 8), (0.15, 8))
+# Where the calibration has bent an unknown far, less forgiveness would bend it again.
+_MORE_FORGIVING = ((0.6, 8), (0.15, 8))
 # Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
 
-Progress = Callable[[float, str], None]
-
 
 def shortened(
-    current: Fit, left: Sequence[Hypothesis], before: Residual, needed: float, tell: Progress
+    current: Fit, left: Sequence[Hypothesis], before: Residual, needed: float, tell: Progress, team: Team = ALONE
 ) -> tuple[Screened, ...]:
     """The short list of a round. Where much is left, half of it from a stand that still forgives misplaced peaks.
 
@@ -39,37 +40,37 @@ def shortened(
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
     """
     if before.train_chi2_per_dof < BIASED:
-        return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST, needed=needed)
-    near = screen(current, left, part(tell, 0.0, 0.5), slots=_SHORT_LIST - 1)
-    far = screen(_forgiving(current), left, part(tell, 0.5, 1.0))
+        return short_list(_in_sight(current, left, _OPEN * needed, tell), _SHORT_LIST, needed=needed)
+    looks: list[Task] = [(_far, (current, left)), (_near, (current, left))]
+    if bent(current):
+        looks.append((from_stated, (current, left)))
+    far, near, *rest = team.work_off(looks, part(tell, 0.0, 0.9))
+    large = rest[0] if rest else ()
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
     chosen = [] if place is None else _swinging(current, far, place)
-    chosen += [_best_place(current, far, s, spot) for s in short_list(far, _SHORT_LIST, forgiving=True)]
-    return (*chosen, *short_list(near, _SHORT_LIST // 2, forgiving=True))
+    tries: list[Task] = [(_best_place, (current, far, s, spot)) for s in short_list(far, _SHORT_LIST, forgiving=True)]
+    chosen += team.work_off(tries, part(tell, 0.9, 1.0))
+    return (*chosen, *large, *short_list(near, _SHORT_LIST // 2, forgiving=True))
+
+
+def _near(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+    """What is in sight from where the calibration stands."""
+    return screen(current, left, tell, slots=_SHORT_LIST - 1)
+
+
+def _far(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+    """What is in sight from a calibration that still forgives misplaced peaks."""
+    return screen(_forgiving(current), left, tell)
 
 
 def _forgiving(current: Fit) -> Fit:
     """The model calibrated again from its stated values, or from where peaks overlap, by a coarse relative error."""
     u, e, stages = np.zeros(current.u.size), current.e, _FORGIVING
-    if np.abs(current.u).max() > _BENT:
+    if bent(current):
         (u, e), stages = rough_start(current.problem, current.hypotheses, current.e), _MORE_FORGIVING
     return fit(current.problem, current.hypotheses, u, e, stages, judged=stages[-1][0])
-
-
-def part(tell: Progress, start: float, stop: float) -> Progress:
-    """Progress of a part of the work."""
-
-    def inner(fraction: float, message: str) -> None:
-        tell(start + (stop - start) * fraction, message)
-
-    return inner
-
-
-def naming(tell: Progress, hypothesis: Hypothesis) -> Progress:
-    """Progress that says which candidate is fitted."""
-    return lambda fraction, message: tell(fraction, f"{message} {hypothesis.name}")
 
 
 def short_list(
@@ -88,13 +89,28 @@ def short_list(
     return tuple(chosen)
 
 
-def second_list(current: Fit, left: Sequence[Hypothesis], needed: float, tell: Progress) -> tuple[Screened, ...]:
-    """Of what is asked for after the others, the few that promise most where the calibration stands."""
-    return short_list(screen(current, left, tell, least_nats=_OPEN * needed), _SHORT_LIST // 2, needed=needed)
+def second_list(
+    current: Fit, left: Sequence[Hypothesis], needed: float, tell: Progress, team: Team = ALONE
+) -> tuple[Screened, ...]:
+    """Of what is asked for after the others, the few that promise most where the calibration stands, or far from it."""
+    looks: list[Task] = [(_in_sight, (current, left, _OPEN * needed))]
+    if bent(current):
+        looks.append((from_stated, (current, left)))
+    near, *rest = team.work_off(looks, tell)
+    return (*(rest[0] if rest else ()), *short_list(near, _SHORT_LIST // 2, needed=needed))
+
+
+def _in_sight(current: Fit, left: Sequence[Hypothesis], least_nats: float, tell: Progress) -> tuple[Screened, ...]:
+    """What could be worth some nats from where the calibration stands."""
+    return screen(current, left, tell, least_nats=least_nats)
 
 
 def _best_place(
-    current: Fit, screened: Sequence[Screened], chosen: Screened, spot: tuple[float, float, float] | None
+    current: Fit,
+    screened: Sequence[Screened],
+    chosen: Screened,
+    spot: tuple[float, float, float] | None,
+    tell: Progress,
 ) -> Screened:
     """The best of a placed effect's variants, by short fits that forgive misplaced peaks, with what they arrived at.
 
@@ -109,7 +125,8 @@ def _best_place(
         x, y, _ = spot
         rest = same[_BEST:]
         tried += sorted(rest, key=lambda s: _distance(s, x, y))[:_NEAREST]
-    for s in tried:
+    for k, s in enumerate(tried):
+        tell(k / len(tried), f"places of {s.hypothesis.name}")
         # Its frequency is what the screen knows best; where it sits, a biased calibration has smeared.
         start = np.concatenate([current.e, s.hypothesis.scores(chosen.values)])
         nothing = np.zeros(current.u.size)

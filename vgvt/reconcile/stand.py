@@ -7,7 +7,8 @@ therefore taken at no size at all, and at a finite size the unknowns are moved a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -20,6 +21,7 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit
+from vgvt.reconcile.scheduled import whole_and_shares
 from vgvt.reconcile.surrogate import Anchor, anchor
 from vgvt.simulation.attached import vanishes
 
@@ -34,13 +36,16 @@ _MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 3.0, 4
 _SQUARED = 3.0
 # No further at once than the linearised matrices carry.
 _LONGEST = 20.0
+# Derivatives that are kept: those that what is looked at closer asks for again.
+_KNOWN = 128
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stand:
     """A fit with the basis (2 N + scores, scores) of what its scores imitate, and its misfit with and without that.
 
-    ``inverse`` (scores, scores) is of the tangent's normal matrix; ``motions`` are what slopes are taken from.
+    ``inverse`` (scores, scores) is of the tangent's normal matrix; ``motions`` are what slopes are taken from,
+    ``known`` the last of these.
     """
 
     fit: Fit
@@ -50,6 +55,7 @@ class Stand:
     misfit: Array
     left: Array
     inverse: Array
+    known: dict[tuple[Any, ...], Array | None] = field(default_factory=dict)
 
     @classmethod
     def of(cls, null: Fit) -> Stand:
@@ -114,6 +120,32 @@ class Stand:
 
     def slope(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> Array | None:
         """Derivative of the misfit vector in a size at its neutral value; None if impossible.
+
+        The last ones are kept, and changes between runs that differ in their course alone have one for all.
+        """
+        key = (hypothesis.cls, repr(sorted(hypothesis.settings.items())), repr(sorted(values.items())), p.name)
+        if key in self.known:
+            return self.known[key]
+        course = whole_and_shares(self.fit.problem, hypothesis, values, p, step_from_neutral(p))
+        if course is None or course[0].settings == hypothesis.settings:
+            found = self._slope(hypothesis, values, p)
+        else:
+            whole = self.slope(course[0], values, p)
+            found = None if whole is None else self._by_run(course[1]) * whole
+        if len(self.known) >= _KNOWN:
+            del self.known[next(iter(self.known))]
+        self.known[key] = found
+        return found
+
+    def _by_run(self, shares: Array) -> Array:
+        """Factors (runs,) for the entries (2 N + scores,) of a change of the misfit vector."""
+        problem = self.fit.problem
+        runs = np.array([c.run for c in problem.measured.channels])[problem.split.train]
+        data = np.repeat(shares[runs], problem.measured.frequency_hz.size)
+        return np.concatenate([data, data, np.ones(self.fit.scores.size)])
+
+    def _slope(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> Array | None:
+        """:meth:`slope`, computed.
 
         A joint more, however stiff, is one coordinate more to answer with: a small step that is there at any size. It
         is taken off, and steps are as long as it takes to be more than that.

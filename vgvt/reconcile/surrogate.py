@@ -183,7 +183,7 @@ def anchor(
         raise NoStructureError("no such structure")
     sides = sides_of(kept, u, hypotheses, scores, groups) if slopes else None
     pulled = pulled_by(kept, u, hypotheses, scores, groups) if slopes else []
-    origin = None if rough or not slopes else origin_near(problem, u, scores, origin)
+    origin = None if rough or not slopes else origin_near(problem, u, scores, origin, hypotheses)
     try:
         known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
         reduced = tuple(

@@ -24,7 +24,13 @@ class SensorPoint:
 
 def sensor_points(scenario: Scenario) -> tuple[SensorPoint, ...]:
     """The points of the grid in its order; what the scenario leaves out is taken from the planform."""
-    return _points(scenario.airframe, scenario.accelerometers.grid)
+    return _points(_planform_of(scenario.airframe), scenario.accelerometers.grid)
+
+
+def _planform_of(airframe: Airframe) -> Airframe:
+    """The airframe with roots as rigid as beams come: where a point is does not hang on how firmly a wing is held."""
+    free = {"root_bending_stiffness_n_m_per_rad": None, "root_torsional_stiffness_n_m_per_rad": None}
+    return airframe.model_copy(update={"beam": tuple(b.model_copy(update=free) for b in airframe.beam)})
 
 
 @lru_cache(maxsize=64)

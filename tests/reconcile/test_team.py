@@ -1,0 +1,105 @@
+"""Work shared with forked helpers: the same results in the same order, and nobody left behind when something fails."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable
+
+import pytest
+
+from vgvt.bench.starting import FORKS
+from vgvt.reconcile.progress import silent
+from vgvt.reconcile.team import ALONE, Team
+
+pytestmark = pytest.mark.skipif(not FORKS, reason="no process is forked here")
+
+Tell = Callable[[float, str], None]
+
+
+class Known:
+    """Something that is not to be copied."""
+
+    def __init__(self) -> None:
+        self.local = lambda: None  # cannot be pickled
+
+
+def who(number: int, tell: Tell) -> tuple[int, int]:
+    for share in (0.2, 0.6):
+        time.sleep(0.05)
+        tell(share, f"task {number}")
+    return number, os.getpid()
+
+
+def handed_back(thing: object, tell: Tell) -> object:
+    time.sleep(0.1)
+    return [thing]
+
+
+def unfit_to_travel(tell: Tell) -> object:
+    time.sleep(0.1)
+    return lambda: None
+
+
+def failing(tell: Tell) -> None:
+    time.sleep(0.1)
+    raise ArithmeticError("no such number")
+
+
+def dying_elsewhere(home: int, tell: Tell) -> int:
+    time.sleep(0.1)
+    if os.getpid() != home:
+        os._exit(9)
+    return os.getpid()
+
+
+def test_two_share_the_work_and_keep_its_order() -> None:
+    with Team(2, ()) as team:
+        found = team.work_off([(who, (k,)) for k in range(5)], silent)
+    assert [k for k, _ in found] == list(range(5))
+    assert len({pid for _, pid in found}) == 2
+    assert {pid for _, pid in ALONE.work_off([(who, (1,)), (who, (2,))], silent)} == {os.getpid()}
+
+
+def test_progress_is_of_all_and_never_falls() -> None:
+    told: list[tuple[float, str]] = []
+    with Team(2, ()) as team:
+        team.work_off([(who, (k,)) for k in range(4)], lambda f, m: told.append((f, m)))
+    shares = [f for f, _ in told]
+    assert shares == sorted(shares)
+    assert {m for _, m in told} == {f"task {k}" for k in range(4)}
+
+
+def test_what_is_shared_is_not_copied() -> None:
+    known, other = Known(), Known()
+    with Team(2, (known, other)) as team:
+        found = team.work_off([(handed_back, (x,)) for x in (known, other, known, other)], silent)
+    assert [x[0] for x in found] == [known, other, known, other]
+
+
+def test_what_cannot_travel_is_done_here() -> None:
+    with Team(2, ()) as team:
+        assert all(callable(f) for f in team.work_off([(unfit_to_travel, ())] * 4, silent))
+        # Not the known one: it cannot be sent either.
+        assert len(team.work_off([(handed_back, (Known(),))] * 3, silent)) == 3
+
+
+def test_an_error_of_a_helper_is_raised_and_the_helper_goes() -> None:
+    with Team(2, ()) as team:
+        with pytest.raises(ArithmeticError, match="no such number"):
+            team.work_off([(who, (1,)), (failing, ())], silent)
+        assert not multiprocessing.active_children()
+        assert [k for k, _ in team.work_off([(who, (k,)) for k in range(3)], silent)] == [0, 1, 2]
+
+
+def test_a_helper_that_dies_leaves_its_task() -> None:
+    with Team(2, ()) as team:
+        found = team.work_off([(dying_elsewhere, (os.getpid(),))] * 4, silent)
+    assert found == [os.getpid()] * 4
+
+
+def test_nobody_stays() -> None:
+    with Team(3, ()) as team:
+        team.work_off([(who, (k,)) for k in range(3)], silent)
+    assert not multiprocessing.active_children()

@@ -1,0 +1,167 @@
+"""Effects too large for any tangent, looked for where the calibration has not been yet: at the stated values.
+
+A root that gives way by a fifth of its wing moves peaks by many widths. Unknowns that had to imitate it stand tens of
+standard deviations away, and nothing that is small there leads back. At the stated values a few sizes of every effect
+are compared by log magnitudes, which have no local minimum at every pair of peaks; the best are brought near by a fit.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.grouping import NoStructureError, effects_at, run_actions
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.level_grid import depends_on_level
+from vgvt.reconcile.progress import Progress, naming, part
+from vgvt.reconcile.rough_start import log_distance, nearest
+from vgvt.reconcile.scan import start_values
+from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.surrogate import anchor
+
+Array = NDArray[np.float64]
+BENT = 10.0
+"""Standard deviations of an unknown from which on a calibration stands for something else."""
+# Of a logarithmic range, and of one about its neutral value: small sizes are in sight of a tangent.
+_LARGE, _EITHER_SIDE = (0.55, 0.75, 0.95), (0.05, 0.3, 0.7, 0.95)
+# Sizes of a joint whose stiffness depends on level, and its other values.
+_BENDING, _HELD = (0.35, 0.6), (0.3, 0.55, 0.8)
+# More sizes than this a coarse look does not afford.
+_MOST_SIZES, _MOST_POINTS = 2, 20
+# An effect that stands out leaves no more than this share of the distance; so many are brought near.
+_STANDS_OUT, _STARTED = 0.6, 4
+# Variants that line searches are made for, of one effect and in all.
+_OF_ONE, _SEARCHED = 3, 10
+_NEARER = ((0.6, 6),)
+# Of the least plausible size: as good as none.
+_HARDLY = 0.1
+
+
+def bent(current: Fit) -> bool:
+    """Whether a calibration had to move something so far that it stands for something else."""
+    return bool(np.abs(current.u).max(initial=0.0) > BENT)
+
+
+def from_stated(current: Fit, hypotheses: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+    """Starts of the effects that come nearest to the data from the stated values, best first, one of each effect.
+
+    Looked at is what acts in all runs alike and has no place: places have their own scan, changes between runs no
+    cause to bend a calibration that all runs share.
+    """
+    plain = _distance(current, (), np.zeros(0))
+    found: list[tuple[float, Hypothesis, Array]] = []
+    for k, hypothesis in enumerate(hypotheses):
+        tell(0.7 * k / len(hypotheses), f"from the stated values {hypothesis.name}")
+        reached = [(_distance(current, (hypothesis,), e), e) for e in _sizes(current, hypothesis)]
+        if reached:
+            best, e = min(reached, key=lambda r: r[0])
+            found.append((best, hypothesis, e))
+    found = sorted((f for f in found if f[0] < _STANDS_OUT * plain), key=lambda f: f[0])
+    return _brought_near(current, _first_of_each(found, _OF_ONE)[:_SEARCHED], part(tell, 0.7, 1.0))
+
+
+def _brought_near(
+    current: Fit, found: Sequence[tuple[float, Hypothesis, Array]], tell: Progress
+) -> tuple[Screened, ...]:
+    """Of each effect the variant that line searches bring nearest, fitted coarsely; the best few, best first."""
+    reached: list[tuple[float, Hypothesis, Array]] = []
+    for k, (_, hypothesis, e) in enumerate(found):
+        tell(0.5 * k / len(found), f"peaks overlap with {hypothesis.name}")
+        try:
+            u, scores, left = nearest(
+                current.problem, (*current.hypotheses, hypothesis), np.concatenate([current.e, e])
+            )
+        except NoStructureError:
+            continue
+        reached.append((left, hypothesis, np.concatenate([u, scores])))
+    reached.sort(key=lambda r: r[0])
+    starts, chosen = [], _first_of_each(reached, 1)[:_STARTED]
+    for k, (_, hypothesis, start) in enumerate(chosen):
+        told = naming(part(tell, 0.5 + 0.5 * k / len(chosen), 0.5 + 0.5 * (k + 1) / len(chosen)), hypothesis)
+        u, scores = np.split(start, [current.u.size])
+        try:
+            near = fit(
+                current.problem, (*current.hypotheses, hypothesis), u, scores, _NEARER, told, judged=_NEARER[-1][0]
+            )
+        except NoStructureError:
+            continue
+        values = {name: value[0] for name, value in near.values(len(current.hypotheses)).items()}
+        known = near.scores[: current.scores.size]
+        starts.append(Screened(hypothesis, values, 0.5 * current.chi2, remaining=near.chi2, start=known))
+    return tuple(sorted(starts, key=lambda s: s.remaining))
+
+
+def _first_of_each(
+    found: Sequence[tuple[float, Hypothesis, Array]], most: int
+) -> list[tuple[float, Hypothesis, Array]]:
+    """The first few of every effect, in their order."""
+    kept: list[tuple[float, Hypothesis, Array]] = []
+    for f in found:
+        if sum(1 for k in kept if k[1].name == f[1].name) < most:
+            kept.append(f)
+    return kept
+
+
+def _sizes(current: Fit, hypothesis: Hypothesis) -> list[Array]:
+    """Scores (parameters,) of some large sizes of an effect; none where it is not looked at."""
+    sizes = [p for p in hypothesis.parameters if p.neutral is not None]
+    if not sizes or len(sizes) > _MOST_SIZES or "x_m" in hypothesis.settings:
+        return []
+    if depends_on_level(current.problem, hypothesis):
+        choices = [_shares(p, _HELD if p.neutral is None else _BENDING) for p in hypothesis.parameters]
+    else:
+        choices = [[float(p.neutral or 0.0), *_shares(p, _LARGE if p.scale == "log" else _EITHER_SIDE)] for p in sizes]
+        rest = start_values(hypothesis)
+        choices = [choices[sizes.index(p)] if p in sizes else [rest[p.name]] for p in hypothesis.parameters]
+    names = [p.name for p in hypothesis.parameters]
+    points = [dict(zip(names, values, strict=True)) for values in itertools.product(*choices)]
+    points = [v for v in points if any(v[p.name] != p.neutral for p in sizes)]
+    if len(points) > _MOST_POINTS or not _holds_for_all_runs(current, hypothesis, points[-1]):
+        return []
+    return [hypothesis.scores(_no_zeros(hypothesis, v)) for v in points]
+
+
+def _no_zeros(hypothesis: Hypothesis, values: dict[str, float]) -> dict[str, float]:
+    """Values that have a logarithm where their scale asks for one: a share of the least plausible size for none."""
+    return {
+        p.name: max(values[p.name], _HARDLY * p.low) if p.scale == "log" else values[p.name]
+        for p in hypothesis.parameters
+    }
+
+
+def _holds_for_all_runs(current: Fit, hypothesis: Hypothesis, values: dict[str, float]) -> bool:
+    """Whether an effect changes the rig, and in all runs alike."""
+    made = effects_at(current.problem, (hypothesis,), hypothesis.scores(_no_zeros(hypothesis, values)))
+    if made is None:
+        return False
+    try:
+        last = [(scenario, a[-1]) for scenario, a in run_actions(current.problem.scenario, made, current.problem)]
+    except ValueError:
+        return False
+    moved = last[0][1].scenario is not None or last[0][1].elements or last[0][1].points
+    first = (last[0][0], last[0][1].elements, last[0][1].points)
+    return bool(moved) and all((scenario, a.elements, a.points) == first for scenario, a in last[1:])
+
+
+def _shares(p: Parameter, shares: Sequence[float]) -> list[float]:
+    """Values at shares of a parameter's range, in its own scale."""
+    if p.scale == "log":
+        return [p.low * math.pow(p.high / p.low, share) for share in shares]
+    return [p.low + share * (p.high - p.low) for share in shares]
+
+
+def _distance(current: Fit, hypotheses: tuple[Hypothesis, ...], e: Array) -> float:
+    """Mean square of log|model/data| with the unknowns as stated; infinite where there is no such aircraft."""
+    problem, scores = current.problem, np.concatenate([current.e, e])
+    u = np.zeros(problem.size)
+    try:
+        here = anchor(problem, u, (*current.hypotheses, *hypotheses), scores, slopes=False)
+        return log_distance(problem, here.predict(u, scores))
+    except NoStructureError:
+        return math.inf
