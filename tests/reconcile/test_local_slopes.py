@@ -59,6 +59,19 @@ def test_where_an_effect_moves_the_masses_too(case: Problem) -> None:
     assert worst(case, imitating(case), (hypothesis,), e) < 0.05
 
 
+def test_where_a_root_gives_way_a_lot_though_no_unknown_has_moved(case: Problem) -> None:
+    """The stated values' slopes are of rigid roots: a winglet's mass then does several times as much."""
+    hypothesis = Hypothesis(available_effects()["root-compliance"], {"side": "both"})
+    e = hypothesis.scores({"bending": 0.2, "torsion": 0.002})
+    assert worst(case, np.zeros(case.size), (hypothesis,), e) < 0.05
+    assert origin_near(case, np.zeros(case.size), e, None, (hypothesis,)) is not None
+    little = hypothesis.scores({"bending": 0.005, "torsion": 0.005})
+    assert origin_near(case, np.zeros(case.size), little, None, (hypothesis,)) is None
+    known = Origin(np.zeros(case.size), e)
+    assert origin_near(case, np.zeros(case.size), e + 0.1, known, (hypothesis,)) is known
+    assert origin_near(case, np.zeros(case.size), e - 0.5, known, (hypothesis,)) is not known
+
+
 def test_slopes_are_taken_anew_only_where_the_last_ones_do_not_serve(case: Problem) -> None:
     count = len(case.unknowns)
     near, far, further = np.zeros(case.size), np.zeros(case.size), np.zeros(case.size)

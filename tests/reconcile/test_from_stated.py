@@ -1,0 +1,52 @@
+"""Effects too large for a tangent, found from the stated values where a calibration has bent itself to imitate them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.from_stated import bent, from_stated
+from vgvt.reconcile.progress import silent
+
+TRUE = 0.2
+NAMES = ("root-compliance", "bend-twist-coupling", "hook-offset", "channel-gain", "run-drift", "local-absorber")
+
+
+@pytest.fixture(scope="module")
+def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """A campaign whose wing roots give way by a fifth of the wing, and the nominal model as it stands."""
+    root = available_effects()["root-compliance"](bending=TRUE, torsion=0.0)
+    case = problem(tmp_path_factory.mktemp("cache"), 1, root)
+    return fit(case, (), np.zeros(case.size), np.zeros(0), ())
+
+
+def test_a_root_that_gives_way_a_lot_comes_first_and_near(calibrated: Fit) -> None:
+    told: list[float] = []
+    hypotheses = candidates(calibrated.problem, {n: available_effects()[n] for n in NAMES})
+    found = from_stated(calibrated, hypotheses, lambda fraction, message: told.append(fraction))
+    assert found[0].hypothesis.name == "root-compliance"
+    assert found[0].hypothesis.settings["side"] == "both"
+    assert found[0].values["bending"] == pytest.approx(TRUE, rel=0.1)
+    # What of the data is left at 60 % allowance: next to nothing, as peaks overlap.
+    assert found[0].remaining < 0.05 * calibrated.points
+    assert len({s.hypothesis.name for s in found}) == len(found)
+    assert told == sorted(told)
+
+
+def test_channels_places_and_changes_between_runs_have_other_ways(calibrated: Fit) -> None:
+    names = ("channel-gain", "run-drift", "local-absorber")
+    hypotheses = candidates(calibrated.problem, {n: available_effects()[n] for n in names})
+    assert from_stated(calibrated, hypotheses, silent) == ()
+
+
+def test_a_calibration_is_bent_where_an_unknown_is_far_off(calibrated: Fit) -> None:
+    assert not bent(calibrated)
+    u = calibrated.u.copy()
+    u[0] = -11.0
+    assert bent(replace(calibrated, u=u))
