@@ -30,7 +30,8 @@ def _plain(problem: Problem, packed: bytes) -> ComplexArray:
     gain = _signs(problem)
     corners = {"corner force": scenario.transducer.high_pass_hz, "corner sensors": scenario.accelerometers.high_pass_hz}
     for nuisance, u in zip(problem.nuisances, scores, strict=True):
-        factor = float(np.exp(nuisance.sd * u))
+        with np.errstate(over="ignore"):  # a trial step may go anywhere: it is refused for what it predicts
+            factor = float(np.exp(nuisance.sd * u))
         if nuisance.kind == "gain":
             gain = gain * np.where(nuisance.rows, factor, 1.0)
         else:

@@ -35,9 +35,9 @@ _BENDING, _HELD = (0.35, 0.6), (0.3, 0.55, 0.8)
 # More sizes than this a coarse look does not afford.
 _MOST_SIZES, _MOST_POINTS = 2, 20
 # An effect that stands out leaves no more than this share of the distance; so many are brought near.
-_STANDS_OUT, _STARTED = 0.6, 4
+_STANDS_OUT, _STARTED = 0.8, 4
 # Variants that line searches are made for, of one effect and in all.
-_OF_ONE, _SEARCHED = 3, 10
+_OF_ONE, _SEARCHED = 3, 12
 _NEARER = ((0.6, 6),)
 # Of the least plausible size: as good as none.
 _HARDLY = 0.1

@@ -162,7 +162,9 @@ def shown_stiffness(matrices: Matrices, joints: Joints, pushes: Pushes) -> Compl
     flexible = _flexible(here, joints.rows, joints.rows, joints.between)
     pushed = scipy.fft.rfft(pushes.samples, axis=1)[:, pushes.lines]
     motion = pushed[:, None, :] * linear.T - np.einsum("lij,rjl->ril", flexible, force)
-    return np.asarray(force / np.where(motion == 0, 1.0, motion))
+    # Not finite where a march ran away.
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(force / np.where(motion == 0, 1.0, motion))
 
 
 def level_accelerances(

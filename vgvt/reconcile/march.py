@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _SMALL = 1e-3
+# Steps after which it is asked whether a march has run away.
+_LOOKED_AFTER = 500
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,19 +57,24 @@ def marched(linear: Array, memory: Memory, laws: Sequence[Sequence[Law]], step_s
     reaction = np.zeros((count, runs, joints))
     state = np.zeros((runs, memory.poles.size), dtype=complex)
     x, g, spring = np.zeros((runs, joints)), np.zeros((runs, joints)), np.zeros((runs, joints))
-    for n in range(1, count):
-        state = state * grown + g @ pushed
-        free = moved[n] - (state @ out).real - g @ across
-        if rubbing:
-            # Sticking first: what would it take to hold the joint where it was?
-            needed = (free - x) / own - spring
-            rubbed = np.minimum(np.maximum(needed, -law.friction), law.friction)
-            spring = law.spring(free - own * rubbed)
-            g = rubbed + spring
-            x = np.where(rubbed == needed, x, free - own * g)
-        else:
-            g = law.spring(free)
-        reaction[n] = g
+    # What a trial step of a fit makes of a joint may run away: that is said by values, not by a warning.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for n in range(1, count):
+            if n % _LOOKED_AFTER == 0 and not np.isfinite(g).all():
+                reaction[n:] = np.nan
+                break
+            state = state * grown + g @ pushed
+            free = moved[n] - (state @ out).real - g @ across
+            if rubbing:
+                # Sticking first: what would it take to hold the joint where it was?
+                needed = (free - x) / own - spring
+                rubbed = np.minimum(np.maximum(needed, -law.friction), law.friction)
+                spring = law.spring(free - own * rubbed)
+                g = rubbed + spring
+                x = np.where(rubbed == needed, x, free - own * g)
+            else:
+                g = law.spring(free)
+            reaction[n] = g
     if rubbing:
         # A force that is constant in every step is, at its ends, the mean of two.
         reaction[:-1] = (reaction[:-1] + reaction[1:]) / 2

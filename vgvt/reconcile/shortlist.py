@@ -12,6 +12,7 @@ from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.from_stated import bent, from_stated
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.level_grid import depends_on_level
 from vgvt.reconcile.localise import Place, localise
 from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual
@@ -34,7 +35,7 @@ _OPEN, _SETTLED = 0.25, 0.75
 def shortened(
     current: Fit, left: Sequence[Hypothesis], before: Residual, needed: float, tell: Progress, team: Team = ALONE
 ) -> tuple[Screened, ...]:
-    """The short list of a round. Where much is left, half of it from a stand that still forgives misplaced peaks.
+    """The short list of a round. Where much is left, some of it from a stand that still forgives misplaced peaks.
 
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
@@ -43,7 +44,9 @@ def shortened(
         return short_list(_in_sight(current, left, _OPEN * needed, tell), _SHORT_LIST, needed=needed)
     looks: list[Task] = [(_far, (current, left)), (_near, (current, left))]
     if bent(current):
-        looks.append((from_stated, (current, left)))
+        # What a joint whose stiffness depends on level does there, beside unknowns that imitate it, says nothing.
+        straight = [h for h in left if not depends_on_level(current.problem, h)]
+        looks = [(_far, (current, straight)), (_near, (current, straight)), (from_stated, (current, left))]
     far, near, *rest = team.work_off(looks, part(tell, 0.0, 0.9))
     large = rest[0] if rest else ()
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
@@ -93,11 +96,14 @@ def second_list(
     current: Fit, left: Sequence[Hypothesis], needed: float, tell: Progress, team: Team = ALONE
 ) -> tuple[Screened, ...]:
     """Of what is asked for after the others, the few that promise most where the calibration stands, or far from it."""
-    looks: list[Task] = [(_in_sight, (current, left, _OPEN * needed))]
+    sight = [h for h in left if not (bent(current) and depends_on_level(current.problem, h))]
+    looks: list[Task] = [(_in_sight, (current, sight, _OPEN * needed))] if sight else []
     if bent(current):
         looks.append((from_stated, (current, left)))
-    near, *rest = team.work_off(looks, tell)
-    return (*(rest[0] if rest else ()), *short_list(near, _SHORT_LIST // 2, needed=needed))
+    found = team.work_off(looks, tell)
+    near = found[0] if sight else ()
+    large = found[-1] if bent(current) else ()
+    return (*large, *short_list(near, _SHORT_LIST // 2, needed=needed))
 
 
 def _in_sight(current: Fit, left: Sequence[Hypothesis], least_nats: float, tell: Progress) -> tuple[Screened, ...]:

@@ -287,7 +287,8 @@ class Stand:
         except NoStructureError:
             return np.inf, np.zeros(self.fit.points)
         misfit = data_misfit(self.fit.problem, predicted, self.fit.sigma)
-        return float(misfit @ misfit + scores @ scores), misfit
+        with np.errstate(over="ignore"):  # infinitely bad is no worse
+            return float(misfit @ misfit + scores @ scores), misfit
 
 
 def _beyond_a_joint(
