@@ -34,12 +34,22 @@ def who(number: int, tell: Tell) -> tuple[int, int]:
 
 def handed_back(thing: object, tell: Tell) -> object:
     time.sleep(0.1)
+    AT_HOME.append(os.getpid())
     return [thing]
 
 
 def unfit_to_travel(tell: Tell) -> object:
     time.sleep(0.1)
     return lambda: None
+
+
+AT_HOME: list[int] = []  # every process has its own
+
+
+def slow(tell: Tell) -> None:
+    for k in range(60):
+        time.sleep(0.02)
+        tell(k / 60, "slow")
 
 
 def failing(tell: Tell) -> None:
@@ -60,6 +70,15 @@ def test_two_share_the_work_and_keep_its_order() -> None:
     assert [k for k, _ in found] == list(range(5))
     assert len({pid for _, pid in found}) == 2
     assert {pid for _, pid in ALONE.work_off([(who, (1,)), (who, (2,))], silent)} == {os.getpid()}
+
+
+def test_whoever_is_done_takes_the_next() -> None:
+    """While this process is at its first task, a helper does the rest, if that is soon done."""
+    AT_HOME.clear()
+    with Team(2, ()) as team:
+        found = team.work_off([(slow, ()), *[(handed_back, (k,)) for k in range(3)]], silent)
+    assert found[1:] == [[0], [1], [2]]
+    assert AT_HOME == []
 
 
 def test_progress_is_of_all_and_never_falls() -> None:

@@ -70,9 +70,9 @@ class _Round:
         self._shares = [0.0] * len(tasks)
 
     def done(self) -> list[Any]:
-        self._send()
         while self._left or self._here:
             k = self._here.popleft() if self._here else self._left.popleft()
+            self._send()
             function, arguments = self._tasks[k]
             self._results[k] = function(*arguments, lambda f, m, k=k: self._told(k, f, m))
             self._shares[k] = 1.0
@@ -91,10 +91,10 @@ class _Round:
         self._hear(0.0)
 
     def _send(self) -> None:
-        """Give every idle helper a task, while there is more than the one that is done here."""
+        """Give every idle helper a task."""
         busy = {id(helper) for helper, _ in self._busy.values()}
         for helper in [h for h in self._helpers if id(h) not in busy]:
-            if len(self._left) < 2:
+            if not self._left:
                 return
             k = self._left.pop()
             try:
