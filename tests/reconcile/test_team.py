@@ -27,7 +27,7 @@ class Known:
 
 def who(number: int, tell: Tell) -> tuple[int, int]:
     for share in (0.2, 0.6):
-        time.sleep(0.05)
+        time.sleep(0.3)
         tell(share, f"task {number}")
     return number, os.getpid()
 
@@ -116,6 +116,25 @@ def test_a_helper_that_dies_leaves_its_task() -> None:
     with Team(2, ()) as team:
         found = team.work_off([(dying_elsewhere, (os.getpid(),))] * 4, silent)
     assert found == [os.getpid()] * 4
+
+
+def chatting(words: int, tell: Tell) -> float:
+    """Seconds that it took to say a lot."""
+    started = time.monotonic()
+    for k in range(words):
+        tell(k / words, "much ado " * 20)
+    return time.monotonic() - started
+
+
+def silent_for_long(tell: Tell) -> float:
+    time.sleep(1.5)
+    return 0.0
+
+
+def test_a_helper_that_has_much_to_say_does_not_wait_for_a_listener() -> None:
+    with Team(2, ()) as team:
+        _, took = team.work_off([(silent_for_long, ()), (chatting, (5000,))], silent)
+    assert took < 0.7
 
 
 def test_nobody_stays() -> None:

@@ -10,6 +10,7 @@ import io
 import multiprocessing
 import pickle
 import signal
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection, wait
@@ -18,6 +19,8 @@ from typing import Any, Self
 
 from vgvt.bench.starting import FORKS
 from vgvt.reconcile.progress import Progress
+
+_SELDOM_S = 0.25
 
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
 
@@ -108,29 +111,36 @@ class _Round:
                 self._busy[helper.pipe] = (helper, k)
 
     def _hear(self, patience_s: float | None) -> None:
-        """Take in what helpers say; with None wait until one does."""
-        for pipe in wait(list(self._busy), patience_s):
-            assert isinstance(pipe, Connection)
-            helper, k = self._busy[pipe]
-            try:
-                kind, value = _unpacked(pipe.recv_bytes(), self._shared)
-            except (EOFError, OSError):
-                # A helper that died, of memory as a rule, has its task done here.
-                del self._busy[pipe]
-                self._helpers.remove(helper)
-                self._here.append(k)
-                continue
-            if kind == "told":
-                self._shares[k] = value[0]
-                self._tell(sum(self._shares) / len(self._shares), value[1])
-                continue
+        """Take in all that helpers have said; with None wait until one says something."""
+        ready = wait(list(self._busy), patience_s)
+        while ready:
+            for pipe in ready:
+                assert isinstance(pipe, Connection)
+                self._take(pipe)
+            ready = wait(list(self._busy), 0.0)
+
+    def _take(self, pipe: Connection) -> None:
+        """One message, and another task for whoever is done with one."""
+        helper, k = self._busy[pipe]
+        try:
+            kind, value = _unpacked(pipe.recv_bytes(), self._shared)
+        except (EOFError, OSError):
+            # A helper that died, of memory as a rule, has its task done here.
             del self._busy[pipe]
-            if kind == "error":
-                raise value
-            if kind == "done":
-                self._results[k], self._shares[k] = value, 1.0
-            else:
-                self._here.append(k)
+            self._helpers.remove(helper)
+            self._here.append(k)
+            return
+        if kind == "told":
+            self._shares[k] = value[0]
+            self._tell(sum(self._shares) / len(self._shares), value[1])
+            return
+        del self._busy[pipe]
+        if kind == "error":
+            raise value
+        if kind == "done":
+            self._results[k], self._shares[k] = value, 1.0
+        else:
+            self._here.append(k)
         self._send()
 
 
@@ -156,12 +166,17 @@ def _help(pipe: Connection, others_end: Connection, shared: tuple[object, ...]) 
     # Ctrl-C is for the process that was started: it dismisses its helpers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     others_end.close()
+    last = 0.0
     try:
         while True:
             function, arguments = _unpacked(pipe.recv_bytes(), shared)
 
             def tell(fraction: float, message: str) -> None:
-                pipe.send_bytes(_packed(("told", (fraction, message)), shared))
+                # Whoever reads this is busy: a pipe full of it would stop the work.
+                nonlocal last
+                if time.monotonic() - last > _SELDOM_S:
+                    last = time.monotonic()
+                    pipe.send_bytes(_packed(("told", (fraction, message)), shared))
 
             try:
                 answer: tuple[str, Any] = ("done", function(*arguments, tell))
