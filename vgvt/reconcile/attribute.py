@@ -247,7 +247,9 @@ def _fit_all(
         screened = [s for s in screened if s.hypothesis in last]
     tell, anew = part(tell, 0.0, 0.8), part(tell, 0.8, 1.0)
     found: list[Fit] = []
-    waves = [chosen[:_AT_LEAST], *(chosen[k : k + _AT_ONCE] for k in range(_AT_LEAST, len(chosen), _AT_ONCE))]
+    # Of finalists none is left out for another one's sake: they are fitted together.
+    first = _AT_LEAST if near else FINALISTS
+    waves = [chosen[:first], *(chosen[k : k + _AT_ONCE] for k in range(first, len(chosen), _AT_ONCE))]
     for k, wave in enumerate(waves):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
         enough = len(found) >= _AT_LEAST and best > 0.4 * current.chi2

@@ -46,7 +46,10 @@ def shortened(
     if bent(current):
         # What a joint whose stiffness depends on level does there, beside unknowns that imitate it, says nothing.
         straight = [h for h in left if not depends_on_level(current.problem, h)]
-        looks = [(_far, (current, straight)), (_near, (current, straight)), (from_stated, (current, left))]
+        looks = [(_far, (current, straight)), (_near, (current, straight))]
+        if not current.hypotheses:
+            # What is as large as that stands out before anything has a name.
+            looks.append((from_stated, (current, left)))
     far, near, *rest = team.work_off(looks, part(tell, 0.0, 0.9))
     large = rest[0] if rest else ()
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
@@ -98,11 +101,12 @@ def second_list(
     """Of what is asked for after the others, the few that promise most where the calibration stands, or far from it."""
     sight = [h for h in left if not (bent(current) and depends_on_level(current.problem, h))]
     looks: list[Task] = [(_in_sight, (current, sight, _OPEN * needed))] if sight else []
-    if bent(current):
+    asked = bent(current) and not current.hypotheses
+    if asked:
         looks.append((from_stated, (current, left)))
     found = team.work_off(looks, tell)
     near = found[0] if sight else ()
-    large = found[-1] if bent(current) else ()
+    large = found[-1] if asked else ()
     return (*large, *short_list(near, _SHORT_LIST // 2, needed=needed))
 
 
