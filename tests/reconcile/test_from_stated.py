@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 from reconciled_case import problem
 
+from vgvt.bench.starting import FORKS
 from vgvt.effects import available_effects
+from vgvt.reconcile.candidate_fits import finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.from_stated import bent, from_stated
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import silent
+from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.team import Team
 
 TRUE = 0.2
 NAMES = ("root-compliance", "bend-twist-coupling", "hook-offset", "channel-gain", "run-drift", "local-absorber")
@@ -26,10 +31,27 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     return fit(case, (), np.zeros(case.size), np.zeros(0), ())
 
 
-def test_a_root_that_gives_way_a_lot_comes_first_and_near(calibrated: Fit) -> None:
-    told: list[float] = []
-    hypotheses = candidates(calibrated.problem, {n: available_effects()[n] for n in NAMES})
-    found = from_stated(calibrated, hypotheses, lambda fraction, message: told.append(fraction))
+@pytest.fixture(scope="module")
+def offered(calibrated: Fit) -> tuple[Hypothesis, ...]:
+    """Every variant of a few effects."""
+    return candidates(calibrated.problem, {n: available_effects()[n] for n in NAMES})
+
+
+@pytest.fixture(scope="module")
+def told() -> list[float]:
+    """What progress there was."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def found(calibrated: Fit, offered: tuple[Hypothesis, ...], told: list[float]) -> tuple[Screened, ...]:
+    """The starts from the stated values."""
+    return from_stated(calibrated, offered, lambda fraction, message: told.append(fraction))
+
+
+def test_a_root_that_gives_way_a_lot_comes_first_and_near(
+    calibrated: Fit, found: tuple[Screened, ...], told: list[float]
+) -> None:
     assert found[0].hypothesis.name == "root-compliance"
     assert found[0].hypothesis.settings["side"] == "both"
     assert found[0].values["bending"] == pytest.approx(TRUE, rel=0.1)
@@ -37,6 +59,21 @@ def test_a_root_that_gives_way_a_lot_comes_first_and_near(calibrated: Fit) -> No
     assert found[0].remaining < 0.05 * calibrated.points
     assert len({s.hypothesis.name for s in found}) == len(found)
     assert told == sorted(told)
+
+
+@pytest.mark.skipif(not FORKS, reason="no process is forked here")
+def test_helpers_change_nothing_of_what_is_found(
+    calibrated: Fit, offered: tuple[Hypothesis, ...], found: tuple[Screened, ...]
+) -> None:
+    assert len(found) > 1
+    alone = finalists(calibrated, found, silent)
+    with Team(2, (calibrated.problem, *offered)) as team:
+        shared = finalists(calibrated, found, silent, team)
+    assert [s.values for s in shared] == [s.values for s in alone]
+    assert [s.hypothesis for s in shared] == [s.hypothesis for s in alone]
+    for one, other in zip(shared, alone, strict=True):
+        assert one.start is not None and other.start is not None
+        assert np.array_equal(one.start, other.start)
 
 
 def test_channels_places_and_changes_between_runs_have_other_ways(calibrated: Fit) -> None:
