@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from reconciled_case import problem
 
-from vgvt.bench.starting import FORKS
 from vgvt.effects import available_effects
 from vgvt.reconcile.candidate_fits import finalists
 from vgvt.reconcile.candidates import candidates
@@ -17,7 +16,7 @@ from vgvt.reconcile.from_stated import bent, from_stated
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import silent
 from vgvt.reconcile.screen import Screened
-from vgvt.reconcile.team import Team
+from vgvt.reconcile.team import FORKS, Team
 
 TRUE = 0.2
 NAMES = ("root-compliance", "bend-twist-coupling", "hook-offset", "channel-gain", "run-drift", "local-absorber")

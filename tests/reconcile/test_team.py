@@ -9,9 +9,8 @@ from collections.abc import Callable
 
 import pytest
 
-from vgvt.bench.starting import FORKS
 from vgvt.reconcile.progress import silent
-from vgvt.reconcile.team import ALONE, Team
+from vgvt.reconcile.team import ALONE, FORKS, Team
 
 pytestmark = pytest.mark.skipif(not FORKS, reason="no process is forked here")
 

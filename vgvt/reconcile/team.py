@@ -10,16 +10,19 @@ import io
 import multiprocessing
 import pickle
 import signal
+import sys
 import time
+import warnings
 from collections import deque
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection, wait
 from types import TracebackType
 from typing import Any, Self
 
-from vgvt.bench.starting import FORKS
 from vgvt.reconcile.progress import Progress
 
+FORKS = sys.platform.startswith("linux")
+"""Whether a process that has loaded numpy may be forked here."""
 _SELDOM_S = 0.25
 
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
@@ -76,17 +79,18 @@ class _Round:
         while self._left or self._here:
             k = self._here.popleft() if self._here else self._left.popleft()
             self._send()
-            function, arguments = self._tasks[k]
-            self._results[k] = function(*arguments, lambda f, m, k=k: self._told(k, f, m))
-            self._shares[k] = 1.0
+            self._do(k)
             self._hear(0.0)
         while self._busy:
             self._hear(None)
             while self._here:
-                k = self._here.popleft()
-                function, arguments = self._tasks[k]
-                self._results[k] = function(*arguments, lambda f, m, k=k: self._told(k, f, m))
+                self._do(self._here.popleft())
         return [self._results[k] for k in range(len(self._tasks))]
+
+    def _do(self, k: int) -> None:
+        function, arguments = self._tasks[k]
+        self._results[k] = function(*arguments, lambda fraction, message: self._told(k, fraction, message))
+        self._shares[k] = 1.0
 
     def _told(self, k: int, fraction: float, message: str) -> None:
         self._shares[k] = fraction
@@ -151,7 +155,10 @@ class _Helper:
         context = multiprocessing.get_context("fork")
         self.pipe, other = context.Pipe()
         self._process = context.Process(target=_help, args=(other, self.pipe, shared), daemon=True)
-        self._process.start()
+        with warnings.catch_warnings():
+            # Where a terminal's progress has a thread of its own, Python 3.12 warns of its locks: helpers draw nothing.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self._process.start()
         other.close()
 
     def dismiss(self) -> None:
