@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data import InputError
 from vgvt.effects.action import Action
 from vgvt.effects.parameter import Parameter
 from vgvt.effects.run_schedule import Shape, progress
@@ -52,7 +53,10 @@ def whole_and_shares(
 
 def _action(problem: Problem, hypothesis: Hypothesis, values: dict[str, float], run: int) -> Action | None:
     effect = hypothesis.effect(values)
-    return None if effect is None else effect.act(problem.scenario, run)
+    try:
+        return None if effect is None else effect.act(problem.scenario, run)
+    except (InputError, ValueError):
+        return None
 
 
 def _alike(one: Action, other: Action) -> bool:
