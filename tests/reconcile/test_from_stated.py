@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
+from vgvt.reconcile import shortlist
 from vgvt.reconcile.candidate_fits import finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, fit
@@ -86,3 +89,32 @@ def test_a_calibration_is_bent_where_an_unknown_is_far_off(calibrated: Fit) -> N
     u = calibrated.u.copy()
     u[0] = -11.0
     assert bent(replace(calibrated, u=u))
+
+
+@pytest.mark.parametrize(("far_off", "named", "asked"), [(20.0, False, True), (5.0, False, False), (20.0, True, False)])
+def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
+    calibrated: Fit, monkeypatch: pytest.MonkeyPatch, far_off: float, named: bool, asked: bool
+) -> None:
+    """Joints with a law of their own are then asked for there alone: beside bent unknowns they are no use."""
+    soft, stiffening = (Hypothesis(available_effects()[n]) for n in ("root-compliance", "cubic-root-stiffness"))
+    u = np.zeros(calibrated.u.size)
+    u[0] = far_off
+    current = replace(calibrated, u=u, hypotheses=(soft,) if named else ())
+    large, screened = Screened(soft, {"bending": TRUE}, 1.0), list[list[str]]()
+
+    def looked(at: Fit, left: tuple[Hypothesis, ...], tell: object, **more: object) -> tuple[Screened, ...]:
+        screened.append([h.name for h in left])
+        return ()
+
+    monkeypatch.setattr(shortlist, "screen", looked)
+    monkeypatch.setattr(shortlist, "_forgiving", lambda at: at)
+    monkeypatch.setattr(shortlist, "localise", lambda at: SimpleNamespace(places=()))
+    monkeypatch.setattr(shortlist, "from_stated", lambda at, left, tell: (large,))
+    before: Any = SimpleNamespace(train_chi2_per_dof=30.0)
+    chosen = shortlist.shortened(current, (soft, stiffening), before, 9.0, silent)
+    assert (large in chosen) == asked
+    wanted = [soft.name] if far_off > 10 else [soft.name, stiffening.name]
+    assert screened == [wanted, wanted]
+    screened.clear()
+    assert (large in shortlist.second_list(current, (soft, stiffening), 9.0, silent)) == asked
+    assert screened == [wanted]
