@@ -106,3 +106,21 @@ def test_a_filtered_channel_is_part_of_the_slope(null: Fit) -> None:
     shown = (null.predicted / problem_.measured.sigma)[problem_.split.train]
     wanted = np.sqrt(2) * np.concatenate([shown.real.ravel(), shown.imag.ravel()])
     assert np.linalg.norm(slope[: wanted.size] - wanted) < 0.05 * np.linalg.norm(wanted)
+
+
+def test_what_a_scan_shares_is_not_taken_for_what_it_does_not(case: Problem) -> None:
+    """Products of the last change are used again where a block is the same, and made anew where it is another."""
+    stated = np.zeros(case.size)
+    here = anchor(case, stated, slopes=False)
+    kept = FirstOrder.of(here)
+    assert kept is not None
+    for mass_kg, place, frequency_hz in ((1e-4, 1.1, 9.0), (1e-4, 1.1, 12.0), (2e-4, 1.1, 12.0), (2e-4, -0.6, 12.0)):
+        settings = {"x_m": 0.9, "y_m": place, "frequency_hz": frequency_hz, "mass_kg": mass_kg, "damping_ratio": 0.02}
+        added = (Hypothesis(available_effects()["local-absorber"], settings),)
+        there = anchor(case, stated, added, NOTHING, slopes=False, beside=here.assembled).assembled
+        alone = FirstOrder.of(here)
+        assert alone is not None
+        found, wanted = kept.change(there), alone.change(there)
+        assert found is not None and wanted is not None
+        assert np.array_equal(found, wanted)
+        assert np.abs(found).max() > 0

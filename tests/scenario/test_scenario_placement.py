@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from vgvt.data import InputError
 from vgvt.scenario import Airframe, Beam, Body, Item, Suspension, bundled_scenarios, load_scenario
 from vgvt.scenario.placement import BOX_MARGIN, LEAST_BOX_MARGIN_M, aircraft_box_m, placement_problems
+from vgvt.scenario.points import sensor_points
 
 _LENGTH_M = 1.2
 _HEAD = 'extends = "quick"\nname = "mine"\nsummary = "A trial."\n'
@@ -129,3 +130,12 @@ def test_nothing_is_placed_on_an_airframe_that_is_wrong_itself(tmp_path: Path) -
     with pytest.raises(InputError) as caught:
         load_scenario(file)
     assert caught.value.where.endswith("airframe.body.mass_kg")
+
+
+def test_points_stay_where_they_are_however_a_wing_is_held() -> None:
+    """Thousands of candidates free a root: none of them has the planform searched again."""
+    rigid = load_scenario("quick")
+    wing = rigid.airframe.beam[0].model_copy(update={"root_bending_stiffness_n_m_per_rad": 2000.0})
+    airframe = rigid.airframe.model_copy(update={"beam": (wing, *rigid.airframe.beam[1:])})
+    loose = rigid.model_copy(update={"airframe": airframe})
+    assert sensor_points(loose) is sensor_points(rigid)
