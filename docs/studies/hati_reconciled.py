@@ -49,7 +49,7 @@ from vgvt.scenario.streams import named_stream
 RAW = "hati-2015-09-24"
 FOLDER = PAGES.parent / "_build" / "hati-reconciled"
 FINE_FLOOR = 0.004
-JOBS = 2
+WORKERS = 2
 SPLITS = ("odd runs", "even runs", "forward row", "aft row", "right wing", "left wing")
 """What is fitted in each of the further hold-outs; the other half is judged."""
 Document = dict[str, Any]
@@ -95,7 +95,7 @@ def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any
     def tell(fraction: float, message: str, left: float | None) -> None:
         print(f"{stage} {time.strftime('%H:%M:%S')} {fraction:.0%} {message}", flush=True)  # noqa: T201
 
-    verdict = reconcile(campaign, scenario, folder=FOLDER / stage, jobs=JOBS, progress=tell, **choices)
+    verdict = reconcile(campaign, scenario, folder=FOLDER / stage, workers=WORKERS, progress=tell, **choices)
     found = verdict.attribution
     document = verdict.document() | {
         "core": CORE,

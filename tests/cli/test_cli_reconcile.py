@@ -251,11 +251,11 @@ def test_only_and_without_choose_the_hypotheses(vgvt, tmp_path: Path, beam: Path
 
 def test_how_many_share_the_work_changes_no_question(vgvt, tmp_path: Path, beam: Path, loops) -> None:
     arguments = ("reconcile", written(tmp_path, measured()), "--scenario", beam, "--out", "found", "--json")
-    vgvt(*arguments, "--jobs", 3)
+    vgvt(*arguments, "--workers", 3)
     vgvt(*arguments)
-    assert [done["jobs"] for done in loops] == [3]
+    assert [done["workers"] for done in loops] == [3]
     vgvt(*arguments, "--force")
-    assert 1 <= loops[1]["jobs"] <= 4
+    assert 1 <= loops[1]["workers"] <= 4
 
 
 def test_ctrl_c_keeps_the_former_answer(vgvt, tmp_path: Path, beam: Path, loops, monkeypatch) -> None:

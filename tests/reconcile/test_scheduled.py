@@ -7,6 +7,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
+from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
@@ -76,9 +77,9 @@ def test_one_whole_serves_all_courses(stand: Stand, monkeypatch: pytest.MonkeyPa
     asked: list[str] = []
     plain = Stand._slope
 
-    def counted(self: Stand, hypothesis: Hypothesis, values: dict[str, float], p: object) -> object:
+    def counted(self: Stand, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> object:
         asked.append(hypothesis.label)
-        return plain(self, hypothesis, values, p)  # type: ignore[arg-type]
+        return plain(self, hypothesis, values, p)
 
     monkeypatch.setattr(Stand, "_slope", counted)
     stand.known.clear()

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
+from vgvt.data import InputError
 from vgvt.reconcile.progress import silent
 from vgvt.reconcile.team import ALONE, FORKS, Team
 
@@ -52,8 +56,9 @@ def slow(tell: Tell) -> None:
 
 
 def failing(tell: Tell) -> None:
+    """With an error that cannot travel: it is made of more than its message."""
     time.sleep(0.1)
-    raise ArithmeticError("no such number")
+    raise InputError("effect", "there is no such number", "write another one")
 
 
 def dying_elsewhere(home: int, tell: Tell) -> int:
@@ -103,9 +108,9 @@ def test_what_cannot_travel_is_done_here() -> None:
         assert len(team.work_off([(handed_back, (Known(),))] * 3, silent)) == 3
 
 
-def test_an_error_of_a_helper_is_raised_and_the_helper_goes() -> None:
+def test_an_error_of_a_helper_is_the_error_that_there_would_be_without_and_the_helper_goes() -> None:
     with Team(2, ()) as team:
-        with pytest.raises(ArithmeticError, match="no such number"):
+        with pytest.raises(InputError, match="no such number"):
             team.work_off([(who, (1,)), (failing, ())], silent)
         assert not multiprocessing.active_children()
         assert [k for k, _ in team.work_off([(who, (k,)) for k in range(3)], silent)] == [0, 1, 2]
@@ -140,3 +145,29 @@ def test_nobody_stays() -> None:
     with Team(3, ()) as team:
         team.work_off([(who, (k,)) for k in range(3)], silent)
     assert not multiprocessing.active_children()
+
+
+def test_helpers_of_a_process_that_was_killed_end_too(tmp_path: Path) -> None:
+    """Each inherits the pipes to those before it: they end one after the other."""
+    code = (
+        "import os, pathlib, signal, sys, time\n"
+        "from vgvt.reconcile.team import Team\n"
+        "team = Team(4, ())\n"
+        "pathlib.Path(sys.argv[1]).write_text(' '.join(str(h._process.pid) for h in team._helpers))\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "helpers")], check=False)
+    helpers = [Path("/proc") / pid for pid in (tmp_path / "helpers").read_text(encoding="utf-8").split()]
+    assert len(helpers) == 3
+    until = time.monotonic() + 10
+    while any(_runs(h) for h in helpers) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not any(_runs(h) for h in helpers)
+
+
+def _runs(process: Path) -> bool:
+    """Whether a process is there and not merely waiting to be counted."""
+    try:
+        return ") Z " not in (process / "stat").read_text(encoding="utf-8")
+    except OSError:
+        return False

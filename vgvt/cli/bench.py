@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -136,9 +135,9 @@ def _plan(
 def executor_for(workers: int | None, cluster: str | None) -> MakeExecutor | None:
     """Where cells are worked off: a Dask cluster, a pool of so many processes, or here."""
     from vgvt.bench.executors import dask_cluster, process_pool
+    from vgvt.cli.cores import available_cores
 
-    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    count = count if workers is None else workers
+    count = available_cores() if workers is None else workers
     if cluster is not None:
         return dask_cluster(cluster, max(count, 1))
     return process_pool(count) if count > 1 else None

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from vgvt.cli.console import show
+from vgvt.cli.cores import available_cores
 from vgvt.cli.document import write_document
 from vgvt.cli.options import JsonOption
 
@@ -131,7 +132,7 @@ def _packages() -> list[Finding]:
 
 
 def _threads() -> list[Finding]:
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    cores = available_cores()
     pins = {name: os.environ.get(name, "unset") for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
     detail = f"{cores} cores; " + ", ".join(f"{name}={value}" for name, value in pins.items())
     if any(value != "1" for value in pins.values()):

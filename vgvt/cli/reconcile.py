@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -56,9 +55,7 @@ def reconcile(
     power: Annotated[
         bool, typer.Option("--power", help="Say how small each effect could be and still be seen.")
     ] = False,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes that share the work. Default: one a core, at most four.")
-    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes. Default: one a core, at most four.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Do it again where the answer is there already.")] = False,
     as_json: JsonOption = False,
 ) -> int:
@@ -94,7 +91,7 @@ def reconcile(
     fingerprint = fingerprint_of(measured, believed, options)
     document = None if force else folder.answer(fingerprint)
     if document is None:
-        document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(jobs))
+        document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(workers))
     else:
         log(f"took the verdict that {folder.path} already holds; --force does it again")
     if as_json:
@@ -105,9 +102,10 @@ def reconcile(
 
 
 def _processes(asked: int | None) -> int:
-    """How many processes share the work: as many as there are cores, where nobody asked, and as there are tasks."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(cores, _MOST_PROCESSES) if asked is None else asked
+    """How many processes share the work: where nobody asked one a core, and no more than a round has work for."""
+    from vgvt.cli.cores import available_cores
+
+    return min(available_cores(), _MOST_PROCESSES) if asked is None else asked
 
 
 def chosen_effects(only: list[str], without: list[str]) -> dict[str, type]:
@@ -135,7 +133,7 @@ def _reconciled(
     lines: int,
     with_power: bool,
     fingerprint: str,
-    jobs: int,
+    workers: int,
 ) -> dict[str, Any]:
     """Reconcile and write the three files; the verdict, which makes the folder an answer, last."""
     from vgvt.files.atomically import replacing
@@ -148,7 +146,7 @@ def _reconciled(
     with _kept_on_interrupt(folder), progress(f"reconcile {campaign.name}") as report:
         share = 1.0 - _POWER_SHARE
         verdict = close_the_loop(
-            campaign, scenario, effects=effects, lines=lines, folder=folder.cache, jobs=jobs,
+            campaign, scenario, effects=effects, lines=lines, folder=folder.cache, workers=workers,
             progress=lambda fraction, message, _: report(share * fraction, message),
         )  # fmt: skip
         # "Nothing is needed" is worth as much as what could have been seen.

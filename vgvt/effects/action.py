@@ -58,5 +58,9 @@ class Action:
     channels: tuple[ChannelFilter | ChannelTransform, ...] = ()
     points: tuple[PointError, ...] = ()
 
+    def same_rig(self, other: Action) -> bool:
+        """Whether another action makes the same of aircraft, rig and sensors' places; channels aside."""
+        return (self.scenario, self.elements, self.points) == (other.scenario, other.elements, other.points)
+
 
 NOTHING = Action()

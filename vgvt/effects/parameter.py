@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -27,6 +28,12 @@ class Parameter:
     doc: str
     source: str
     least: float | None = None
+
+    def at(self, share: float) -> float:
+        """The value at a share of the plausible range, in its own scale."""
+        if self.scale == "log":
+            return math.exp((1 - share) * math.log(self.low) + share * math.log(self.high))
+        return (1 - share) * self.low + share * self.high
 
 
 def parameter(

@@ -88,14 +88,14 @@ def attribute(
     progress: Progress | None = None,
     begun: tuple[Fit, tuple[Addition, ...]] | None = None,
     keep: Callable[[Fit, Sequence[Addition]], None] | None = None,
-    jobs: int = 1,
+    workers: int = 1,
 ) -> Attribution:
     """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
 
     ``begun`` are the null model and the rounds of a call that was broken off; ``keep`` is told both after each round.
-    ``jobs`` processes share what can be done at once; the answer is the same with any number.
+    ``workers`` processes share what can be done at once; the answer is the same with any number.
     """
-    with Team(jobs, (null.problem, *hypotheses)) as team:
+    with Team(workers, (null.problem, *hypotheses)) as team:
         return _selected(null, hypotheses, thresholds, most, progress, begun, keep, team)
 
 

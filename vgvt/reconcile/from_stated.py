@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.effects.parameter import Parameter
+from vgvt.effects.action import NOTHING
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.grouping import NoStructureError, effects_at, run_actions
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -115,9 +115,11 @@ def _sizes(current: Fit, hypothesis: Hypothesis) -> list[Array]:
         return []
     if depends_on_level(current.problem, hypothesis):
         bending = _BENDING if several_levels(current.problem) else _BENDING[:1]
-        choices = [_shares(p, _HELD if p.neutral is None else bending) for p in hypothesis.parameters]
+        choices = [[p.at(x) for x in (_HELD if p.neutral is None else bending)] for p in hypothesis.parameters]
     else:
-        choices = [[float(p.neutral or 0.0), *_shares(p, _LARGE if p.scale == "log" else _EITHER_SIDE)] for p in sizes]
+        choices = [
+            [float(p.neutral or 0.0), *(p.at(x) for x in (_LARGE if p.scale == "log" else _EITHER_SIDE))] for p in sizes
+        ]
         rest = start_values(hypothesis)
         choices = [choices[sizes.index(p)] if p in sizes else [rest[p.name]] for p in hypothesis.parameters]
     names = [p.name for p in hypothesis.parameters]
@@ -142,19 +144,10 @@ def _holds_for_all_runs(current: Fit, hypothesis: Hypothesis, values: dict[str, 
     if made is None:
         return False
     try:
-        last = [(scenario, a[-1]) for scenario, a in run_actions(current.problem.scenario, made, current.problem)]
+        acts = [actions[-1] for _, actions in run_actions(current.problem.scenario, made, current.problem)]
     except ValueError:
         return False
-    moved = last[0][1].scenario is not None or last[0][1].elements or last[0][1].points
-    first = (last[0][0], last[0][1].elements, last[0][1].points)
-    return bool(moved) and all((scenario, a.elements, a.points) == first for scenario, a in last[1:])
-
-
-def _shares(p: Parameter, shares: Sequence[float]) -> list[float]:
-    """Values at shares of a parameter's range, in its own scale."""
-    if p.scale == "log":
-        return [p.low * math.pow(p.high / p.low, share) for share in shares]
-    return [p.low + share * (p.high - p.low) for share in shares]
+    return not acts[0].same_rig(NOTHING) and all(acts[0].same_rig(other) for other in acts[1:])
 
 
 def _distance(current: Fit, hypotheses: tuple[Hypothesis, ...], e: Array) -> float:

@@ -6,14 +6,12 @@ At vanishing size such an effect is not absent: a joint that hardly stiffens is 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from vgvt.data import InputError
 from vgvt.effects.elements import HingedFlap, JointLaw
-from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
 
@@ -37,7 +35,7 @@ def _elements(problem: Problem, hypothesis: Hypothesis) -> tuple[object, ...]:
     """What a nonlinear hypothesis adds to the first run, in the middle of its range; nothing for a linear one."""
     if hypothesis.linear:
         return ()
-    effect = hypothesis.effect({p.name: _share(p, 0.5) for p in hypothesis.parameters})
+    effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
     if effect is None:
         return ()
     try:
@@ -49,7 +47,7 @@ def _elements(problem: Problem, hypothesis: Hypothesis) -> tuple[object, ...]:
 def level_grid(hypothesis: Hypothesis) -> list[dict[str, float]]:
     """Parameter values to try."""
     choices = [
-        [(p.name, _share(p, share)) for share in (_SIZES if p.neutral is not None else _OTHERS)]
+        [(p.name, p.at(share)) for share in (_SIZES if p.neutral is not None else _OTHERS)]
         for p in hypothesis.parameters
     ]
     return [dict(values) for values in itertools.product(*choices)]
@@ -79,9 +77,3 @@ def linear_first(problem: Problem, hypotheses: Sequence[Hypothesis]) -> tuple[li
         else:
             at_once.append(hypothesis)
     return at_once, list(later.values())
-
-
-def _share(p: Parameter, share: float) -> float:
-    if p.scale == "log":
-        return math.exp((1 - share) * math.log(p.low) + share * math.log(p.high))
-    return (1 - share) * p.low + share * p.high

@@ -35,7 +35,7 @@ def reconcile(
     lines: int = 500,
     folder: Path | None = None,
     most: int = 3,
-    jobs: int = 1,
+    workers: int = 1,
     progress: Progress | None = None,
 ) -> Verdict:
     """Trace what a scenario does not explain of a campaign to effects of the catalogue, or say that none does.
@@ -43,7 +43,8 @@ def reconcile(
     ``effects`` by name are the hypotheses (default: all that are installed); ``floor`` the relative model-form
     error (default: the scenario's tolerance); ``folder`` takes ``reconciled.toml``, the derivatives that a second
     call can use again, and each round, so that a call that was broken off goes on.
-    ``progress(fraction, message, seconds_left)``; ``jobs`` processes share the work, and change nothing but the time.
+    ``progress(fraction, message, seconds_left)``; ``workers`` processes share the work and change nothing but the time;
+    hold linear algebra to one thread then (OMP_NUM_THREADS=1 before numpy is loaded, as the command does).
     Nothing here is random but the hold-out split, which follows from the scenario's seed: the same call gives the same
     verdict. Where the fit meets its own data and only those held out are missed, another hold-out is tried: what
     happened to them alone no fit could name.
@@ -61,7 +62,7 @@ def reconcile(
     def attributed(start: Fit, file: str, begins: float, ends: float) -> Attribution:
         kept = None if folder is None else Checkpoint.of(folder / file, origin, floor, most)
         return attribute(
-            start, hypotheses, limits, most=most, jobs=jobs,
+            start, hypotheses, limits, most=most, workers=workers,
             progress=lambda f, m: tell(begins + (ends - begins) * f, m),
             begun=None if kept is None else kept.begun(start.problem, hypotheses),
             keep=None if kept is None else kept.keep,

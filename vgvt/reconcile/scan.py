@@ -103,7 +103,7 @@ def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> di
 
 def _resonance(problem: Problem, hypothesis: Hypothesis, values: dict[str, float]) -> tuple[float, float]:
     """Angular frequency and damping ratio of the first resonance that an effect adds; zeros where it adds none."""
-    values_at = {p.name: middle(p) for p in hypothesis.parameters}
+    values_at = {p.name: p.at(0.5) for p in hypothesis.parameters}
     effect = hypothesis.effect({**values_at, **values})
     if effect is None:
         return 0.0, 0.0
@@ -144,8 +144,3 @@ def _own_resonances(elements: Sequence[object]) -> list[tuple[float, float]]:
             continue
         found.append((math.sqrt(stiffness / mass), damping / (2 * math.sqrt(stiffness * mass))))
     return found
-
-
-def middle(p: Parameter) -> float:
-    """The middle of a parameter's range, on its own scale."""
-    return math.sqrt(p.low * p.high) if p.scale == "log" else (p.low + p.high) / 2

@@ -46,7 +46,7 @@ def whole_and_shares(
     for run, share in enumerate(shares):
         amounts = ((hypothesis, size), (whole, size * float(share)))
         pair = [_action(problem, h, {**values, p.name: (p.neutral or 0.0) + amount}, run) for h, amount in amounts]
-        if pair[0] is None or pair[1] is None or pair[0].channels or not _alike(pair[0], pair[1]):
+        if pair[0] is None or pair[1] is None or pair[0].channels or not pair[0].same_rig(pair[1]):
             return None
     return whole, shares
 
@@ -57,7 +57,3 @@ def _action(problem: Problem, hypothesis: Hypothesis, values: dict[str, float], 
         return None if effect is None else effect.act(problem.scenario, run)
     except (InputError, ValueError):
         return None
-
-
-def _alike(one: Action, other: Action) -> bool:
-    return (one.scenario, one.elements, one.points) == (other.scenario, other.elements, other.points)

@@ -20,7 +20,7 @@ from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level, level_grid
-from vgvt.reconcile.scan import middle, scan_of
+from vgvt.reconcile.scan import scan_of
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
 Array = NDArray[np.float64]
@@ -189,7 +189,7 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], tuned:
             columns.append(stand.projected(slope))
             used.append(p)
     if not columns:
-        middles = {p.name: middle(p) for p in switches}
+        middles = {p.name: p.at(0.5) for p in switches}
         return Screened(hypothesis, {**start, **middles}, 0.0, visible=False, tuned=tuned)
     amounts = _non_negative(np.array(columns).T, left, [p.scale == "log" for p in used])
     values = {**start, **neutral}

@@ -42,23 +42,16 @@ def shortened(
     """
     if before.train_chi2_per_dof < BIASED:
         return short_list(_in_sight(current, left, _OPEN * needed, tell), _SHORT_LIST, needed=needed)
-    looks: list[Task] = [(_far, (current, left)), (_near, (current, left))]
-    if bent(current):
-        # What a joint whose stiffness depends on level does there, beside unknowns that imitate it, says nothing.
-        straight = [h for h in left if not depends_on_level(current.problem, h)]
-        looks = [(_far, (current, straight)), (_near, (current, straight))]
-        if not current.hypotheses:
-            # What is as large as that stands out before anything has a name.
-            looks.append((from_stated, (current, left)))
-    far, near, *rest = team.work_off(looks, part(tell, 0.0, 0.9))
-    large = rest[0] if rest else ()
+    straight, large = _asked(current, left)
+    looks: list[Task] = [(_far, (current, straight)), (_near, (current, straight)), *large]
+    far, near, *others = team.work_off(looks, part(tell, 0.0, 0.9))
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
     chosen = [] if place is None else _swinging(current, far, place)
     tries: list[Task] = [(_best_place, (current, far, s, spot)) for s in short_list(far, _SHORT_LIST, forgiving=True)]
     chosen += team.work_off(tries, part(tell, 0.9, 1.0))
-    return (*chosen, *large, *short_list(near, _SHORT_LIST // 2, forgiving=True))
+    return (*chosen, *(s for found in others for s in found), *short_list(near, _SHORT_LIST // 2, forgiving=True))
 
 
 def _near(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
@@ -99,15 +92,21 @@ def second_list(
     current: Fit, left: Sequence[Hypothesis], needed: float, tell: Progress, team: Team = ALONE
 ) -> tuple[Screened, ...]:
     """Of what is asked for after the others, the few that promise most where the calibration stands, or far from it."""
-    sight = [h for h in left if not (bent(current) and depends_on_level(current.problem, h))]
-    looks: list[Task] = [(_in_sight, (current, sight, _OPEN * needed))] if sight else []
-    asked = bent(current) and not current.hypotheses
-    if asked:
-        looks.append((from_stated, (current, left)))
-    found = team.work_off(looks, tell)
-    near = found[0] if sight else ()
-    large = found[-1] if asked else ()
-    return (*large, *short_list(near, _SHORT_LIST // 2, needed=needed))
+    straight, large = _asked(current, left)
+    near, *others = team.work_off([(_in_sight, (current, straight, _OPEN * needed)), *large], tell)
+    return (*(s for found in others for s in found), *short_list(near, _SHORT_LIST // 2, needed=needed))
+
+
+def _asked(current: Fit, left: Sequence[Hypothesis]) -> tuple[list[Hypothesis], list[Task]]:
+    """What tangents are asked of, and the task that looks for large effects, where a calibration is bent.
+
+    What a joint whose stiffness depends on level does beside unknowns that imitate it says nothing; and what is as
+    large as that stands out before anything has a name.
+    """
+    if not bent(current):
+        return list(left), []
+    straight = [h for h in left if not depends_on_level(current.problem, h)]
+    return straight, [] if current.hypotheses else [(from_stated, (current, left))]
 
 
 def _in_sight(current: Fit, left: Sequence[Hypothesis], least_nats: float, tell: Progress) -> tuple[Screened, ...]:

@@ -23,17 +23,18 @@ from vgvt.reconcile.progress import Progress
 
 FORKS = sys.platform.startswith("linux")
 """Whether a process that has loaded numpy may be forked here."""
+# Between two words of a helper.
 _SELDOM_S = 0.25
 
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
 class Team:
-    """This process and its helpers, each of which has what is ``shared`` and is sent the rest."""
+    """So many ``workers``: this process and its helpers, each of which has what is ``shared`` and is sent the rest."""
 
-    def __init__(self, jobs: int, shared: Sequence[object]) -> None:
+    def __init__(self, workers: int, shared: Sequence[object]) -> None:
         self._shared = tuple(shared)
-        self._helpers = [_Helper(self._shared) for _ in range(jobs - 1)] if FORKS and _may_have_children() else []
+        self._helpers = [_Helper(self._shared) for _ in range(workers - 1)] if FORKS and _may_have_children() else []
 
     def __enter__(self) -> Self:
         return self
@@ -43,9 +44,10 @@ class Team:
             helper.dismiss()
 
     def work_off(self, tasks: Sequence[Task], tell: Progress) -> list[Any]:
-        """What ``function(*arguments, progress)`` returns for every task, in their order; the first error is raised.
+        """What ``function(*arguments, progress)`` returns for every task, in their order.
 
-        Functions are module-level ones, so that helpers know them too. A task that cannot be sent is done here.
+        Functions are module-level ones, so that helpers know them too. A task that cannot be sent is done here, and so
+        is one that failed: its error is raised as it would be without helpers.
         """
         round_ = _Round(tasks, self._helpers, self._shared, tell)
         try:
@@ -139,8 +141,6 @@ class _Round:
             self._tell(sum(self._shares) / len(self._shares), value[1])
             return
         del self._busy[pipe]
-        if kind == "error":
-            raise value
         if kind == "done":
             self._results[k], self._shares[k] = value, 1.0
         else:
@@ -186,12 +186,10 @@ def _help(pipe: Connection, others_end: Connection, shared: tuple[object, ...]) 
                     pipe.send_bytes(_packed(("told", (fraction, message)), shared))
 
             try:
-                answer: tuple[str, Any] = ("done", function(*arguments, tell))
-            except Exception as error:  # noqa: BLE001 - raised again where the task came from
-                answer = ("error", error)
-            try:
-                packed = _packed(answer, shared)
-            except (pickle.PicklingError, AttributeError, TypeError):
+                packed = _packed(("done", function(*arguments, tell)), shared)
+            except OSError:
+                raise
+            except Exception:  # noqa: BLE001 - an error, or what cannot travel, is met again where the task came from
                 packed = _packed(("do it yourself", None), shared)
             pipe.send_bytes(packed)
     except (EOFError, OSError):
