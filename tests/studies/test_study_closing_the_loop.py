@@ -20,6 +20,12 @@ from vgvt.data import ChannelRole, InputError
 from vgvt.files import read_campaign, write_campaign
 from vgvt.files.truth import write_truth
 from vgvt.reconcile import reconcile
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.data import measured_frfs
+from vgvt.reconcile.fit import fit
+from vgvt.reconcile.from_stated import from_stated
+from vgvt.reconcile.problem import problem_of
+from vgvt.reconcile.progress import silent
 from vgvt.reconcile.thresholds import thresholds_of
 from vgvt.simulation import simulate
 
@@ -170,3 +176,19 @@ def test_a_root_that_gives_way_a_lot_on_one_side_is_named(monkeypatch: pytest.Mo
     assert row["ratio"] > 10
     assert (row["verdict"], row["answer"]) == ("explained", "right")
     assert row["held_after"] <= 1.15 * row["oracle_held_out"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("draw", [0, 1, 2])
+def test_a_root_of_the_second_laboratory_stands_out_from_the_stated_values(draw: int) -> None:
+    """Finite elements that share no code with the simulator, no calibration at all: which root, and how soft."""
+    case = Case("effect", ("root-compliance",), draw, 0.0, 0.01, loop_cases.SECOND, short=True)
+    staged = loop_cases.staged(case)
+    truth, scenario = staged.truth["root-compliance"], loop_truth.nominal()
+    measured = measured_frfs(staged.campaign, lines=loop_cases.LINES, floor=scenario.tolerances.model_form)
+    problem = problem_of(measured, scenario)
+    stated = fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
+    first, *_ = from_stated(stated, candidates(problem, case.catalogue), silent)
+    assert (first.hypothesis.name, first.hypothesis.settings["side"]) == ("root-compliance", truth["side"])
+    assert first.values["bending"] == pytest.approx(truth["bending"], rel=0.1)
+    assert first.values["torsion"] == pytest.approx(truth["torsion"], rel=0.1)
