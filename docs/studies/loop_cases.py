@@ -185,7 +185,8 @@ def _chosen(case: Case, name: str) -> tuple[dict[str, Any], float] | None:
         return (settings | values, float("nan")) if not hypothesis.size else None
     limit = limits[int(g.integers(len(limits)))]
     highest = max(abs(limit.low), abs(limit.high))
-    size = min(case.size * limit.smallest, highest)
+    # What is lighter or softer than plausible is no hypothesis of the catalogue, however well it can be seen.
+    size = min(max(case.size * limit.smallest, limit.low), highest)
     if size < 0.3 * case.size * limit.smallest:
         return None
     sign = -1.0 if limit.low < 0 and g.random() < 0.5 else 1.0

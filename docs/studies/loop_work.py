@@ -51,9 +51,8 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
     before, after = verdict.before, verdict.after
     held_before, held_after = before.held_out or before.train, after.held_out or after.train
     places = verdict.localisation.places if verdict.localisation else ()
-    near = False
-    if places and places[0].position_m is not None and stage.place_m is not None:
-        near = float(np.hypot(*np.subtract(places[0].position_m[:2], stage.place_m))) < STATION_M
+    said = said_places(verdict)
+    near = stage.place_m is not None and any(float(np.hypot(*np.subtract(p, stage.place_m))) < STATION_M for p in said)
     return {
         "verdict": verdict.kind.value,
         "named": " | ".join(" or ".join(s) for s in sets),
@@ -69,6 +68,19 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
         "near": near,
         "known_place": stage.place_m is not None,
     }  # fmt: skip
+
+
+def said_places(verdict: Verdict) -> list[tuple[float, float]]:
+    """Where a verdict says that the effect is, x and y: where those that it names sit, or what it localises."""
+    named = []
+    for e in verdict.effects:
+        values = {**e.settings, **{k: v[0] for k, v in e.parameters.items()}}
+        if {"x_m", "y_m"} <= set(values):
+            named.append((float(values["x_m"]), float(values["y_m"])))  # type: ignore[arg-type]
+    places = verdict.localisation.places if verdict.localisation else ()
+    if named or not places or places[0].position_m is None:
+        return named
+    return [(places[0].position_m[0], places[0].position_m[1])]
 
 
 def answer(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]]) -> str:

@@ -76,6 +76,23 @@ def test_where_much_is_left_held_out_data_say_what_is_as_good(left: float, set_o
 
 
 @pytest.mark.parametrize(
+    ("left", "gain_nats", "held_out", "ahead"),
+    [(0.8, 37.0, 0.85, True), (0.8, 37.0, 0.95, False), (0.8, 24.0, 0.85, False), (13.0, 37.0, 0.85, False)],
+)
+def test_what_is_ahead_by_all_data_is_named_beside_the_confirmed(
+    monkeypatch: pytest.MonkeyPatch, left: float, gain_nats: float, held_out: float, ahead: bool
+) -> None:
+    """Where little is left: 12 nats more on fitted data against 10 or 30 less on those held out."""
+    monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 200 * better)
+    fit: Any = SimpleNamespace(chi2_per_dof=left)
+    winner: Any = SimpleNamespace(name="confirmed", gain_nats=25.0, held_out=0.8, fit=fit)
+    other: Any = SimpleNamespace(name="refused", gain_nats=gain_nats, held_out=held_out, fit=fit)
+    same: Any = SimpleNamespace(name="confirmed", gain_nats=60.0, held_out=0.8, fit=fit)
+    found = rounds._ahead_in_all(winner, [winner, other, same], [winner])
+    assert found == ([other] if ahead else [])
+
+
+@pytest.mark.parametrize(
     ("before", "leaves", "named", "anew"),
     [(20.0, 10.0, (), True), (20.0, 0.8, (), False), (1.0, 1.6, (), False), (20.0, 10.0, ("an effect",), False)],
 )

@@ -13,6 +13,7 @@ from reconciled_case import problem
 
 from vgvt.effects import available_effects
 from vgvt.effects.added_inertia import AddedInertia
+from vgvt.reconcile.descent import Step
 from vgvt.reconcile.fit import NEAR, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis, prior
 from vgvt.reconcile.stand import Stand
@@ -77,11 +78,11 @@ def test_a_step_held_back_is_not_the_bottom(
     """Little gained where a free step promised much: on, as far as the stage allows; where little, it ends."""
     taken = []
 
-    def held_back(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Any:
+    def held_back(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Step:
         taken.append(damping)
-        return u, e, here, predicted, damping, 5e-4, promised
+        return Step(u, e, here, predicted, damping, 5e-4, promised)
 
-    monkeypatch.setattr(fits, "_step", held_back)
+    monkeypatch.setattr(fits, "taken", held_back)
     case = problem(tmp_path, 1)
     found = fit(case, (), np.zeros(case.size), np.zeros(0), NEAR)
     assert len(taken) == steps
@@ -98,7 +99,7 @@ def test_exact_slopes_come_last_and_only_where_a_fit_has_gone_far(
         taken.append((rough, here.origin is None))
         return None
 
-    monkeypatch.setattr(fits, "_step", once)
+    monkeypatch.setattr(fits, "taken", once)
     case = problem(tmp_path, 1)
     near, far = np.zeros(case.size), np.zeros(case.size)
     far[[u.name for u in case.unknowns].index("mass body")] = 12.0

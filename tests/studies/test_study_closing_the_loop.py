@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import closing_the_loop as study
 import loop_cases
@@ -57,6 +58,21 @@ def test_intervals_are_wilsons(hits: int, trials: int) -> None:
 )
 def test_the_umpire(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]], expected: str) -> None:
     assert loop_work.answer(truth, kind, sets) == expected
+
+
+def test_a_verdict_places_an_effect_where_what_it_names_sits() -> None:
+    """And where it names nothing that has a place, where the residual does."""
+    found = SimpleNamespace(places=[SimpleNamespace(position_m=(0.7, -0.2, 0.1)), SimpleNamespace(position_m=None)])
+    fixed = SimpleNamespace(settings={"x_m": 0.5, "y_m": 1.0}, parameters={"mass_kg": (0.1, 0.01, "kg")})
+    freed = SimpleNamespace(settings={}, parameters={"x_m": (0.6, 0.1, "m"), "y_m": (-1.0, 0.1, "m")})
+    of_a_channel = SimpleNamespace(settings={"channels": "3+Z"}, parameters={"delay_s": (1e-4, 1e-5, "s")})
+
+    def said(*effects: object, places: object = found) -> list[tuple[float, float]]:
+        return loop_work.said_places(SimpleNamespace(effects=effects, localisation=places))  # type: ignore[arg-type]
+
+    assert said(fixed, of_a_channel, freed) == [(0.5, 1.0), (0.6, -1.0)]
+    assert said(of_a_channel) == said() == [(0.7, -0.2)]
+    assert said(places=SimpleNamespace(places=found.places[1:])) == said(places=None) == []
 
 
 def test_the_plan_keeps_its_promises() -> None:

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
-from vgvt.reconcile.confirmation import confirmed_by_held_out
+from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats
 from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
@@ -149,7 +149,8 @@ def _selected(
         if not confirmed:
             break
         winner = max(confirmed, key=lambda r: r.gain_nats)
-        addition = Addition(winner, _equal(winner, confirmed, thresholds), rivals, before.held_out_chi2_per_dof)
+        equal = (*_equal(winner, confirmed, thresholds), *_ahead_in_all(winner, rivals, confirmed))
+        addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell, team))
         current = winner.fit
         if keep is not None:
@@ -222,6 +223,18 @@ def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) ->
         reach = _AS_GOOD * winner.held_out
     near = winner.gain_nats - thresholds.set_nats
     return tuple(r for r in confirmed if r.gain_nats > near or (r.held_out is not None and r.held_out <= reach))
+
+
+def _ahead_in_all(winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Rival]) -> list[Rival]:
+    """Rivals that held-out data do not confirm, and that are ahead of the winner by all data together.
+
+    What keeps them from a name of their own may be chance, and what the winner owes its name to is then that chance.
+    """
+    if winner.fit.chi2_per_dof >= BIASED or winner.held_out is None:
+        return []
+    others = [(r, r.held_out) for r in rivals if r not in confirmed and r.name != winner.name]
+    better = [(r, winner.held_out - missed) for r, missed in others if missed is not None]
+    return [r for r, held in better if r.gain_nats + held_out_nats(winner.fit, held) > winner.gain_nats]
 
 
 def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual, named: bool) -> list[Hypothesis]:

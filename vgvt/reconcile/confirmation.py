@@ -39,12 +39,9 @@ def confirmed_by_held_out(
     better = before.held_out_chi2_per_dof - missed
     if missed > before.limits.held_out_per_dof and better < _MUCH * excess:
         return False
-    problem = found.problem
-    held, sigma = problem.split.held, problem.measured.sigma
-    lines = int(held.sum()) * problem.measured.frequency_hz.size
-    rho = ((found.foretold - problem.measured.values) / sigma)[held]
-    worth = min(1.0, independent_values(rho) / (2 * lines)) * noise_share(problem.measured, held).worth
-    nats = worth * lines * better
+    held, sigma = found.problem.split.held, found.problem.measured.sigma
+    worth = _worth(found)
+    nats = held_out_nats(found, better)
     if nats > _HELD_OUT_NATS:
         return True
     tolerances_nats = 0.5 * float(current.scores @ current.scores - found.scores @ found.scores)
@@ -53,6 +50,19 @@ def confirmed_by_held_out(
     # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
     apart = worth * float(np.sum(np.abs((found.foretold - current.foretold) / sigma)[held] ** 2))
     return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * apart))
+
+
+def held_out_nats(found: Fit, better: float) -> float:
+    """What held-out data say by meeting them so much ``better``, in χ² per degree of freedom, as nats for a fit."""
+    return _worth(found) * int(found.problem.split.held.sum()) * found.problem.measured.frequency_hz.size * better
+
+
+def _worth(found: Fit) -> float:
+    """Independent values that a held-out one is worth: what a fit misses there, and an error of form, are not noise."""
+    problem = found.problem
+    held, sigma = problem.split.held, problem.measured.sigma
+    rho = ((found.foretold - problem.measured.values) / sigma)[held]
+    return min(1.0, independent_values(rho) / (2 * rho.size)) * noise_share(problem.measured, held).worth
 
 
 def _felt(found: Fit) -> float:

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.reconcile.carried import Structures
+from vgvt.reconcile.descent import taken
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import origin_near
@@ -33,10 +33,8 @@ FAR = ((0.15, 4), (0.05, 3), (0.0, 20))
 """For a start from a model that misses much."""
 TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
-# Standard deviations at once: from where scores are tens of them away, a share of that.
-_LONGEST_STEP, _LONGEST_SHARE = 1.5, 0.2
+# Relative to the cost: what a free step promises where the bottom is reached.
 _ENOUGH = 1e-3
-_REJECTIONS = 5
 # Relative to the cost: what a step gains where no step leads anywhere any more.
 _NOTHING = 1e-4
 # Standard deviations that a tolerance reaches.
@@ -159,13 +157,13 @@ def fit(
             if progress is not None:
                 progress((begun + k + 1) / total, f"fit, {coarse:.0%} coarse" if coarse else "fit")
             sigma = coarse_sigma(problem, coarse)
-            step = _step(here, u, e, predicted, sigma, damping, rough)
+            step = taken(here, u, e, predicted, sigma, damping, rough)
             if step is None:
                 converged = True
                 break
-            u, e, here, predicted, damping, gain, promised = step
+            u, e, here, predicted, damping = step.u, step.e, step.here, step.predicted, step.damping
             # A step held back gains little anywhere: at the bottom not even a free one promises anything.
-            if promised < _ENOUGH or gain < _NOTHING:
+            if step.promised < _ENOUGH or step.gain < _NOTHING:
                 converged = True
                 break
         else:
@@ -202,56 +200,6 @@ def cost_at(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: Array, e: A
         return np.inf
     misfit = data_misfit(problem, predicted)
     return float(misfit @ misfit + u @ u + e @ e)
-
-
-def _step(
-    here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float, rough: bool
-) -> tuple[Array, Array, Anchor, ComplexArray, float, float, float] | None:
-    """One accepted step, what it gained and what a free one promised of the cost; None where none is found."""
-    problem = here.problem
-    misfit = data_misfit(problem, predicted, sigma)
-    tangent = jacobian(here, u, e, predicted, sigma)
-    scores = np.concatenate([u, e])
-    cost = float(misfit @ misfit + scores @ scores)
-    normal = tangent.T @ tangent + np.eye(scores.size)
-    gradient = tangent.T @ misfit + scores
-    promised = float(gradient @ scipy.linalg.solve(normal, gradient, assume_a="pos")) / cost
-    longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max()))
-    for _ in range(_REJECTIONS):
-        # Scores are in units of their priors: damping by the identity spares the well-determined directions.
-        damped = normal + damping * np.eye(scores.size)
-        move = -scipy.linalg.solve(damped, gradient, assume_a="pos")
-        move *= min(1.0, longest / max(np.abs(move).max(), 1e-300))
-        new_u, new_e = _moved(here, u, e, move)
-        try:
-            there = anchor(problem, new_u, here.hypotheses, new_e, slopes=False, structures=here.structures)
-            trial = there.predict(new_u, new_e)
-        except NoStructureError:
-            damping = max(10 * damping, 1.0)
-            continue
-        found = data_misfit(problem, trial, sigma)
-        new_cost = float(found @ found + new_u @ new_u + new_e @ new_e)
-        if new_cost < cost:
-            there = anchor(
-                problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin, rough=rough,
-                structures=here.structures,
-            )  # fmt: skip
-            return new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost, promised
-        damping = max(10 * damping, 1.0)
-    return None
-
-
-def _moved(here: Anchor, u: Array, e: Array, move: Array) -> tuple[Array, Array]:
-    """Scores after a step that is straight in amounts, as the valley is where an effect and an unknown trade places."""
-    new_u, new_e = u + move[: u.size], e + move[u.size :]
-    for k, unknown in enumerate(here.problem.unknowns):
-        new_u[k] = unknown.moved(float(u[k]), float(move[k]), float(u[k]))
-    start = 0
-    for hypothesis in here.hypotheses:
-        stop = start + len(hypothesis.parameters)
-        new_e[start:stop] = hypothesis.moved(e[start:stop], move[u.size + start : u.size + stop])
-        start = stop
-    return new_u, new_e
 
 
 def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, converged: bool, sigma: Array | None) -> Fit:

@@ -149,7 +149,13 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{limits.evidence_nats:.0f}); held-out error goes "
             f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
         )
-        others = sorted({r.name for r in addition.equivalent} - {winner.name})
+        # Of all that held-out data confirm the winner gains most: what gains more is not confirmed by them.
+        ahead = {r.name: r.gain_nats for r in addition.equivalent if r.gain_nats > winner.gain_nats}
+        others = sorted({r.name for r in addition.equivalent} - {winner.name, *ahead})
+        said += [
+            f"{name} would gain {gain:.0f} nats, more than held-out data speak against it"
+            for name, gain in ahead.items()
+        ]
         if others:
             far = winner.fit.chi2_per_dof >= BIASED
             said.append(
