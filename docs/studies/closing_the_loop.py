@@ -91,8 +91,8 @@ def small_plan(base: int = 1, short: bool = False) -> list[Case]:
 
 
 def results_of(
-    cases: Sequence[Case], folder: Path, workers: int, minutes: float, do: Callable[[Case], list[Row]] = work
-) -> Iterator[tuple[Case, list[Row], bool]]:
+    cases: Sequence[Any], folder: Path, workers: int, minutes: float, do: Callable[[Any], list[Row]] = work
+) -> Iterator[tuple[Any, list[Row], bool]]:
     """Every case, its rows and whether they were there already; done ones first, none begun after ``minutes``."""
     store: Any = Store(folder, core())
     left = []
@@ -111,19 +111,21 @@ def results_of(
             yield case, rows, False
 
 
-def _begun_before(end: float, do: Callable[[Case], list[Row]], case: Case) -> list[Row]:
+def _begun_before(end: float, do: Callable[[Any], list[Row]], case: Any) -> list[Row]:
     """The rows of a case; none once the time is up."""
     return do(case) if time.time() < end else []
 
 
-def run(cases: Sequence[Case], folder: Path, workers: int, minutes: float) -> None:
+def run(
+    cases: Sequence[Any], folder: Path, workers: int, minutes: float, do: Callable[[Any], list[Row]] = work
+) -> None:
     """Work off the cases with progress and the time left."""
     console, fresh, start = Console(stderr=True), 0, time.monotonic()
-    for done, (case, found, old) in enumerate(results_of(cases, folder, workers, minutes), 1):
+    for done, (case, found, old) in enumerate(results_of(cases, folder, workers, minutes, do), 1):
         if not old:
             fresh += 1
             left_min = (time.monotonic() - start) / fresh * (len(cases) - done) / 60
-            said = found[0].get("named") or found[0].get("reason", "")
+            said = found[0].get("named") or found[0].get("test") or found[0].get("reason", "")
             console.print(
                 f"{done}/{len(cases)}, {left_min:.0f} min left: {case.title}: {found[0]['verdict']} {said}",
                 highlight=False,

@@ -34,7 +34,7 @@ def test_looks_again_from_where_the_calibration_belongs(
     monkeypatch.setattr(rounds, "residual", left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: better)
-    monkeypatch.setattr(rounds, "_against", lambda current, fits: ())
+    monkeypatch.setattr(rounds, "against", lambda current, fits: ())
     found = rounds.attribute(null, (), THRESHOLDS)
     assert seen == [null, better][:looks]
     assert found.null is better
@@ -116,7 +116,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
 
     monkeypatch.setattr(rounds, "fitted_from", fitted)
     monkeypatch.setattr(rounds, "begun_anew", begun)
-    monkeypatch.setattr(rounds, "_against", lambda current, fits: tuple(fits))
+    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
     far: Any = SimpleNamespace(train_chi2_per_dof=before)
     rivals = rounds._fit_all(current, chosen, far, lambda fraction, message: None)
     assert (rivals[-1] == "begun anew") is anew

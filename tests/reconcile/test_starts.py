@@ -84,7 +84,7 @@ def test_rivals_at_their_ends_are_judged_together(monkeypatch: pytest.MonkeyPatc
         judged.append(tuple(fits))
         return ("judged",)
 
-    monkeypatch.setattr(rounds, "_against", against)
+    monkeypatch.setattr(rounds, "against", against)
     monkeypatch.setattr(rounds, "_finished", lambda found: found + ", ended")
     first, near, behind, refused = (
         SimpleNamespace(fit=name, gain_nats=gain)
@@ -120,7 +120,7 @@ def test_a_model_error_that_is_mended_is_not_paid_for_on_every_line() -> None:
             evidence_nats=50.0,
         )  # fmt: skip
         null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
-        (rival,) = rounds._against(null, [found])
+        (rival,) = rounds.against(null, [found])
         gains.append(rival.gain_nats)
         assert rival.raw_nats == 50.0
     # 100 of χ² are 50 nats; white residuals of eight channels are worth nearly all of their lines.

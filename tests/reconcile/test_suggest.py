@@ -16,7 +16,8 @@ from vgvt.reconcile import Kind, reconcile
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.suggest import procedures, suggest
+from vgvt.reconcile.procedures import procedures
+from vgvt.reconcile.suggest import suggest
 from vgvt.reconcile.thresholds import stored_thresholds
 from vgvt.reconcile.uncertain import edited, unknowns
 from vgvt.scenario import Scenario

@@ -133,13 +133,13 @@ def _selected(
                     # What was screened where the calibration had lost its way says little of where it belongs.
                     again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team)
                     found += [r.fit for r in again]
-                rivals = _against(current, found)
+                rivals = against(current, found)
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
             later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9), team)
             more = _fit_all(current, later, before, part(here, 0.9, 1.0), team)
-            rivals = _against(current, [r.fit for r in (*rivals, *more)])
+            rivals = against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if confirmed:
             rivals = _ended(current, rivals, confirmed, thresholds)
@@ -187,7 +187,7 @@ def _ended(
     best = max(r.gain_nats for r in confirmed)
     within = max(thresholds.set_nats, _WITHIN * best)
     near = {id(r) for r in confirmed if r.gain_nats > best - within}
-    return _against(current, [_finished(r.fit) if id(r) in near else r.fit for r in rivals])
+    return against(current, [_finished(r.fit) if id(r) in near else r.fit for r in rivals])
 
 
 def _finished(found: Fit) -> Fit:
@@ -276,10 +276,10 @@ def _fit_all(
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
-    return _against(current, found)
+    return against(current, found)
 
 
-def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
+def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     """Fits with one effect more as rivals, judged against the model without it, best first.
 
     Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
@@ -305,7 +305,7 @@ def _against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
 
 def _judged(current: Fit, found: Fit) -> Rival:
     """One fit as a rival on its own."""
-    return _against(current, [found])[0]
+    return against(current, [found])[0]
 
 
 def _restart(null: Fit, winner: Rival) -> Fit:

@@ -1,0 +1,230 @@
+"""Does the suggested test tell them apart? ``python docs/studies/next_test.py FOLDER`` runs the study or goes on.
+
+Pairs of effects that one campaign of the study's lab can hardly tell apart, each in turn the truth; where both explain
+the campaign, the first suggested test is made, in the simulator, and both are asked again. Every case is one small
+file in FOLDER; ``--report`` fills docs/studies/next-test.md from them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import hashlib
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import loop_truth as lab
+import numpy as np
+from closing_the_loop import kept, run
+from loop_cases import LINES, expected
+from loop_results import rate
+from loop_work import core
+from numpy.typing import NDArray
+from virtual_lab import PAGES, table, write_results
+
+from vgvt.data import Campaign
+from vgvt.effects import available_effects
+from vgvt.reconcile.attribute import Rival, against
+from vgvt.reconcile.candidate_fits import fitted_from
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.data import measured_frfs
+from vgvt.reconcile.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.power import power
+from vgvt.reconcile.problem import Problem, problem_of
+from vgvt.reconcile.procedures import Procedure, procedures
+from vgvt.reconcile.progress import silent
+from vgvt.reconcile.scan import start_values
+from vgvt.reconcile.screen import screen
+from vgvt.reconcile.suggest import known_in, suggest
+from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.scenario import Scenario
+from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.streams import named_stream
+from vgvt.simulation import simulate
+
+Row = dict[str, Any]
+NOISE = 0.01
+ALIKE = 0.8
+# Half of what makes two explanations one answer is what the larger size of a pair should put between them.
+APART_NATS, SMALLEST, LARGEST = 2.5, 1.2, 4.0
+VARIANTS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A truth, the effect that it is taken for, how alike the two are at most, and which of the draws."""
+
+    truth: str
+    other: str
+    label: str
+    parameter: str
+    size: float
+    cosine: float
+    draw: int
+
+    @property
+    def key(self) -> str:
+        """A hash of all that the result depends on, the code aside."""
+        text = json.dumps([self.truth, self.other, self.draw, NOISE, LINES, lab.RUNS, lab.SWEEP_S, lab.TRUE_CELLS])
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+    @property
+    def title(self) -> str:
+        """The pair in words, for progress."""
+        return f"{self.truth} taken for {self.other}, draw {self.draw}"
+
+    def stream(self, *name: str) -> np.random.Generator:
+        """A random stream of this case's own."""
+        return named_stream(1, "next test", self.key, *name)
+
+
+@lru_cache(maxsize=1)
+def _variants() -> tuple[Hypothesis, ...]:
+    linear = {n: c for n, c in available_effects().items() if c.linear}  # type: ignore[attr-defined]
+    return candidates(expected(NOISE).problem, linear)
+
+
+def pairs(draws: int) -> list[Pair]:
+    """Every pair of effects that the nominal campaign finds alike, at the variant where it does most; both ways."""
+    best: dict[tuple[str, str], Pair] = {}
+    for p in power(expected(NOISE), _variants()):
+        for other, cosine in p.alike if p.visible else ():
+            if cosine >= ALIKE and cosine > getattr(best.get((p.effect, other)), "cosine", 0.0):
+                # So large that it is seen, no larger than what still leaves the two alike, and plausible.
+                ratio = np.sqrt(APART_NATS / (12.5 * max(1 - cosine**2, 1e-6)))
+                wanted = float(np.clip(ratio, SMALLEST, LARGEST)) * p.smallest
+                size = min(max(wanted, p.low), max(abs(p.low), abs(p.high)))
+                best[p.effect, other] = Pair(p.effect, other, p.label, p.parameter, size, round(cosine, 4), 0)
+    return [dataclasses.replace(best[k], draw=draw) for draw in range(draws) for k in sorted(best)]
+
+
+def work(pair: Pair) -> list[Row]:
+    """The row of a case; the reason in it where nothing came of it."""
+    started = time.process_time()
+    row: Row = {"truth": pair.truth, "other": pair.other, "cosine": pair.cosine, "draw": pair.draw, "core": core()}
+    try:
+        row |= asked(pair)
+    except Exception as error:  # noqa: BLE001  one impossible case must not stop a night's work
+        row |= {"verdict": "failed", "reason": f"{type(error).__name__}: {error}"[:200]}
+    return [row | {"cpu_s": round(time.process_time() - started, 1)}]
+
+
+def asked(pair: Pair) -> Row:
+    """One campaign, both explanations; where it leaves both, the test that is suggested first, and both again."""
+    limits, nominal = stored_thresholds(), lab.nominal()
+    true = _true(pair)
+    null = calibrate(problem_of(_measured(pair, true, nominal, "first"), nominal))
+    rivals = {name: _best(null, name) for name in (pair.truth, pair.other)}
+    found = [r for r in rivals.values() if r is not None and r.gain_nats >= limits.evidence_nats]
+    if len(found) < 2 or abs(found[0].gain_nats - found[1].gain_nats) >= limits.set_nats:
+        gains = {name: None if r is None else round(r.gain_nats, 1) for name, r in rivals.items()}
+        return {"verdict": "not ambiguous", "reason": str(gains)}
+    right, wrong = found
+    first_nats = right.gain_nats - wrong.gain_nats
+    tests = suggest([right.fit, wrong.fit])
+    row = {"verdict": "ambiguous", "first_nats": first_nats, "tests": [dataclasses.asdict(t) for t in tests]}
+    if not tests or tests[0].nats < limits.set_nats:
+        return row | {"resolved": False, "reason": "no test that tells them is known"}
+    chosen = next(p for p in procedures(null.problem) if p.words == tests[0].test)
+    second = problem_of(
+        _measured(pair, _done(pair, chosen, true), chosen.edit(nominal), "second"), chosen.edit(nominal)
+    )
+    ends = [_again(second, r.fit) for r in (right, wrong)]
+    calibrated = calibrate(second)
+    told = {r.name: r for r in against(calibrated, ends)}
+    second_nats = told[pair.truth].gain_nats - told[pair.other].gain_nats
+    # One run more comes with all of the first campaign again: that counts once.
+    nats = second_nats if len(second.measured.runs) > len(null.problem.measured.runs) else first_nats + second_nats
+    return row | {
+        "test": chosen.words, "expected_nats": tests[0].nats, "second_nats": second_nats, "nats": nats,
+        "resolved": nats > limits.set_nats, "wrong": nats < -limits.set_nats,
+    }  # fmt: skip
+
+
+def _true(pair: Pair) -> Scenario:
+    """An aircraft and rig that the tolerances allow, with the effect at its size."""
+    true = lab.drawn(lab.quiet(lab.nominal()), pair.stream("truth"))
+    variant = next(h for h in _variants() if h.label == pair.label)
+    values = {**variant.settings, **start_values(variant), pair.parameter: pair.size}
+    return true.model_copy(update={"effect": (EffectTable(name=pair.truth, **values),)})
+
+
+def _done(pair: Pair, procedure: Procedure, true: Scenario) -> Scenario:
+    """The true rig after a change of procedure: what is mounted anew is mounted as well as the first time."""
+    after = procedure.edit(true)
+    if after.shaker.position_m == true.shaker.position_m:
+        return after
+    shift = lab.nominal().tolerances.drive_point_m * pair.stream("mounted").standard_normal(2)
+    at = tuple(np.array(after.shaker.position_m) + np.array([*shift, 0.0]))
+    return after.model_copy(update={"shaker": after.shaker.model_copy(update={"position_m": at})})
+
+
+def _measured(pair: Pair, true: Scenario, stated: Scenario, which: str) -> Any:
+    """Accelerances of the true aircraft's campaign, read by instruments of the stated tolerances."""
+    campaign: Campaign = simulate(true, engine="linear").campaign
+    noisy = lab.read_by_instruments(campaign, stated, pair.stream("instruments", which), NOISE)
+    return measured_frfs(noisy, lines=LINES, floor=stated.tolerances.model_form)
+
+
+def _best(null: Fit, name: str) -> Rival | None:
+    """The best fit of an effect, whichever of its variants it is."""
+    variants = candidates(null.problem, {name: available_effects()[name]})
+    fits = [fitted_from(null, s, NEAR, silent) for s in screen(null, variants)[:VARIANTS] if s.visible]
+    return next(iter(against(null, [f for f in fits if f is not None])), None)
+
+
+def _again(problem: Problem, first: Fit) -> Fit:
+    """An explanation fitted to the second campaign from where the first one left it."""
+    u: NDArray[np.float64] = known_in(problem, first)[0]
+    return fit(problem, first.hypotheses, u, first.e, NEAR)
+
+
+def results(rows: Sequence[Row]) -> str:
+    """The tables of the page."""
+    two = [r for r in rows if r["verdict"] == "ambiguous"]
+    none = [r for r in two if "test" not in r]
+    made = [r for r in two if "test" in r]
+    lines = [
+        ("the first suggestion resolves the pair", "≥ 85 %", rate(two, lambda r: r["resolved"])),
+        ("… where a test is promised to tell them", "", rate(made, lambda r: r["resolved"])),
+        ("no test is promised", "", rate(two, lambda r: "test" not in r)),
+        ("the test speaks for the wrong one", "", rate(made, lambda r: r["wrong"])),
+    ]
+    each = [
+        (
+            r["truth"], r["other"], f"{r['cosine']:.3f}", f"{r['first_nats']:.1f}", r.get("test", r.get("reason", "")),
+            f"{r['expected_nats']:.0f}" if "test" in r else "", f"{r['nats']:.0f}" if "test" in r else "",
+            "yes" if r["resolved"] else "no",
+        )
+        for r in sorted(two, key=lambda r: (r["truth"], r["other"], r["draw"]))
+    ]  # fmt: skip
+    clear, failed = (sum(r["verdict"] == v for r in rows) for v in ("not ambiguous", "failed"))
+    versions = ", ".join(sorted({r["core"] for r in rows}))
+    head = ("truth", "other", "cosine", "nats at first", "first suggestion", "nats expected", "nats found", "resolved")
+    return (
+        f"{len(rows)} cases, {len(two)} of them ambiguous ({clear} were not, {failed} failed; without a promised test "
+        f"{len(none)}). Source of the analysis: {versions}.\n\n"
+        f"{table(('rate', 'promise', 'measured (95 % Wilson interval)'), lines)}\n\n"
+        f"### Each case\n\n{table(head, each)}"
+    )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="where the cases are kept")
+    parser.add_argument("--draws", type=int, default=2, help="campaigns a pair and direction")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin nothing after that")
+    parser.add_argument("--report", action="store_true", help="fill the page from what is done")
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    if given.report:
+        write_results(PAGES / "next-test.md", results(kept(given.folder)))
+    else:
+        run(pairs(given.draws), given.folder, given.workers, given.minutes, work)
