@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,8 @@ from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import Procedure, changed, procedures
-from vgvt.reconcile.suggest import known_in, suggest
+from vgvt.reconcile.suggest import Suggestion, known_in, suggest, words_of_none
+from vgvt.reconcile.verdict import undecided
 
 # The package's lazy name of the same spelling is the function.
 suggesting = importlib.import_module("vgvt.reconcile.suggest")
@@ -95,6 +97,29 @@ def test_a_gain_that_changed_is_told_from_one_that_was_always_wrong(case: Proble
     rig = [t for t in tests if "run" not in t.test]
     assert len(rig) > 5
     assert all(t.nats < 1.0 for t in rig)
+
+
+def test_where_no_test_tells_that_is_said() -> None:
+    weak, strong = (Suggestion("a test", ("one", "other"), nats, 5.0) for nats in (1.0, 20.0))
+    (said,) = words_of_none([weak], 5.0)
+    assert "one from other" in said
+    assert words_of_none([strong, weak], 5.0) == words_of_none([], 5.0) == ()
+
+
+def test_a_test_has_to_tell_names_apart_before_places() -> None:
+    """The best fit of each of the last round that names several, not five places of one of them."""
+
+    def rival(name: str, fit: str) -> Any:
+        return SimpleNamespace(name=name, fit=fit)
+
+    def found(*rounds: tuple[Any, ...]) -> Any:
+        return SimpleNamespace(rounds=[SimpleNamespace(winner=own[0], equivalent=own) for own in rounds])
+
+    here, there, like = rival("mass", "here"), rival("mass", "there"), rival("inertia", "like")
+    alone = rival("delay", "alone")
+    assert undecided(found((here, there, like))) == ("here", "like")
+    assert undecided(found((here, there, like), (alone,))) == ("here", "like")
+    assert undecided(found((alone,), (here, there))) == ("here", "there")
 
 
 def test_what_tells_comes_before_what_is_quick(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:

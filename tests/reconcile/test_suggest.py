@@ -82,3 +82,4 @@ def test_two_names_for_the_same_thing_are_ambiguous_and_no_test_is_promised() ->
     assert {effect.name, *effect.equivalent} == {"transducer-mass", "twin-of-it"}
     assert any("the data as well" in reason for reason in found.reasons)
     assert all(test.nats < stored_thresholds().set_nats for test in found.suggested_tests)
+    assert any(reason.startswith("None of the tests") for reason in found.reasons)

@@ -15,10 +15,10 @@ from vgvt.reconcile.figures_of_merit import compare
 from vgvt.reconcile.fit import FAR, Fit, calibrate
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.problem import make_problem
-from vgvt.reconcile.suggest import Suggestion, suggest
+from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, stored_thresholds
 from vgvt.reconcile.turned import turned, words_of_turn
-from vgvt.reconcile.verdict import Kind, Verdict, kind_of, named_effects, reasons_of
+from vgvt.reconcile.verdict import Kind, Verdict, kind_of, named_effects, reasons_of, undecided
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
@@ -85,7 +85,8 @@ def reconcile(
     tests: tuple[Suggestion, ...] = ()
     if kind is Kind.AMBIGUOUS:
         tell(_LOCALISED, "compare tests")
-        tests = suggest([r.fit for r in found.rounds[-1].equivalent])
+        tests = suggest(undecided(found))
+        said += words_of_none(tests, limits.set_nats)
     verdict = Verdict(
         kind, (*said, *reasons_of(kind, found, limits, places)), named_effects(found), found.final_residual.reasons,
         compare(found.null.foretold, measured, parts),

@@ -62,6 +62,16 @@ def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
     return tuple(sorted(found, key=lambda s: (s.nats < _TELLS, -s.nats / s.minutes))[:count])
 
 
+def words_of_none(tests: Sequence[Suggestion], needed: float) -> tuple[str, ...]:
+    """What is to be said where not even the best test is expected to bring the nats ``needed``."""
+    if not tests or tests[0].nats >= needed:
+        return ()
+    one, other = tests[0].rivals
+    return (
+        f"None of the tests that were compared is expected to tell {one} from {other}: for all of them they are one",
+    )
+
+
 def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
     """Nats that a campaign by a changed procedure puts between two fits; None where it is impossible."""
     (u, _), (other_u, covariance) = (known_in(problem, fit) for fit in (one, other))

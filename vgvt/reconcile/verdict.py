@@ -8,6 +8,7 @@ from enum import StrEnum
 from vgvt.reconcile.attribute import Addition, Attribution
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
+from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.harmonics import words_of
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, Place
@@ -105,6 +106,20 @@ def kind_of(found: Attribution) -> Kind:
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.equivalent}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
     return Kind.AMBIGUOUS if several or rests_on_one_level(found) else Kind.EXPLAINED
+
+
+def undecided(found: Attribution) -> tuple[Fit, ...]:
+    """The fits that a next test has to tell apart: of the last round that names several effects, the best fit of each.
+
+    Where no round does, all that the last one holds: one effect at several places, or at one level.
+    """
+    for addition in reversed(found.rounds):
+        best: dict[str, Fit] = {}
+        for r in (addition.winner, *addition.equivalent):
+            best.setdefault(r.name, r.fit)
+        if len(best) > 1:
+            return tuple(best.values())
+    return tuple(r.fit for r in found.rounds[-1].equivalent)
 
 
 def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
