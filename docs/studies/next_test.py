@@ -24,7 +24,6 @@ from closing_the_loop import kept, run
 from loop_cases import LINES, expected
 from loop_results import rate
 from loop_work import core
-from numpy.typing import NDArray
 from virtual_lab import PAGES, table, write_results
 
 from vgvt.data import Campaign
@@ -181,8 +180,7 @@ def _best(null: Fit, name: str) -> Rival | None:
 
 def _again(problem: Problem, first: Fit) -> Fit:
     """An explanation fitted to the second campaign from where the first one left it."""
-    u: NDArray[np.float64] = known_in(problem, first)[0]
-    return fit(problem, first.hypotheses, u, first.e, NEAR)
+    return fit(problem, first.hypotheses, known_in(problem, first), first.e, NEAR)
 
 
 def results(rows: Sequence[Row]) -> str:

@@ -115,7 +115,15 @@ def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = N
     limit_hz = float(np.ceil(3 * measured.frequency_hz[-1]))
     known, start, slopes, finer, span = _assembled_once(lined_up, aligned(scenario, measured), limit_hz, cache)
     return Problem(
-        lined_up, measured, split(lined_up, measured), known, _nuisances(lined_up, measured), start, slopes, finer, span
+        lined_up,
+        measured,
+        split(lined_up, measured),
+        known,
+        nuisances_of(lined_up, measured),
+        start,
+        slopes,
+        finer,
+        span,
     )
 
 
@@ -153,7 +161,8 @@ def aligned(scenario: Scenario, measured: Measured) -> Scenario:
     return scenario.model_copy(update={"acquisition": acquisition})
 
 
-def _nuisances(scenario: Scenario, measured: Measured) -> tuple[Nuisance, ...]:
+def nuisances_of(scenario: Scenario, measured: Measured) -> tuple[Nuisance, ...]:
+    """What the tolerances leave open of the measuring chain of a campaign."""
     t, count = scenario.tolerances, len(measured.channels)
     everything = np.ones(count, dtype=bool)
     found = [Nuisance("gain force", t.gain, "gain", everything)]

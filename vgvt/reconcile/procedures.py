@@ -9,13 +9,11 @@ import numpy as np
 
 from vgvt.effects.added_mass import with_lump
 from vgvt.reconcile.candidates import places
-from vgvt.reconcile.data import measured_frfs
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.holdout import Split
-from vgvt.reconcile.problem import Nominal, Problem, problem_of
+from vgvt.reconcile.problem import Nominal, Problem, nuisances_of
 from vgvt.reconcile.uncertain import prepared
 from vgvt.scenario.model import Scenario
-from vgvt.simulation import simulate
 from vgvt.simulation.reduced import Layouts, structure
 
 _DUMMY_KG = 0.05
@@ -27,14 +25,13 @@ Runs = tuple[tuple[int, ...], ...]
 class Procedure:
     """A change of procedure: in words, as an edit of the scenario, and its lab time beyond the runs themselves.
 
-    ``force`` multiplies what the shaker pushed with; ``other_runs`` says that the edit changes what is measured when.
+    ``force`` multiplies what the shaker pushed with.
     """
 
     words: str
     edit: Callable[[Scenario], Scenario]
     minutes: float
     force: float = 1.0
-    other_runs: bool = False
 
 
 def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
@@ -83,34 +80,32 @@ def procedures(problem: Problem) -> tuple[Procedure, ...]:
 def _other_runs(runs: Runs) -> list[Procedure]:
     """What tells an instrument from the point where it sat, and what happened in the meantime from either."""
 
-    def measured(order: Callable[[Runs], Runs]) -> Callable[[Scenario], Scenario]:
-        def edit(s: Scenario) -> Scenario:
-            changed = {"runs": order(runs), "repeats": 1}
-            return s.model_copy(update={"acquisition": s.acquisition.model_copy(update=changed)})
-
-        return edit
+    def measured(after: Runs) -> Callable[[Scenario], Scenario]:
+        changes = {"runs": after, "repeats": 1}
+        return lambda s: s.model_copy(update={"acquisition": s.acquisition.model_copy(update=changes)})
 
     found = []
     if len(runs) > 1:
-        words = "make the first run once more after the last"
-        found.append(Procedure(words, measured(lambda r: (*r, r[0])), 5.0, other_runs=True))
+        found += [
+            Procedure(f"make run {k + 1} once more after the last", measured((*runs, run)), 5.0)
+            for k, run in enumerate(runs)
+        ]
     if any(len(run) > 1 for run in runs):
         words = "exchange the sensors: every run again with their places in reverse order"
         # As long as the campaign was.
-        minutes = 5.0 * len(runs)
-        found.append(Procedure(words, measured(lambda r: tuple(run[::-1] for run in r)), minutes, other_runs=True))
+        found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), 5.0 * len(runs)))
     return found
 
 
 def changed(problem: Problem, procedure: Procedure) -> Problem:
     """The problem of a campaign by a changed procedure, the data of the first standing in for its own."""
     scenario = procedure.edit(problem.scenario)
-    if procedure.other_runs:
-        return _expected(problem, scenario)
     start = prepared(scenario)
     layouts = Layouts.of(start)
     layout = layouts.plan(start)
     nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
+    if scenario.acquisition.runs != problem.scenario.acquisition.runs:
+        problem = _rearranged(problem, scenario)
     measured = problem.measured
     if procedure.force != 1:
         pushed, force = procedure.force * measured.pushed, procedure.force * measured.force
@@ -118,16 +113,25 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
     return replace(problem, scenario=scenario, measured=measured, start=nominal)
 
 
-def _expected(problem: Problem, scenario: Scenario) -> Problem:
-    """The problem of a campaign of other runs, simulated with nothing missing; whatever it adds is there to be fitted.
+def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
+    """The problem of other runs over the same points: each point's data as it was first measured, wherever it is now.
 
-    Of runs that the first campaign had, the same channels are held out.
+    What is measured once more is there to be fitted; of the rest the same channels are held out.
     """
-    first = problem.measured
-    band = (float(first.frequency_hz[0]), float(first.frequency_hz[-1]))
-    campaign = simulate(scenario, engine="linear").campaign
-    measured = measured_frfs(campaign, lines=first.frequency_hz.size, band_hz=band)
-    held = {(c.run, c.dof) for c, out in zip(first.channels, problem.split.held, strict=True) if out}
-    train = np.array([(c.run, c.dof) not in held for c in measured.channels])
-    found = problem_of(measured, scenario)
-    return replace(found, split=Split(train, np.zeros_like(train), ~train))
+    first, runs = problem.measured, scenario.acquisition.runs
+    row = {(c.run, c.dof.node): i for i, c in enumerate(first.channels)}
+    came = [k if k < len(first.runs) else first.runs.index(run) for k, run in enumerate(runs)]
+    channels, index = [], []
+    for k, run in enumerate(runs):
+        for place, node in enumerate(run):
+            index.append(row[came[k], node])
+            channels.append(replace(first.channels[index[-1]], run=k, run_number=k + 1, instrument=place))
+    again = np.array([c.run >= len(first.runs) for c in channels])
+    measured = replace(
+        first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
+        sigma=first.sigma[index], variances={name: v[index] for name, v in first.variances.items()},
+        force=first.force[came], pushed=first.pushed[came], level_n=first.level_n[came],
+    )  # fmt: skip
+    parts = problem.split
+    split = Split(parts.train[index] | again, parts.held_runs[index] & ~again, parts.held_channels[index] & ~again)
+    return replace(problem, measured=measured, split=split, nuisances=nuisances_of(scenario, measured))

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.reconcile.descent import solved
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.misfit import jacobian
+from vgvt.reconcile.misfit import data_misfit, jacobian
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.procedures import changed, levels_to_try, procedures
 from vgvt.reconcile.surrogate import anchor
@@ -41,7 +42,7 @@ def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
 
     What tells a pair at all comes before what does not, however quickly. Expected nats are half the square distance of
     the two predictions, after the other's own parameters have taken what they can (Box and Hill, Technometrics 9,
-    1967, for normal errors).
+    1967, for normal errors), whichever of the two is true.
     """
     found: list[Suggestion] = []
     if len(fits) < 2:
@@ -53,9 +54,11 @@ def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
             continue
         pairs = []
         for one, other in itertools.combinations(fits[:3], 2):
-            nats = expected_nats(one, other, problem)
-            if nats is not None:
-                pairs.append((nats, (one.hypotheses[-1].name, other.hypotheses[-1].name)))
+            ways = [expected_nats(a, b, problem) for a, b in ((one, other), (other, one))]
+            told = [nats for nats in ways if nats is not None]
+            # Nobody knows which of the two is true.
+            if len(told) == len(ways):
+                pairs.append((min(told), (one.hypotheses[-1].name, other.hypotheses[-1].name)))
         if pairs:
             nats, names = min(pairs)
             found.append(Suggestion(procedure.words, names, nats, procedure.minutes))
@@ -73,8 +76,11 @@ def words_of_none(tests: Sequence[Suggestion], needed: float) -> tuple[str, ...]
 
 
 def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
-    """Nats that a campaign by a changed procedure puts between two fits; None where it is impossible."""
-    (u, _), (other_u, covariance) = (known_in(problem, fit) for fit in (one, other))
+    """Nats that a campaign by a changed procedure puts between two fits where ``one`` is true; None if impossible.
+
+    By that campaign alone: what the first one knew of the unknowns is left out, as where it is reconciled by itself.
+    """
+    u, other_u = known_in(problem, one), known_in(problem, other)
     try:
         first = anchor(problem, u, one.hypotheses, one.e, slopes=False).predict(u, one.e)
         second = anchor(problem, other_u, other.hypotheses, other.e)
@@ -86,26 +92,15 @@ def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
     sigma = relative * (np.abs(first) + np.median(np.abs(first), axis=1, keepdims=True))
     problem = replace(problem, measured=replace(problem.measured, values=first, sigma=sigma))
     second = replace(second, problem=problem)
-    keep = problem.split.train
-    difference = ((predicted - first) / sigma)[keep]
-    gap = np.sqrt(2) * np.concatenate([difference.real.ravel(), difference.imag.ravel()])
+    gap = data_misfit(problem, predicted)
     tangent = jacobian(second, other_u, other.e, predicted)
-    # The first campaign has pinned the parameters already: they move within their posterior.
-    both = tangent.T @ tangent + np.linalg.inv(covariance)
-    taken = float((tangent.T @ gap) @ np.linalg.solve(both, tangent.T @ gap))
-    return 0.5 * (float(gap @ gap) - taken)
+    true, scores = (np.concatenate(s) for s in ((u, one.e), (other_u, other.e)))
+    gradient = tangent.T @ gap + scores
+    taken = float(gradient @ solved(tangent.T @ tangent + np.eye(scores.size), gradient))
+    return 0.5 * (float(gap @ gap + scores @ scores) - taken - float(true @ true))
 
 
-def known_in(problem: Problem, fit: Fit) -> tuple[Array, Array]:
-    """Scores (n,) of a fit's unknowns in another problem, by name, and covariance (n + e, n + e) with its effects'.
-
-    What only the other problem has, channels of more runs, is known from its tolerance alone.
-    """
-    names = {name: k for k, name in enumerate(fit.problem.names)}
-    shared = [(k, names[name]) for k, name in enumerate(problem.names) if name in names]
-    u, covariance = np.zeros(problem.size), np.eye(problem.size + fit.e.size)
-    new = [k for k, _ in shared] + [problem.size + k for k in range(fit.e.size)]
-    old = [k for _, k in shared] + [fit.u.size + k for k in range(fit.e.size)]
-    u[[k for k, _ in shared]] = fit.u[[k for _, k in shared]]
-    covariance[np.ix_(new, new)] = fit.covariance[np.ix_(old, old)]
-    return u, covariance
+def known_in(problem: Problem, fit: Fit) -> Array:
+    """Scores (n,) of a fit's unknowns in another problem, by name: zero for what only that one has."""
+    names = dict(zip(fit.problem.names, fit.u, strict=True))
+    return np.array([names.get(name, 0.0) for name in problem.names])
