@@ -15,6 +15,8 @@ from vgvt.simulation.channel_effects import selects
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _UP = Direction.PLUS_Z
+# Of the sampling rate: where a corner that nothing could pass any more is taken to be.
+_HIGHEST = 0.49
 
 
 def chain_factor(problem: Problem, scores: Array, actions: list[tuple[Action, ...]] | None) -> ComplexArray:
@@ -45,8 +47,8 @@ def high_pass(corner_hz: float, frequency_hz: Array, rate_hz: float) -> ComplexA
     """First-order AC coupling as the acquisition computes it, (L,)."""
     if corner_hz <= 0:
         return np.ones(frequency_hz.size, dtype=complex)
-    # The bilinear transform of s / (s + w), prewarped to its corner.
-    warped = np.tan(np.pi * corner_hz / rate_hz)
+    # The bilinear transform of s / (s + w), prewarped to its corner; trial steps may lead past half the rate.
+    warped = np.tan(np.pi * min(corner_hz / rate_hz, _HIGHEST))
     s = 1j * np.tan(np.pi * frequency_hz / rate_hz)
     return np.asarray(s / (s + warped))
 

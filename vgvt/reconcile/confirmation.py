@@ -26,8 +26,8 @@ def confirmed_by_held_out(
     """Held-out data must be met better than before; where nothing is held out there is no name.
 
     ``found`` is the fit with the effect, ``missed`` its held-out χ² per degree of freedom, ``current`` the model
-    without it and ``before`` what that leaves. Where held-out data are still missed, they must be met much better: a
-    wrong effect often takes a little of what another one leaves, held-out data or tolerances.
+    without it and ``before`` what that leaves. Where held-out or fitted data are still missed, they must be met much
+    better: a wrong effect often takes a little of what another one leaves, held-out data or tolerances.
 
     Two kinds of effect they cannot speak for, only against. Where the unknowns had imitated the effect, far out of
     their tolerances, the data were met already: the tolerances must then speak for the name by as much as a name
@@ -38,6 +38,11 @@ def confirmed_by_held_out(
     excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
     better = before.held_out_chi2_per_dof - missed
     if missed > before.limits.held_out_per_dof and better < _MUCH * excess:
+        return False
+    # One held-out channel can miss more than all the others: what it alone gains by is no explanation of them.
+    fitted = before.train_chi2_per_dof - found.chi2_per_dof
+    too_much = found.chi2_per_dof > before.limits.chi2_per_dof
+    if too_much and fitted < _MUCH * (before.train_chi2_per_dof - before.noise_per_dof):
         return False
     held, sigma = found.problem.split.held, found.problem.measured.sigma
     worth = _worth(found)
