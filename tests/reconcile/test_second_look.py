@@ -114,6 +114,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
         seen.append(([s.hypothesis for s in screened], best))
         return ["begun anew"]
 
+    monkeypatch.setattr(rounds, "finalists", lambda current, chosen, tell, team: tuple(chosen))
     monkeypatch.setattr(rounds, "fitted_from", fitted)
     monkeypatch.setattr(rounds, "begun_anew", begun)
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))

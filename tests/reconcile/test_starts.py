@@ -64,6 +64,30 @@ def test_a_fit_sets_out_from_the_better_start(named: Fit, monkeypatch: pytest.Mo
     assert here["mass_kg"] < 0.01
 
 
+@pytest.mark.parametrize(("stated_nats", "from_stated"), [(-400.0, True), (-40_000.0, False)])
+def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
+    named: Fit, monkeypatch: pytest.MonkeyPatch, stated_nats: float, from_stated: bool
+) -> None:
+    """Where the screen stood, or at the stated values, with what is named already as it is."""
+    asked: list[Any] = []
+
+    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, stages: Any, tell: Any, judged: float) -> Any:
+        asked.append((u, e, judged))
+        return SimpleNamespace(evidence_nats=-10_000.0 if u.any() else stated_nats, u=u)
+
+    monkeypatch.setattr(candidate_fits, "fit", fitted)
+    second = Hypothesis(AddedMass, ELSEWHERE)
+    scores = np.concatenate([np.full(named.u.size, 12.0), named.e])
+    found = candidate_fits._begun(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=scores), lambda f, m: None)
+    assert found is not None
+    assert found.u.any() != from_stated
+    (screened, one, coarse), (stated, other, same) = asked
+    assert (screened == 12.0).all() and not stated.any()
+    assert np.array_equal(one, other)
+    assert one[0] == named.e[0]
+    assert coarse == same > 0
+
+
 def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
     monkeypatch.setattr(rounds, "fit", lambda *given, exact: further)

@@ -254,7 +254,7 @@ def _fit_all(
 ) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
     near, screened = before.train_chi2_per_dof < BIASED, chosen
-    if not near and len(chosen) > FINALISTS:
+    if not near:
         chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4), team), part(tell, 0.4, 1.0)
         last = {s.hypothesis for s in chosen}
         screened = [s for s in screened if s.hypothesis in last]

@@ -42,14 +42,21 @@ def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress, team: Te
 
 
 def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:
-    """A candidate after a few steps that forgive misplaced peaks; None where there is no such aircraft."""
+    """A candidate after a few steps that forgive misplaced peaks; None where there is no such aircraft.
+
+    From where it was screened, or from the stated values where that does better: a stand whose unknowns are bent to
+    imitate the effect that is now there is further from the truth than they are.
+    """
     coarse = FAR[:1]
     hypothesis, u, start = _start(current, s)
-    hypotheses = (*current.hypotheses, hypothesis)
-    try:
-        return fit(current.problem, hypotheses, u, start, coarse, naming(tell, hypothesis), judged=coarse[-1][0])
-    except NoStructureError:
-        return None
+    hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
+    found: list[Fit] = []
+    for at in (u, np.zeros(u.size)):
+        try:
+            found.append(fit(current.problem, hypotheses, at, start, coarse, tell, judged=coarse[-1][0]))
+        except NoStructureError:
+            continue
+    return max(found, key=lambda f: f.evidence_nats, default=None)
 
 
 def begun_anew(current: Fit, chosen: Sequence[Screened], best: float, tell: Progress, team: Team = ALONE) -> list[Fit]:
