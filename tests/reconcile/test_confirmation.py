@@ -77,6 +77,8 @@ def test_fitted_data_that_are_still_missed_must_be_met_much_better_too(
     own.chi2_per_dof = left
     null: Any = SimpleNamespace(scores=np.zeros(3), foretold=own.foretold + 5.0)
     assert confirmed_by_held_out(own, 2.9, null, before, NEEDS) is name  # type: ignore[arg-type]
+    # A fit that is on its way is not asked.
+    assert confirmed_by_held_out(own, 2.9, null, before, NEEDS, ended=False)  # type: ignore[arg-type]
 
 
 def test_of_what_they_do_not_feel_held_out_data_only_speak_against(confirmed: Any) -> None:

@@ -68,7 +68,7 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rounds, "_tried", lambda *given: (beside,))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
     monkeypatch.setattr(rounds, "against", lambda current, fits: (beside,))
-    monkeypatch.setattr(rounds, "_passed", lambda *given: True)
+    monkeypatch.setattr(rounds, "_passed", lambda *given, **more: True)
     monkeypatch.setattr(rounds, "_finished", lambda found: found)
     needs: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
     found = rounds.attribute(null, (), needs)

@@ -134,13 +134,13 @@ def _selected(
                     again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team)
                     found += [r.fit for r in again]
                 rivals = against(current, found)
-        confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        confirmed = [r for r in rivals if _passed(r, current, before, thresholds, ended=False)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
             later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9), team)
             more = _fit_all(current, later, before, part(here, 0.9, 1.0), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
-            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+            confirmed = [r for r in rivals if _passed(r, current, before, thresholds, ended=False)]
         if confirmed:
             rivals = _ended(current, rivals, confirmed, thresholds)
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
@@ -174,10 +174,10 @@ def _tried(
     return _fit_all(current, chosen, before, part(tell, 0.6, 1.0), team)
 
 
-def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
+def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds, ended: bool = True) -> bool:
     """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
     enough = rival.gain_nats >= thresholds.evidence_nats
-    return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
+    return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds, ended)
 
 
 def _ended(

@@ -21,13 +21,14 @@ _MUCH = 0.25
 
 
 def confirmed_by_held_out(
-    found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds
+    found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds, ended: bool = True
 ) -> bool:
     """Held-out data must be met better than before; where nothing is held out there is no name.
 
     ``found`` is the fit with the effect, ``missed`` its held-out χ² per degree of freedom, ``current`` the model
     without it and ``before`` what that leaves. Where held-out or fitted data are still missed, they must be met much
-    better: a wrong effect often takes a little of what another one leaves, held-out data or tolerances.
+    better: a wrong effect often takes a little of what another one leaves, held-out data or tolerances. What a fit
+    that has not ``ended`` leaves of its own data is not asked yet.
 
     Two kinds of effect they cannot speak for, only against. Where the unknowns had imitated the effect, far out of
     their tolerances, the data were met already: the tolerances must then speak for the name by as much as a name
@@ -42,7 +43,7 @@ def confirmed_by_held_out(
     # One held-out channel can miss more than all the others: what it alone gains by is no explanation of them.
     fitted = before.train_chi2_per_dof - found.chi2_per_dof
     too_much = found.chi2_per_dof > before.limits.chi2_per_dof
-    if too_much and fitted < _MUCH * (before.train_chi2_per_dof - before.noise_per_dof):
+    if ended and too_much and fitted < _MUCH * (before.train_chi2_per_dof - before.noise_per_dof):
         return False
     held, sigma = found.problem.split.held, found.problem.measured.sigma
     worth = _worth(found)
