@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import problem
+from reconciled_case import drawn_scores, problem
 
 from vgvt.effects.added_mass import AddedMass
 from vgvt.effects.local_absorber import LocalAbsorber
-from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
+from vgvt.reconcile.fit import NEAR, Fit, cost_at, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
@@ -28,7 +28,7 @@ def named(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     """A scenario whose added mass has its name already."""
     case = problem(tmp_path_factory.mktemp("cache"), 1, AddedMass(mass_kg=0.04, **THERE))
     hypothesis = Hypothesis(AddedMass, THERE)
-    return fit(case, (hypothesis,), calibrate(case).u, hypothesis.scores({"mass_kg": 0.04}), NEAR)
+    return fit(case, (hypothesis,), drawn_scores(case, 1), hypothesis.scores({"mass_kg": 0.04}), NEAR)
 
 
 def test_a_second_effect_starts_with_the_first_where_the_screen_moved_it(named: Fit) -> None:
