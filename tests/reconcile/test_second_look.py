@@ -75,6 +75,34 @@ def test_where_much_is_left_held_out_data_say_what_is_as_good(left: float, set_o
     assert [r.name for r in rounds._equal(confirmed[0], confirmed, THRESHOLDS)] == set_of
 
 
+@pytest.mark.parametrize("enough", [True, False])
+def test_what_a_name_takes_of_its_own_data_is_asked_at_the_end_of_its_fit(
+    monkeypatch: pytest.MonkeyPatch, enough: bool
+) -> None:
+    """A fit that is on its way may take little yet; one that has ended and takes little is refused."""
+    asked: list[Any] = []
+
+    def rival(fit: Any) -> Any:
+        return SimpleNamespace(fit=fit, name="it", gain_nats=90.0, held_out=0.8)
+
+    null, begun, ended = (SimpleNamespace(chi2_per_dof=c, problem=None) for c in (1.0, 0.9, 0.7))
+    left: Any = SimpleNamespace(held_out_chi2_per_dof=2.0, train_chi2_per_dof=1.0, adequate=True)
+    monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
+    monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
+    monkeypatch.setattr(rounds, "_tried", lambda *given: (rival(begun),))
+    monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
+    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(map(rival, fits)))
+    monkeypatch.setattr(rounds, "_passed", lambda *given: True)
+    monkeypatch.setattr(rounds, "_finished", lambda found: ended)
+    monkeypatch.setattr(rounds, "_taking_it_away", lambda current, confirmed, before: confirmed)
+    monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
+    monkeypatch.setattr(rounds, "takes_enough", lambda fit, before: asked.append(fit) or enough)
+    found = rounds.attribute(null, (), THRESHOLDS)  # type: ignore[arg-type]
+    assert asked == [ended]
+    assert [r.winner.fit for r in found.rounds] == ([ended] if enough else [])
+    assert [r.fit for r in found.vetoed] == ([] if enough else [ended])
+
+
 @pytest.mark.parametrize(
     ("left", "gain_nats", "held_out", "ahead"),
     [(0.8, 37.0, 0.85, True), (0.8, 37.0, 0.95, False), (0.8, 24.0, 0.85, False), (13.0, 37.0, 0.85, False)],

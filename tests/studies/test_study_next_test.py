@@ -9,6 +9,8 @@ import next_test as study
 import numpy as np
 import pytest
 
+from vgvt.reconcile.suggest import Suggestion
+
 PAIR = study.Pair("added-mass", "transducer-mass", "added-mass (x_m = 0.6, y_m = 0.1)", "mass_kg", 0.1, 0.99, 0)
 
 
@@ -67,7 +69,8 @@ def test_evidence_of_both_campaigns_counts_and_of_runs_that_come_twice_once(
     monkeypatch.setattr(study, "problem_of", problem)
     monkeypatch.setattr(study, "calibrate", lambda problem: SimpleNamespace(problem=problem))
     monkeypatch.setattr(study, "_best", best)
-    monkeypatch.setattr(study, "suggest", lambda fits: (study_suggestion(),))
+    promised = Suggestion("a test", ("added-mass", "transducer-mass"), 30.0, 5.0)
+    monkeypatch.setattr(study, "suggest", lambda fits: (promised,))
     monkeypatch.setattr(study, "procedures", lambda problem: (test,))
     monkeypatch.setattr(study, "_again", lambda problem, first: None)
     told = [SimpleNamespace(name=n, gain_nats=g) for n, g in (("added-mass", 30.0), ("transducer-mass", 30.0 - second))]
@@ -78,13 +81,6 @@ def test_evidence_of_both_campaigns_counts_and_of_runs_that_come_twice_once(
     assert study.asked(PAIR)["verdict"] == "not ambiguous"
     gains["transducer-mass"] = 8.0
     assert study.asked(PAIR)["verdict"] == "not ambiguous"
-
-
-def study_suggestion() -> Any:
-    """A test that promises to tell the pair."""
-    from vgvt.reconcile.suggest import Suggestion
-
-    return Suggestion("a test", ("added-mass", "transducer-mass"), 30.0, 5.0)
 
 
 def test_where_no_test_is_promised_the_pair_stays_unresolved(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
-from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats
+from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
@@ -134,16 +134,16 @@ def _selected(
                     again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team)
                     found += [r.fit for r in again]
                 rivals = against(current, found)
-        confirmed = [r for r in rivals if _passed(r, current, before, thresholds, ended=False)]
+        confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
             later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9), team)
             more = _fit_all(current, later, before, part(here, 0.9, 1.0), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
-            confirmed = [r for r in rivals if _passed(r, current, before, thresholds, ended=False)]
+            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if confirmed:
             rivals = _ended(current, rivals, confirmed, thresholds)
-            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+            confirmed = [r for r in rivals if _passed(r, current, before, thresholds) and takes_enough(r.fit, before)]
         confirmed = _taking_it_away(current, confirmed, before)
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
@@ -174,10 +174,10 @@ def _tried(
     return _fit_all(current, chosen, before, part(tell, 0.6, 1.0), team)
 
 
-def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds, ended: bool = True) -> bool:
+def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
     """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
     enough = rival.gain_nats >= thresholds.evidence_nats
-    return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds, ended)
+    return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
 
 
 def _ended(

@@ -21,14 +21,13 @@ _MUCH = 0.25
 
 
 def confirmed_by_held_out(
-    found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds, ended: bool = True
+    found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds
 ) -> bool:
     """Held-out data must be met better than before; where nothing is held out there is no name.
 
     ``found`` is the fit with the effect, ``missed`` its held-out χ² per degree of freedom, ``current`` the model
-    without it and ``before`` what that leaves. Where held-out or fitted data are still missed, they must be met much
-    better: a wrong effect often takes a little of what another one leaves, held-out data or tolerances. What a fit
-    that has not ``ended`` leaves of its own data is not asked yet.
+    without it and ``before`` what that leaves. Where held-out data are still missed, they must be met much better: a
+    wrong effect often takes a little of what another one leaves, held-out data or tolerances.
 
     Two kinds of effect they cannot speak for, only against. Where the unknowns had imitated the effect, far out of
     their tolerances, the data were met already: the tolerances must then speak for the name by as much as a name
@@ -39,11 +38,6 @@ def confirmed_by_held_out(
     excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
     better = before.held_out_chi2_per_dof - missed
     if missed > before.limits.held_out_per_dof and better < _MUCH * excess:
-        return False
-    # One held-out channel can miss more than all the others: what it alone gains by is no explanation of them.
-    fitted = before.train_chi2_per_dof - found.chi2_per_dof
-    too_much = found.chi2_per_dof > before.limits.chi2_per_dof
-    if ended and too_much and fitted < _MUCH * (before.train_chi2_per_dof - before.noise_per_dof):
         return False
     held, sigma = found.problem.split.held, found.problem.measured.sigma
     worth = _worth(found)
@@ -56,6 +50,16 @@ def confirmed_by_held_out(
     # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
     apart = worth * float(np.sum(np.abs((found.foretold - current.foretold) / sigma)[held] ** 2))
     return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * apart))
+
+
+def takes_enough(found: Fit, before: Residual) -> bool:
+    """Whether a fit that has ended meets its own data, or much better than ``before``.
+
+    One held-out channel can miss more than all the others: what it alone gains by is no explanation of them.
+    """
+    taken = before.train_chi2_per_dof - found.chi2_per_dof
+    met = found.chi2_per_dof <= before.limits.chi2_per_dof
+    return met or taken >= _MUCH * (before.train_chi2_per_dof - before.noise_per_dof)
 
 
 def held_out_nats(found: Fit, better: float) -> float:
