@@ -153,6 +153,18 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
     assert undecided(found((alone,), (here, there))) == ("here", "there")
 
 
+@pytest.mark.parametrize(("forth", "back"), [(20.0, 3.0), (3.0, 20.0)])
+def test_a_test_promises_what_it_tells_whichever_is_true(
+    case: Problem, monkeypatch: pytest.MonkeyPatch, forth: float, back: float
+) -> None:
+    one = claimed(case, "channel-gain", {"gain_error": GAIN}, channels="3+Z")
+    other = replace(one)
+    monkeypatch.setattr(suggesting, "procedures", lambda problem: (Procedure("a test", lambda s: s, 5.0),))
+    monkeypatch.setattr(suggesting, "changed", lambda problem, p: problem)
+    monkeypatch.setattr(suggesting, "expected_nats", lambda true, wrong, problem: forth if true is one else back)
+    assert [t.nats for t in suggest([one, other])] == [3.0]
+
+
 def test_what_tells_comes_before_what_is_quick(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     quick, slow = Procedure("quick", lambda s: s, 1.0), Procedure("slow", lambda s: s, 60.0)
     nats = {"quick": suggesting._TELLS - 1, "slow": suggesting._TELLS + 1}

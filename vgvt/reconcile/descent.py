@@ -119,15 +119,15 @@ def _downhill(
 
 
 def solved(normal: Array, right: Array) -> Array:
-    """Solution (n,) of a symmetric positive definite system (n, n), its rows brought to one size first."""
-    scale = 1 / np.sqrt(np.diag(normal))
-    scaled = normal * scale * scale[:, None]
+    """Solution (n,) of a symmetric positive definite system (n, n), however different the sizes of its rows.
+
+    Cholesky's factors do not mind scaling, where a condition number would warn of it.
+    """
     try:
-        found = scipy.linalg.cho_solve(scipy.linalg.cho_factor(scaled), scale * right)
+        return np.asarray(scipy.linalg.cho_solve(scipy.linalg.cho_factor(normal), right), dtype=np.float64)
     except np.linalg.LinAlgError:
         # Slopes so steep that the priors are lost in round-off: the shortest of all solutions.
-        found = np.linalg.lstsq(scaled, scale * right, rcond=None)[0]
-    return np.asarray(scale * found, dtype=np.float64)
+        return np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0], dtype=np.float64)
 
 
 def _moved(here: Anchor, u: Array, e: Array, move: Array) -> Scores:
