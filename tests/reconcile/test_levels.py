@@ -110,6 +110,18 @@ def test_slopes_are_those_of_the_prediction(case: Problem) -> None:
         assert distance(slopes[k], (far - near) / 0.04) < 0.1
 
 
+def test_slopes_in_the_unknowns_hold_what_a_joint_shows(case: Problem) -> None:
+    """Against differences of the linearised response, for every unknown at once."""
+    u = truth(case)
+    here = anchor(case, u, (CUBIC,), NOTHING)
+    slopes = here.slopes()
+    for k in range(len(case.unknowns)):
+        aside = 1e-4 * np.eye(u.size)[k]
+        wanted = (here.mechanical(u + aside, NOTHING) - here.mechanical(u - aside, NOTHING)) / 2e-4
+        # Below a hundredth differences are round-off; what matters is 0.03 to 170.
+        assert np.linalg.norm(slopes[k] - wanted) <= 1e-5 * max(float(np.linalg.norm(wanted)), 0.01)
+
+
 def test_levels_are_seen_in_the_force(case: Problem) -> None:
     assert not several_levels(case)
     force = np.concatenate([case.measured.force, 4 * case.measured.force])

@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _SMALL = 1e-3
-# Steps after which it is asked whether a march has run away.
-_LOOKED_AFTER = 500
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,42 +41,21 @@ def marched(linear: Array, memory: Memory, laws: Sequence[Sequence[Law]], step_s
 
     ``linear`` (R, J, N) are the motions of the linear structure under the measured force, every ``step_s``;
     ``laws`` those of every run and joint. The law is met at every step's end. Forces are straight between steps;
-    with friction constant in each, so that a force that stops the joint's motion does not ring.
+    with friction constant in each, so that a force that stops the joint's motion does not ring. Where a trial step of
+    a fit makes of a joint what runs away, the rest of its run is not a number.
     """
+    # Here, as loading a compiler takes a third of a second and few campaigns need it.
+    from vgvt.reconcile.march_steps import stepped
+
     rubbing = any(law.friction > 0 for row in laws for law in row)
     grown, new, pushed = _step(memory, step_s, held=rubbing)
     yields = (memory.out @ new).real + memory.at_once
-    own = np.diag(yields).copy()
-    across = np.ascontiguousarray((yields - np.diag(own)).T)
-    law = _Laws.of(laws, own)
-    out = np.ascontiguousarray(memory.out.T)
-    runs, joints, count = linear.shape
-    moved = np.ascontiguousarray(linear.transpose(2, 0, 1))
-    reaction = np.zeros((count, runs, joints))
-    state = np.zeros((runs, memory.poles.size), dtype=complex)
-    x, g, spring = np.zeros((runs, joints)), np.zeros((runs, joints)), np.zeros((runs, joints))
-    # What a trial step of a fit makes of a joint may run away: that is said by values, not by a warning.
-    with np.errstate(over="ignore", invalid="ignore"):
-        for n in range(1, count):
-            if n % _LOOKED_AFTER == 0 and not np.isfinite(g).all():
-                reaction[n:] = np.nan
-                break
-            state = state * grown + g @ pushed
-            free = moved[n] - (state @ out).real - g @ across
-            if rubbing:
-                # Sticking first: what would it take to hold the joint where it was?
-                needed = (free - x) / own - spring
-                rubbed = np.minimum(np.maximum(needed, -law.friction), law.friction)
-                spring = law.spring(free - own * rubbed)
-                g = rubbed + spring
-                x = np.where(rubbed == needed, x, free - own * g)
-            else:
-                g = law.spring(free)
-            reaction[n] = g
+    table = law_table(laws, np.diag(yields))
+    reaction: Array = stepped(np.ascontiguousarray(linear), grown, pushed, memory.out, yields, table)
     if rubbing:
         # A force that is constant in every step is, at its ends, the mean of two.
-        reaction[:-1] = (reaction[:-1] + reaction[1:]) / 2
-    return np.ascontiguousarray(reaction.transpose(1, 2, 0))
+        reaction[..., :-1] = (reaction[..., :-1] + reaction[..., 1:]) / 2
+    return reaction
 
 
 def _step(memory: Memory, step_s: float, *, held: bool) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
@@ -98,46 +75,19 @@ def _step(memory: Memory, step_s: float, *, held: bool) -> tuple[ComplexArray, C
     return grown, new, np.ascontiguousarray(pushed.T)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Laws:
-    """Laws of all runs and joints as arrays (R, J), with what solves them in closed form.
+def law_table(laws: Sequence[Sequence[Law]], own: Array) -> Array:
+    """Laws of all runs and joints as an array (8, R, J), with what solves them in closed form.
 
-    ``own`` (J,) is what a unit force moves its joint by within the step. With y from the unloaded state, the law
-    and x = free - own g are ``soft`` y + own T(y) = q: a straight line within the band, a cubic beyond.
+    Its rows are rest, offset, soft, band, friction, firm, cubic and reach. ``own`` (J,) is what a unit force moves its
+    joint by within the step: with y from the unloaded state, the law and x = free - own g are soft y + own T(y) = q,
+    q = free + offset: a straight line within the band, of slope firm and with a cubic beyond.
     """
 
-    own: Array
-    rest: Array
-    offset: Array
-    soft: Array
-    friction: Array
-    band: Array
-    firm: Array
-    cubic: Array
-    reach: Array
-    bent: bool
+    def column(name: str) -> Array:
+        return np.array([[float(getattr(law, name)) for law in row] for row in laws])
 
-    @classmethod
-    def of(cls, laws: Sequence[Sequence[Law]], own: Array) -> _Laws:
-        def column(name: str) -> Array:
-            return np.array([[float(getattr(law, name)) for law in row] for row in laws])
-
-        cubic, friction, soft = column("cubic"), column("friction"), 1 - own * column("modelled")
-        firm, bent = soft + own * column("stiffness"), own * cubic
-        reach = 2 * np.sqrt(firm / (3 * np.where(bent > 0, bent, 1.0)))
-        return cls(
-            own, column("rest"), own * column("load") + soft * column("rest"), soft, friction, soft * column("play"),
-            firm, bent, reach, bool(cubic.any()),
-        )  # fmt: skip
-
-    def spring(self, free: Array) -> Array:
-        """The spring's extra force g (R, J) where it moves the joint to free - own g about rest."""
-        q = free + self.offset
-        inner = np.minimum(np.maximum(q, -self.band), self.band)
-        outer = q - inner
-        beyond = outer / self.firm
-        if self.bent:
-            # The one real root of a growing cubic (Cardano's, with hyperbolic sines).
-            root = self.reach * np.sinh(np.arcsinh(3 * beyond / self.reach) / 3)
-            beyond = np.where(self.cubic > 0, root, beyond)
-        return np.asarray((free - (inner / self.soft + beyond - self.rest)) / self.own)
+    cubic, soft, rest = column("cubic"), 1 - own * column("modelled"), column("rest")
+    firm, bent = soft + own * column("stiffness"), own * cubic
+    reach = 2 * np.sqrt(firm / (3 * np.where(bent > 0, bent, 1.0)))
+    offset = own * column("load") + soft * rest
+    return np.array([rest, offset, soft, soft * column("play"), column("friction"), firm, cubic, reach])

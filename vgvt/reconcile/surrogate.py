@@ -26,6 +26,7 @@ from vgvt.reconcile.grouping import (
     spare_flexibility,
 )
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.level_slopes import level_accelerance_slopes
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for
 from vgvt.reconcile.problem import MATRICES, Problem
@@ -38,7 +39,6 @@ ComplexArray = NDArray[np.complex128]
 
 # Modes up to this many times the top of the band; the rest is a static flexibility.
 _MODES_PER_BAND = 6.0
-_SLOPE_STEP = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,8 +121,6 @@ class Anchor:
         """Derivatives (unknowns + e0.size, C, L) of :meth:`mechanical` at the anchor, in unknowns, then e."""
         problem = self.problem
         known = problem.unknowns
-        if any(group.levels is not None for group in self.groups):
-            return self._differences()
         omega = 2 * np.pi * problem.measured.frequency_hz
         rate = np.array([k.rate(float(a)) for k, a in zip(known, self.u0, strict=False)] + [1.0] * self.e0.size)
         index = sensor_mass_index(problem)
@@ -134,18 +132,16 @@ class Anchor:
                 mass_slopes[len(known) :] = group.mass_slopes
                 if index is not None:
                     mass_slopes[index] = problem.scenario.accelerometers.mass_kg * rate[index]
-            changes = {n: by_rate(rate, group.slopes[n]) for n in MATRICES}
-            out[:, group.channels] = accelerance_slopes(
-                group.matrices, omega, group.runs, masses, Slopes(**changes, masses_kg=mass_slopes)
-            )
+            changes = Slopes(**{n: by_rate(rate, group.slopes[n]) for n in MATRICES}, masses_kg=mass_slopes)
+            if group.levels is None:
+                out[:, group.channels] = accelerance_slopes(group.matrices, omega, group.runs, masses, changes)
+            else:
+                # What a joint shows is held in the unknowns.
+                shown = np.concatenate([np.zeros((len(known), *group.levels.shown.shape)), group.levels.slopes])
+                out[:, group.channels] = level_accelerance_slopes(
+                    group.matrices, group.levels.joints, group.levels.shown, shown, omega, group.runs, masses, changes
+                )
         return out
-
-    def _differences(self) -> ComplexArray:
-        """:meth:`slopes` where joints depend on level, the stiffness that they show being held in the unknowns."""
-        u, e, here = self.u0, self.e0, self.mechanical(self.u0, self.e0)
-        aside = [self.mechanical(u + step, e) for step in _SLOPE_STEP * np.eye(u.size)[: len(self.problem.unknowns)]]
-        aside += [self.mechanical(u, e + step) for step in _SLOPE_STEP * np.eye(e.size)]
-        return np.asarray((np.array(aside) - here) / _SLOPE_STEP)
 
     def _actions(self, e: Array) -> list[tuple[Action, ...]] | None:
         if not self.filtered:
