@@ -97,50 +97,60 @@ class Structure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layouts:
-    """Plans of edited scenarios, made fast: what the edit cannot have moved is taken from the first."""
+    """Plans of edited scenarios, made fast: what an edit cannot have moved is taken from one made before."""
 
     first: Plan
+    _known: dict[tuple[object, ...], Plan]
 
     @classmethod
     def of(cls, scenario: Scenario) -> Layouts:
         """For edits of a scenario, whose own effects are left to the caller."""
-        return cls(plan(scenario))
+        first = plan(scenario)
+        return cls(first, {_places(scenario): first})
 
     def plan(self, scenario: Scenario, actions: tuple[Action, ...] = ()) -> Plan:
         """The plan of an edited scenario with actions whose edits are in it already."""
-        first = self.first
-        if not _same_places(first.scenario, scenario):
-            fresh = plan(scenario)
+        like = self._like(scenario)
+        if like.scenario is scenario:
+            fresh = like
         else:
             # Where nothing of the airframe changed, its cut is as good.
-            same = scenario.airframe is first.scenario.airframe
-            parts = first.parts if same else cut_airframe(scenario.airframe)
+            parts = like.parts if scenario.airframe is like.scenario.airframe else cut_airframe(scenario.airframe)
             x, y, z = scenario.shaker.position_m
             place = np.array([x, y, z])
             drive = replace(
-                first.drive,
+                like.drive,
                 part=scenario.shaker.attached_to,
                 position_m=place,
                 carrier=parts.carrier(scenario.shaker.attached_to, place),
             )
-            fresh = Plan(scenario, parts, first.grid, drive)
+            fresh = Plan(scenario, parts, like.grid, drive)
         drive = fresh.drive
         leans = [e.lean for action in actions for e in action.points if e.node == drive.dof.node]
         axis = drive.axis + np.sum(leans, axis=0) if leans else drive.axis
         return replace(fresh, actions=actions, drive=replace(drive, axis=axis / np.linalg.norm(axis)))
 
+    def _like(self, scenario: Scenario) -> Plan:
+        """A plan whose grid points are on the same links as the scenario's: its own where there is none yet."""
+        first = self.first.scenario
+        if scenario.airframe is first.airframe and scenario.accelerometers.grid == first.accelerometers.grid:
+            return self.first
+        key = _places(scenario)
+        if key not in self._known:
+            self._known[key] = plan(scenario)
+        return self._known[key]
 
-def _same_places(one: Scenario, other: Scenario) -> bool:
-    """Whether grid points are on the same links in both: same grid, same planform, same cells."""
-    if one.accelerometers.grid != other.accelerometers.grid:
-        return False
-    if one.airframe is other.airframe:
-        return True
-    beams = [(b.name, b.cells, b.stations.position_m) for b in expanded_beams(one.airframe)]
-    again = [(b.name, b.cells, b.stations.position_m) for b in expanded_beams(other.airframe)]
-    rigid = [b.root_bending_stiffness_n_m_per_rad is None for b in expanded_beams(one.airframe)]
-    rigid_again = [b.root_bending_stiffness_n_m_per_rad is None for b in expanded_beams(other.airframe)]
-    return beams == again and rigid == rigid_again and one.airframe.body.outline_m == other.airframe.body.outline_m
+
+def _places(scenario: Scenario) -> tuple[object, ...]:
+    """What says on which links grid points are: the grid, the planform, its cells, and whether roots are joints."""
+    cut = tuple(
+        (
+            b.name, b.cells, b.stations.position_m,
+            b.root_bending_stiffness_n_m_per_rad is None, b.root_torsional_stiffness_n_m_per_rad is None,
+        )
+        for b in expanded_beams(scenario.airframe)
+    )  # fmt: skip
+    return (scenario.accelerometers.grid, scenario.airframe.body.outline_m, cut)
 
 
 def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure | None = None) -> Structure:

@@ -1,0 +1,61 @@
+"""Plans of edited scenarios: where an edit moves no point they are made from one that is there, and are the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vgvt.effects import make_effect
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation import reduced
+from vgvt.simulation.assembly import Plan, plan
+from vgvt.simulation.reduced import Layouts
+
+
+def soft_root(scenario: Scenario, bending: float, torsion: float) -> Scenario:
+    """The scenario with a root that gives way."""
+    action = make_effect("root-compliance", "here", bending=bending, torsion=torsion).act(scenario, 0)
+    assert action.scenario is not None
+    return action.scenario
+
+
+def moved_drive(scenario: Scenario, by_m: float) -> Scenario:
+    """The scenario driven a little further aft."""
+    x, y, z = scenario.shaker.position_m
+    return scenario.model_copy(update={"shaker": scenario.shaker.model_copy(update={"position_m": (x + by_m, y, z)})})
+
+
+def springs(layout: Plan) -> list[tuple[str, float]]:
+    """Kinds and stiffnesses of all hinges."""
+    links = [link for chain in layout.parts.chains.values() for link in chain.links]
+    return [(hinge.kind, hinge.stiffness_n_m_per_rad) for link in links for hinge in link.hinges]
+
+
+def test_softer_and_softer_roots_are_placed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario, made = load_scenario("quick"), list[Scenario]()
+
+    def counted(edited: Scenario) -> Plan:
+        made.append(edited)
+        return plan(edited)
+
+    monkeypatch.setattr(reduced, "plan", counted)
+    layouts = Layouts.of(scenario)
+    for softness in (0.1, 0.2, 0.3):
+        layouts.plan(moved_drive(soft_root(scenario, softness, softness), 0.01))
+    assert len(made) == 2
+
+
+@pytest.mark.parametrize(("bending", "torsion"), [(0.0, 0.0), (0.2, 0.0), (0.0, 0.2), (0.2, 0.2)])
+def test_they_are_what_is_planned_from_scratch(bending: float, torsion: float) -> None:
+    scenario = load_scenario("quick")
+    layouts = Layouts.of(scenario)
+    if bending or torsion:
+        layouts.plan(soft_root(scenario, bending / 2, torsion / 2))
+        scenario = soft_root(scenario, bending, torsion)
+    edited = moved_drive(scenario, 0.02)
+    found, wanted = layouts.plan(edited), plan(edited)
+    assert found.scenario is edited
+    for one, other in zip((*found.grid, found.drive), (*wanted.grid, wanted.drive), strict=True):
+        assert (one.dof, one.site, one.part, one.carrier) == (other.dof, other.site, other.part, other.carrier)
+        np.testing.assert_array_equal(one.position_m, other.position_m)
+    assert springs(found) == springs(wanted)
