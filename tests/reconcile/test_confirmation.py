@@ -66,14 +66,22 @@ def test_held_out_data_must_speak_for_a_name(confirmed: Any) -> None:
     assert not confirmed(1.03, 0.0, apart=0.2)
 
 
+def fitted(left: float, bent: float = 0.0) -> Any:
+    """A fit of a hundred values that leaves so much of each, with one of its two scores ``bent``."""
+    return SimpleNamespace(chi2=100 * left, chi2_per_dof=left, points=100, scores=np.array([bent, 1.0]))
+
+
 @pytest.mark.parametrize(("left", "enough"), [(1.15, True), (28.0, False), (23.5, False), (22.5, True)])
 def test_fitted_data_that_are_still_missed_must_be_met_much_better_too(left: float, enough: bool) -> None:
     """By a quarter of the 29 too much that there were; where nothing is missed any more by whatever there was."""
-    before: Any = SimpleNamespace(**vars(BEFORE) | {"train_chi2_per_dof": 30.0})
-    found: Any = SimpleNamespace(chi2_per_dof=left)
-    assert takes_enough(found, before) is enough
-    little: Any = SimpleNamespace(**vars(BEFORE) | {"train_chi2_per_dof": 1.19})
-    assert takes_enough(SimpleNamespace(chi2_per_dof=1.18), little)  # type: ignore[arg-type]
+    assert takes_enough(fitted(left), fitted(30.0), BEFORE) is enough
+    assert takes_enough(fitted(1.18), fitted(1.19), BEFORE)
+
+
+@pytest.mark.parametrize(("bent", "enough"), [(30.0, False), (25.0, True), (1.0, True)])
+def test_what_the_tolerances_get_back_counts_as_well(bent: float, enough: bool) -> None:
+    """A gain 30 of its deviations off misses nothing: 100 too much in the data beside the 900 that it costs."""
+    assert takes_enough(fitted(1.9, bent), fitted(2.0, 30.0), BEFORE) is enough
 
 
 def test_of_what_they_do_not_feel_held_out_data_only_speak_against(confirmed: Any) -> None:

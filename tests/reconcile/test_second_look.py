@@ -94,9 +94,11 @@ def test_what_a_name_takes_of_its_own_data_is_asked_at_the_end_of_its_fit(
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(map(rival, fits)))
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)
     monkeypatch.setattr(rounds, "_finished", lambda found: ended)
+    monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
+    monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     monkeypatch.setattr(rounds, "_taking_it_away", lambda current, confirmed, before: confirmed)
     monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
-    monkeypatch.setattr(rounds, "takes_enough", lambda fit, before: asked.append(fit) or enough)
+    monkeypatch.setattr(rounds, "takes_enough", lambda fit, *given: asked.append(fit) or enough)
     found = rounds.attribute(null, (), THRESHOLDS)  # type: ignore[arg-type]
     assert asked == [ended]
     assert [r.winner.fit for r in found.rounds] == ([ended] if enough else [])

@@ -72,7 +72,7 @@ def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
     asked: list[Any] = []
 
     def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, stages: Any, tell: Any, judged: float) -> Any:
-        asked.append((u, e, judged))
+        asked.append((u, e, stages[0][0], stages[-1][0], judged))
         return SimpleNamespace(evidence_nats=-10_000.0 if u.any() else stated_nats, u=u)
 
     monkeypatch.setattr(candidate_fits, "fit", fitted)
@@ -81,11 +81,12 @@ def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
     found = candidate_fits._begun(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=scores), lambda f, m: None)
     assert found is not None
     assert found.u.any() != from_stated
-    (screened, one, coarse), (stated, other, same) = asked
+    (screened, one, coarse, last, judged), (stated, other, coarser, same, alike) = asked
     assert (screened == 12.0).all() and not stated.any()
     assert np.array_equal(one, other)
     assert one[0] == named.e[0]
-    assert coarse == same > 0
+    # Both judged by what they end with; from the stated values steps forgive more at first.
+    assert 0 < coarse == last == same == judged == alike < coarser
 
 
 def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,9 +8,12 @@ from functools import partial
 
 import numpy as np
 
+from vgvt.reconcile.backward import needed, nowhere
+from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.local_slopes import origin_near
@@ -143,8 +146,11 @@ def _selected(
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if confirmed:
             rivals = _ended(current, rivals, confirmed, thresholds)
-            confirmed = [r for r in rivals if _passed(r, current, before, thresholds) and takes_enough(r.fit, before)]
-        confirmed = _taking_it_away(current, confirmed, before)
+            confirmed = [
+                r for r in rivals
+                if _passed(r, current, before, thresholds) and takes_enough(r.fit, current, before)
+            ]  # fmt: skip
+        confirmed = _taking_it_away(current, straightened(confirmed, thresholds.set_nats), before)
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
@@ -155,7 +161,10 @@ def _selected(
         current = winner.fit
         if keep is not None:
             keep(start, rounds)
-    rounds, current = _backward(rounds, current, thresholds)
+    rounds, current = needed(rounds, current, thresholds)
+    while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
+        vetoed.append(rounds.pop().winner)
+        current = rounds[-1].winner.fit if rounds else start
     return Attribution(
         start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
     )
@@ -194,7 +203,10 @@ def _finished(found: Fit) -> Fit:
     """A fit gone on with to its end, with exact slopes where that is far out."""
     if found.converged and origin_near(found.problem, found.u, found.e, None, found.hypotheses) is None:
         return found
-    more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, exact=True)
+    try:
+        more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, exact=True)
+    except NoStructureError:
+        return found
     return more if more.evidence_nats >= found.evidence_nats else found
 
 
@@ -312,17 +324,3 @@ def _restart(null: Fit, winner: Rival) -> Fit:
     """The model without effects fitted again from the winner's scores: a better basin makes a fairer comparison."""
     again = fit(null.problem, (), winner.fit.u, np.zeros(0), NEAR)
     return again if again.evidence_nats > null.evidence_nats + 0.5 else null
-
-
-def _backward(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tuple[list[Addition], Fit]:
-    """Leave out any earlier effect that the later ones have made needless."""
-    if len(rounds) < 2:
-        return rounds, current
-    for k in range(len(rounds) - 1):
-        kept = tuple(h for i, h in enumerate(current.hypotheses) if i != k)
-        sizes = [len(h.parameters) for h in current.hypotheses]
-        e = np.concatenate([current.e[sum(sizes[:i]) : sum(sizes[: i + 1])] for i in range(len(sizes)) if i != k])
-        without = fit(current.problem, kept, current.u, e, NEAR)
-        if current.evidence_nats - without.evidence_nats < thresholds.evidence_nats:
-            return [r for i, r in enumerate(rounds) if i != k], without
-    return rounds, current

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import FAR, NEAR, Fit, cost_at, fit
+from vgvt.reconcile.fit import FAR, NEAR, STAGES, Fit, cost_at, fit
 from vgvt.reconcile.fit_unless_behind import HOPELESS, fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -45,15 +45,15 @@ def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:
     """A candidate after a few steps that forgive misplaced peaks; None where there is no such aircraft.
 
     From where it was screened, or from the stated values where that does better: a stand whose unknowns are bent to
-    imitate the effect that is now there is further from the truth than they are.
+    imitate the effect that is now there is further from the truth than they are. From there on steps forgive as much
+    as a calibration's first ones: what is sharp, and moves with an unknown, is too far off for less.
     """
-    coarse = FAR[:1]
     hypothesis, u, start = _start(current, s)
     hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
     found: list[Fit] = []
-    for at in (u, np.zeros(u.size)):
+    for at, stages in ((u, FAR[:1]), (np.zeros(u.size), STAGES[:2])):
         try:
-            found.append(fit(current.problem, hypotheses, at, start, coarse, tell, judged=coarse[-1][0]))
+            found.append(fit(current.problem, hypotheses, at, start, stages, tell, judged=FAR[0][0]))
         except NoStructureError:
             continue
     return max(found, key=lambda f: f.evidence_nats, default=None)

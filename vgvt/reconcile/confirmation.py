@@ -52,14 +52,19 @@ def confirmed_by_held_out(
     return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * apart))
 
 
-def takes_enough(found: Fit, before: Residual) -> bool:
-    """Whether a fit that has ended meets its own data, or much better than ``before``.
+def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
+    """Whether a fit that has ended meets its own data, or takes much of what was too much in ``current`` without it.
 
-    One held-out channel can miss more than all the others: what it alone gains by is no explanation of them.
+    One held-out channel can miss more than all the others: what it alone gains by is no explanation of them. Too much
+    is also what the tolerances had to give: a gain that is wrong by thirty of its deviations leaves no misfit behind.
     """
-    taken = before.train_chi2_per_dof - found.chi2_per_dof
-    met = found.chi2_per_dof <= before.limits.chi2_per_dof
-    return met or taken >= _MUCH * (before.train_chi2_per_dof - before.noise_per_dof)
+    if found.chi2_per_dof <= before.limits.chi2_per_dof:
+        return True
+    missed = current.chi2 - before.noise_per_dof * current.points
+    # Scores that nothing bends have a square of one each at most.
+    bent = max(0.0, float(current.scores @ current.scores) - current.scores.size)
+    taken = current.chi2 + float(current.scores @ current.scores) - found.chi2 - float(found.scores @ found.scores)
+    return taken >= _MUCH * (missed + bent)
 
 
 def held_out_nats(found: Fit, better: float) -> float:

@@ -70,6 +70,9 @@ def taken(
     """
     misfit = data_misfit(here.problem, predicted, sigma)
     tangent = jacobian(here, u, e, predicted, sigma)
+    if not np.isfinite(tangent).all():
+        # Beside a joint whose march runs away.
+        return None
     scores = np.concatenate([u, e])
     cost = float(misfit @ misfit + scores @ scores)
     normal = tangent.T @ tangent + np.eye(scores.size)

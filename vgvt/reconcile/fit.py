@@ -206,6 +206,8 @@ def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, conver
     problem = here.problem
     misfit = data_misfit(problem, predicted, sigma)
     tangent = jacobian(here, u, e, predicted, sigma)
+    if not np.isfinite(tangent).all():
+        raise NoStructureError("the response beside it is not finite")
     scores = np.concatenate([u, e])
     precision = tangent.T @ tangent + np.eye(scores.size)
     chi2 = float(misfit @ misfit)

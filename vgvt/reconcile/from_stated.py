@@ -18,7 +18,7 @@ from vgvt.effects.action import NOTHING
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.grouping import NoStructureError, effects_at, run_actions
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.level_grid import depends_on_level, several_levels
+from vgvt.reconcile.level_grid import depends_on_level
 from vgvt.reconcile.progress import Progress, naming, part
 from vgvt.reconcile.rough_start import log_distance, nearest
 from vgvt.reconcile.scan import start_values
@@ -30,7 +30,7 @@ BENT = 10.0
 """Standard deviations of an unknown from which on a calibration stands for something else."""
 # Of a logarithmic range, and of one about its neutral value: small sizes are in sight of a tangent.
 _LARGE, _EITHER_SIDE = (0.55, 0.75, 0.95), (0.05, 0.3, 0.7, 0.95)
-# Sizes of a joint whose stiffness depends on level, of which one level tells one, and its other values.
+# Sizes of a joint whose stiffness depends on level, and its other values.
 _BENDING, _HELD = (0.35, 0.6), (0.3, 0.55, 0.8)
 # More sizes than this a coarse look does not afford.
 _MOST_SIZES, _MOST_POINTS = 2, 20
@@ -114,8 +114,7 @@ def _sizes(current: Fit, hypothesis: Hypothesis) -> list[Array]:
     if not sizes or len(sizes) > _MOST_SIZES or "x_m" in hypothesis.settings:
         return []
     if depends_on_level(current.problem, hypothesis):
-        bending = _BENDING if several_levels(current.problem) else _BENDING[:1]
-        choices = [[p.at(x) for x in (_HELD if p.neutral is None else bending)] for p in hypothesis.parameters]
+        choices = [[p.at(x) for x in (_HELD if p.neutral is None else _BENDING)] for p in hypothesis.parameters]
     else:
         choices = [
             [float(p.neutral or 0.0), *(p.at(x) for x in (_LARGE if p.scale == "log" else _EITHER_SIDE))] for p in sizes

@@ -150,6 +150,9 @@ def _slopes(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: bytes, e: b
         aside = origin.copy()
         aside[k] += _STEP
         span = unknown.amount(float(aside[k])) - unknown.amount(float(origin[k]))
+        if span == 0:
+            # As far as a bounded quantity goes: no score beyond changes anything.
+            continue
         there = assembled(problem, aside, hypotheses, scores)
         if there is None or not all(map(_alike, here, there)):
             # No such aircraft a step further: the stated values must do.

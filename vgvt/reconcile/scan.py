@@ -85,6 +85,45 @@ def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, floa
     return None
 
 
+def tuned_to(
+    problem: Problem, hypothesis: Hypothesis, hz: float
+) -> tuple[dict[str, float], tuple[float, float]] | None:
+    """The value by name at which what an effect adds first resonates at a frequency, and where it sits, (x, y) in m.
+
+    None where nothing that it adds to the structure does at a plausible value. A spring's surge has a frequency as an
+    absorber has, though no parameter of it is one.
+    """
+    found = _resonant(problem, hypothesis)
+    place = _where(problem, hypothesis)
+    if found is None or place is None:
+        return None
+    p = found[0]
+    (low, _), (high, _) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
+    power = math.log(high / low) / math.log(p.high / p.low)
+    value = p.low * (2 * math.pi * hz / low) ** (1 / power)
+    return ({p.name: value}, place) if p.low <= value <= p.high else None
+
+
+def _where(problem: Problem, hypothesis: Hypothesis) -> tuple[float, float] | None:
+    """Where what an effect adds to the structure swings, in every run; None where nothing of it does."""
+    effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
+    if effect is None:
+        return None
+    try:
+        elements = effect.act(problem.scenario, 0).elements
+    except ValueError:
+        return None
+    for e in elements:
+        if isinstance(e, Absorber):
+            return float(e.position_m[0]), float(e.position_m[1])
+        if isinstance(e, HingedFlap):
+            return float(e.centre_of_gravity_m[0]), float(e.centre_of_gravity_m[1])
+        if isinstance(e, SuspensionFrame):
+            x, y, _ = problem.scenario.suspension.hook_m
+            return float(x), float(y)
+    return None
+
+
 def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> dict[str, float]:
     """The parameter that damps a resonance, at what makes it as wide as the steps; empty where it nearly is."""
     for p in hypothesis.parameters:

@@ -17,6 +17,7 @@ from vgvt.reconcile.localise import Place, localise
 from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.rough_start import rough_start
+from vgvt.reconcile.scan import tuned_to
 from vgvt.reconcile.screen import Screened, screen
 from vgvt.reconcile.team import ALONE, Task, Team
 
@@ -30,6 +31,8 @@ _MORE_FORGIVING = ((0.6, 8), (0.15, 8))
 # Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
+# How far a bent calibration may see something from where it sits.
+_BY_ITSELF_M = 0.3
 
 
 def shortened(
@@ -152,17 +155,30 @@ def _best_place(
 
 
 def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[Screened]:
-    """Placed effects that swing, at the place and frequency that the residual itself shows, from the prior's middle."""
+    """What swings where and as fast as the residual itself shows, from the prior's middle: placed effects put there.
+
+    And those that sit there by themselves, as near as a bent calibration knows a place. A screen from such a
+    calibration passes over what is sharp.
+    """
     if place.type != "resonant" or place.position_m is None:
         return []
     x, y, _ = place.position_m
-    nothing = np.zeros(current.u.size)
+    start = np.concatenate([np.zeros(current.u.size), current.e])
     found: list[Screened] = []
     for s in sorted((s for s in screened if "x_m" in s.hypothesis.settings), key=lambda s: _distance(s, x, y)):
         tuned = {p.name: place.size for p in s.hypothesis.parameters if p.unit == "Hz"}
         if tuned and s.hypothesis.name not in {f.hypothesis.name for f in found}:
             here = replace(s.hypothesis, settings={**s.hypothesis.settings, "x_m": x, "y_m": y})
-            found.append(replace(s, hypothesis=here, values=tuned, start=np.concatenate([nothing, current.e])))
+            found.append(replace(s, hypothesis=here, values=tuned, start=start))
+    own: list[tuple[float, Screened]] = []
+    for s in (s for s in screened if "x_m" not in s.hypothesis.settings):
+        known = tuned_to(current.problem, s.hypothesis, place.size)
+        if known is not None:
+            values, (there_x, there_y) = known
+            own.append((float(np.hypot(there_x - x, there_y - y)), replace(s, values=values, start=start)))
+    for away, s in sorted(own, key=lambda o: o[0]):
+        if away < _BY_ITSELF_M and s.hypothesis.name not in {f.hypothesis.name for f in found}:
+            found.append(s)
     return found
 
 

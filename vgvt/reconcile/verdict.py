@@ -195,8 +195,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if kind is Kind.UNKNOWN:
         said.append("No effect of the catalogue explains it and holds on data that no fit has seen")
         said += [
-            f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, or what one place still "
-            "explains with it, speak against it"
+            f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
+            "explains with it, or another place where it does as well, speak against it"
             for r in found.vetoed[:3]
         ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(found.null.problem):

@@ -1,0 +1,58 @@
+"""A name for a thing at a place needs one, where data are still missed: neither two places nor one off the aircraft."""
+
+from __future__ import annotations
+
+import importlib
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.backward import nowhere
+from vgvt.reconcile.candidates import freed
+from vgvt.reconcile.hypothesis import Hypothesis
+
+rounds = importlib.import_module("vgvt.reconcile.attribute")
+ABSORBER = freed(Hypothesis(available_effects()["local-absorber"], {"x_m": 0.5, "y_m": 0.5}))
+SOFT_ROOT = Hypothesis(available_effects()["root-compliance"], {"side": "right"})
+
+
+def rival(x_m: float, y_m: float, hypothesis: Hypothesis = ABSORBER, name: str = "local-absorber") -> Any:
+    """A fit of an effect at a place; the root has none."""
+    values = {"x_m": (x_m, 0.01, "m"), "y_m": (y_m, 0.01, "m")} if hypothesis is ABSORBER else {}
+    return SimpleNamespace(fit=SimpleNamespace(hypotheses=(hypothesis,), values=lambda k: values), name=name)
+
+
+@pytest.mark.parametrize(
+    ("winner", "equals", "none"),
+    [
+        (rival(0.5, 0.5), [], False),
+        (rival(0.5, 0.5), [rival(0.55, 0.45)], False),
+        (rival(0.5, 0.5), [rival(0.4, -0.5)], True),
+        (rival(0.5, 0.5), [rival(0.4, -0.5, name="added-mass")], False),
+        (rival(-0.6, 0.0), [], True),
+        (rival(0.5, 1.7), [], True),
+        (rival(0.0, 0.0, SOFT_ROOT, "root-compliance"), [], False),
+    ],
+)
+def test_a_thing_has_one_place_on_the_aircraft(winner: Any, equals: list[Any], none: bool) -> None:
+    assert nowhere(SimpleNamespace(winner=winner, equivalent=(winner, *equals))) is none  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("adequate", "placeless", "kept"), [(False, True, 0), (True, True, 2), (False, False, 2)])
+def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
+    monkeypatch: pytest.MonkeyPatch, adequate: bool, placeless: bool, kept: int
+) -> None:
+    """Nor does what was named before it, where that has none either; what is left is what there was without them."""
+    null: Any = SimpleNamespace(chi2_per_dof=20.0)
+    winners = [SimpleNamespace(fit=SimpleNamespace(number=k), name=str(k)) for k in range(2)]
+    begun = tuple(SimpleNamespace(winner=w, rivals=()) for w in winners)
+    monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: SimpleNamespace(adequate=adequate, of=fit))
+    monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
+    monkeypatch.setattr(rounds, "nowhere", lambda addition: placeless)
+    null.problem = None
+    found = rounds.attribute(null, (), SimpleNamespace(), most=2, begun=(null, begun))
+    assert len(found.rounds) == kept
+    assert found.final is (winners[-1].fit if kept else null)
+    assert list(found.vetoed) == ([] if kept else winners[::-1])

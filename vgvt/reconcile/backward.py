@@ -1,0 +1,49 @@
+"""What of a finished selection stays: no effect that later ones made needless, none without a place of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vgvt.reconcile.fit import NEAR, Fit, fit
+from vgvt.reconcile.place_control import distinct_places, place_of
+from vgvt.reconcile.thresholds import Thresholds
+
+if TYPE_CHECKING:
+    from vgvt.reconcile.attribute import Addition
+
+
+def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tuple[list[Addition], Fit]:
+    """Leave out any earlier effect that the later ones have made needless."""
+    if len(rounds) < 2:
+        return rounds, current
+    for k in range(len(rounds) - 1):
+        kept = tuple(h for i, h in enumerate(current.hypotheses) if i != k)
+        sizes = [len(h.parameters) for h in current.hypotheses]
+        e = np.concatenate([current.e[sum(sizes[:i]) : sum(sizes[: i + 1])] for i in range(len(sizes)) if i != k])
+        without = fit(current.problem, kept, current.u, e, NEAR)
+        if current.evidence_nats - without.evidence_nats < thresholds.evidence_nats:
+            return [r for i, r in enumerate(rounds) if i != k], without
+    return rounds, current
+
+
+def nowhere(addition: Addition) -> bool:
+    """Whether the winner, a thing at a place, has none: it does as well at another one, or lies off the aircraft.
+
+    Where data are met, that is how much they say of its place. Where much is still missed, it has bent to imitate what
+    is no such thing: a moment by a force anywhere on an arm, or on an arm longer than there is.
+    """
+    winner = addition.winner
+    place = place_of(winner.fit)
+    if place is None:
+        return False
+    elsewhere = [r.fit for r in addition.equivalent if r.name == winner.name]
+    return len(distinct_places([winner.fit, *elsewhere])) > 1 or _beyond(winner.fit, place)
+
+
+def _beyond(found: Fit, place: tuple[float, float]) -> bool:
+    """Whether a place is further out than the effect's parameters plausibly reach."""
+    reach = {p.name: (p.low, p.high) for p in found.hypotheses[-1].parameters}
+    named = zip(("x_m", "y_m"), place, strict=True)
+    return any(not reach[n][0] <= at <= reach[n][1] for n, at in named if n in reach)
