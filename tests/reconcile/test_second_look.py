@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from vgvt.reconcile import shortlist
+from vgvt.reconcile.fit import FORGIVING
 
 rounds = importlib.import_module("vgvt.reconcile.attribute")
 THRESHOLDS: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
@@ -154,7 +155,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
 
 
-@pytest.mark.parametrize(("bent", "stages"), [(9.0, shortlist._FORGIVING), (-11.0, shortlist._MORE_FORGIVING)])
+@pytest.mark.parametrize(("bent", "stages"), [(9.0, shortlist._COARSE), (-11.0, FORGIVING)])
 def test_the_further_a_calibration_is_bent_the_more_is_forgiven(
     monkeypatch: pytest.MonkeyPatch, bent: float, stages: Any
 ) -> None:
@@ -168,4 +169,4 @@ def test_the_further_a_calibration_is_bent_the_more_is_forgiven(
     monkeypatch.setattr(shortlist, "rough_start", lambda problem, hypotheses, e: (np.array([2.0]), e))
     current: Any = SimpleNamespace(problem=None, hypotheses=(), u=np.array([bent]), e=np.zeros(0))
     shortlist._forgiving(current)
-    assert seen == [(2.0 if stages is shortlist._MORE_FORGIVING else 0.0, stages, stages[-1][0])]
+    assert seen == [(2.0 if stages is FORGIVING else 0.0, stages, stages[-1][0])]

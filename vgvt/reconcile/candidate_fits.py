@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import FAR, NEAR, STAGES, Fit, cost_at, fit
+from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, Fit, cost_at, fit
 from vgvt.reconcile.fit_unless_behind import HOPELESS, fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -51,7 +51,7 @@ def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:
     hypothesis, u, start = _start(current, s)
     hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
     found: list[Fit] = []
-    for at, stages in ((u, FAR[:1]), (np.zeros(u.size), STAGES[:2])):
+    for at, stages in ((u, FAR[:1]), (np.zeros(u.size), FORGIVING)):
         try:
             found.append(fit(current.problem, hypotheses, at, start, stages, tell, judged=FAR[0][0]))
         except NoStructureError:

@@ -31,6 +31,8 @@ NEAR = ((0.0, 12),)
 """For a start that is near already."""
 FAR = ((0.15, 4), (0.05, 3), (0.0, 20))
 """For a start from a model that misses much."""
+FORGIVING = ((0.6, 8), (0.15, 8))
+"""From the stated values towards what is far from them, sharp resonances too: nothing of it is judged by less."""
 TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
 # Relative to the cost: what a free step promises where the bottom is reached.

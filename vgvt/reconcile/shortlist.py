@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.fit import FORGIVING, Fit, fit
 from vgvt.reconcile.from_stated import bent, from_stated
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -25,9 +25,7 @@ _SHORT_LIST, _A_FAMILY = 6, 2
 BIASED = 1.5
 """Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
-_FORGIVING = ((0.6, 4), (0.1, 8))
-# Where the calibration has bent an unknown far, less forgiveness would bend it again.
-_MORE_FORGIVING = ((0.6, 8), (0.15, 8))
+_COARSE = ((0.6, 4), (0.1, 8))
 # Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
@@ -69,9 +67,10 @@ def _far(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Scre
 
 def _forgiving(current: Fit) -> Fit:
     """The model calibrated again from its stated values, or from where peaks overlap, by a coarse relative error."""
-    u, e, stages = np.zeros(current.u.size), current.e, _FORGIVING
+    u, e, stages = np.zeros(current.u.size), current.e, _COARSE
     if bent(current):
-        (u, e), stages = rough_start(current.problem, current.hypotheses, current.e), _MORE_FORGIVING
+        # Less forgiveness would bend it again.
+        (u, e), stages = rough_start(current.problem, current.hypotheses, current.e), FORGIVING
     return fit(current.problem, current.hypotheses, u, e, stages, judged=stages[-1][0])
 
 
