@@ -14,7 +14,7 @@ from loop_cases import LINES, Case, Staged, staged
 import vgvt.reconcile
 from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile import Verdict, reconcile
-from vgvt.reconcile.fit import FAR, NEAR, fit
+from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, TO_THE_END, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.placebo import best_nats
 
@@ -120,10 +120,10 @@ def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
         start.append(hypothesis.scores({k: v for k, v in values.items() if k in numbers}))
     found = verdict.attribution
     problem, e = found.null.problem, np.concatenate(start)
-    # Told the effect, it may still lose its way from a calibration that swallowed it: the better of two starts, but
+    # Told the effect, it may still lose its way from a calibration that swallowed it: the best of three starts, but
     # where the verdict names it and leaves nothing but noise, beside which no other start can find anything.
     fits = []
-    starts = [(found.final.u, NEAR), (found.null.u, FAR)]
+    starts = [(found.final.u, NEAR), (found.null.u, FAR), (np.zeros(problem.size), (*FORGIVING, *TO_THE_END))]
     if found.final_residual.adequate and {e.name for e in verdict.effects} == set(stage.truth):
         starts = starts[:1]
     for u, stages in starts:
