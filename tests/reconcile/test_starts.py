@@ -68,7 +68,7 @@ def test_a_fit_sets_out_from_the_better_start(named: Fit, monkeypatch: pytest.Mo
 def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
     named: Fit, monkeypatch: pytest.MonkeyPatch, stated_nats: float, from_stated: bool
 ) -> None:
-    """Where the screen stood, or at the stated values, with what is named already as it is."""
+    """Where the screen stood, or where peaks overlap, with what is named already as it is."""
     asked: list[Any] = []
 
     def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, stages: Any, tell: Any, judged: float) -> Any:
@@ -76,6 +76,7 @@ def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
         return SimpleNamespace(evidence_nats=-10_000.0 if u.any() else stated_nats, u=u)
 
     monkeypatch.setattr(candidate_fits, "fit", fitted)
+    monkeypatch.setattr(candidate_fits, "rough_start", lambda problem, hypotheses, e: (np.zeros(named.u.size), e))
     second = Hypothesis(AddedMass, ELSEWHERE)
     scores = np.concatenate([np.full(named.u.size, 12.0), named.e])
     found = candidate_fits._begun(named, Screened(second, {"mass_kg": 0.01}, 1.0, start=scores), lambda f, m: None)
@@ -85,7 +86,7 @@ def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
     assert (screened == 12.0).all() and not stated.any()
     assert np.array_equal(one, other)
     assert one[0] == named.e[0]
-    # Both judged by what they end with; from the stated values steps forgive more at first.
+    # Both judged by what they end with; from where peaks overlap steps forgive more at first.
     assert 0 < coarse == last == same == judged == alike < coarser
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, Fit, cost_at, fit
+from vgvt.reconcile.fit import FAR, NEAR, Fit, cost_at, fit
 from vgvt.reconcile.fit_unless_behind import HOPELESS, fit_unless_behind
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -24,6 +24,9 @@ FINALISTS = 4
 _LITTLE = 0.125
 # Worse by more than what a superfluous parameter costs in evidence.
 _LOST = 10.0
+# From where peaks overlap towards the bottom of what forgives as much as a far-off fit's first steps, and how near two
+# of the same effect there are one.
+_OVERLAPPING, _MET = ((0.6, 4), (FAR[0][0], 8)), 1.0
 # What a fit begun anew is given before it is asked how far behind it is.
 _FIRST = ((0.0, 6),)
 
@@ -37,23 +40,28 @@ def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress, team: Te
             here = {k: v[0] for k, v in there.values(len(current.hypotheses)).items()}
             ahead = replace(s, values={**s.values, **here}, start=there.scores[: current.scores.size])
             found.append((there.evidence_nats, ahead))
-    found.sort(key=lambda f: -f[0])
-    return tuple(s for _, s in found[:FINALISTS])
+    kept: list[tuple[float, Screened]] = []
+    for nats, s in sorted(found, key=lambda f: -f[0]):
+        # Two starts of one effect that have met are one.
+        if not any(abs(nats - other) < _MET and s.hypothesis.name == o.hypothesis.name for other, o in kept):
+            kept.append((nats, s))
+    return tuple(s for _, s in kept[:FINALISTS])
 
 
 def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:
     """A candidate after a few steps that forgive misplaced peaks; None where there is no such aircraft.
 
-    From where it was screened, or from the stated values where that does better: a stand whose unknowns are bent to
-    imitate the effect that is now there is further from the truth than they are. From there on steps forgive as much
-    as a calibration's first ones: what is sharp, and moves with an unknown, is too far off for less.
+    From where it was screened, or from where peaks overlap where that does better: a stand whose unknowns are bent to
+    imitate the effect that is now there is further from the truth than the stated values, and what is sharp and moves
+    with an unknown is not met by steps from these alone.
     """
     hypothesis, u, start = _start(current, s)
     hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
     found: list[Fit] = []
-    for at, stages in ((u, FAR[:1]), (np.zeros(u.size), FORGIVING)):
+    for overlapping, stages in ((False, FAR[:1]), (True, _OVERLAPPING)):
         try:
-            found.append(fit(current.problem, hypotheses, at, start, stages, tell, judged=FAR[0][0]))
+            at, e = rough_start(current.problem, hypotheses, start) if overlapping else (u, start)
+            found.append(fit(current.problem, hypotheses, at, e, stages, tell, judged=FAR[0][0]))
         except NoStructureError:
             continue
     return max(found, key=lambda f: f.evidence_nats, default=None)
