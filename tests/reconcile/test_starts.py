@@ -12,7 +12,8 @@ from reconciled_case import drawn_scores, problem
 
 from vgvt.effects.added_mass import AddedMass
 from vgvt.effects.local_absorber import LocalAbsorber
-from vgvt.reconcile.fit import NEAR, Fit, cost_at, fit
+from vgvt.effects.suspension_surge import SuspensionSurge
+from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
@@ -152,3 +153,30 @@ def test_a_model_error_that_is_mended_is_not_paid_for_on_every_line() -> None:
     # 100 of χ² are 50 nats; white residuals of eight channels are worth nearly all of their lines.
     assert 40 < gains[0] <= 50
     assert gains[1] == pytest.approx(gains[0] / SMOOTHED, rel=1e-6)
+
+
+def test_two_starts_of_an_effect_that_have_met_are_one_finalist(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same bottom of the same effect is fitted to its end once; another effect's as deep one, too."""
+    nats = iter([-10.0, -10.4, -10.2, -30.0, -40.0, -50.0])
+    other = Hypothesis(LocalAbsorber, ELSEWHERE)
+    chosen = [Screened(Hypothesis(AddedMass, ELSEWHERE), {}, 1.0)] * 2 + [Screened(other, {}, 1.0)] * 4
+
+    def begun(current: Any, s: Screened, tell: Any) -> Any:
+        return SimpleNamespace(evidence_nats=next(nats), values=lambda k: {}, scores=np.zeros(2))
+
+    monkeypatch.setattr(candidate_fits, "_begun", begun)
+    current: Any = SimpleNamespace(hypotheses=(), scores=np.zeros(2))
+    found = candidate_fits.finalists(current, chosen, lambda f, m: None)
+    assert [s.hypothesis.name for s in found] == ["added-mass", *["local-absorber"] * 3]
+
+
+def test_a_sharp_resonance_that_moves_with_an_unknown_is_reached(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """A heavy spring's surges follow its stiffness: a calibration without them bends far, and tangents lead nowhere."""
+    case = problem(tmp_path_factory.mktemp("cache"), 3, SuspensionSurge(mass_kg=0.4, loss_factor=0.007))
+    bent = calibrate(case)
+    assert bent.chi2_per_dof > 10
+    start = Screened(Hypothesis(SuspensionSurge), {"mass_kg": 0.38}, 1.0)
+    reached = candidate_fits._begun(bent, start, lambda f, m: None)
+    assert reached is not None
+    assert reached.values(0)["mass_kg"][0] == pytest.approx(0.4, rel=0.06)
+    assert reached.chi2_per_dof < 0.2
