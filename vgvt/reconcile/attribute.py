@@ -154,7 +154,7 @@ def _selected(
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
-        winner = max(confirmed, key=lambda r: r.gain_nats)
+        winner = _first(confirmed)
         equal = (*_equal(winner, confirmed, thresholds), *_ahead_in_all(winner, rivals, confirmed))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell, team))
@@ -225,16 +225,29 @@ def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) 
     return left
 
 
+def _first(confirmed: Sequence[Rival]) -> Rival:
+    """Of the confirmed the one that gains most; where much is left, of those that held-out data put first."""
+    ahead = max(confirmed, key=lambda r: r.gain_nats)
+    missed = [r.held_out for r in confirmed if r.held_out is not None]
+    if ahead.fit.chi2_per_dof < BIASED or not missed:
+        return ahead
+    return max((r for r in confirmed if _as_good(r, min(missed))), key=lambda r: r.gain_nats)
+
+
 def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) -> tuple[Rival, ...]:
     """The confirmed that cannot be told from the winner: within reach of its evidence, or of its held-out error.
 
     Under a model that still misses much, evidence weighs how far wrong unknowns are bent: held-out data decide alone.
     """
-    reach = 0.0
     if winner.fit.chi2_per_dof >= BIASED and winner.held_out is not None:
-        reach = _AS_GOOD * winner.held_out
+        return tuple(r for r in confirmed if _as_good(r, winner.held_out))
     near = winner.gain_nats - thresholds.set_nats
-    return tuple(r for r in confirmed if r.gain_nats > near or (r.held_out is not None and r.held_out <= reach))
+    return tuple(r for r in confirmed if r.gain_nats > near)
+
+
+def _as_good(r: Rival, missed: float) -> bool:
+    """Whether held-out data are met about as well as by what misses them so much."""
+    return r.held_out is not None and r.held_out <= _AS_GOOD * missed
 
 
 def _ahead_in_all(winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Rival]) -> list[Rival]:

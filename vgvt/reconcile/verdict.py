@@ -172,11 +172,11 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             for name, gain in ahead.items()
         ]
         if others:
-            far = winner.fit.chi2_per_dof >= BIASED
-            said.append(
-                f"{', '.join(others)} explain{'s' if len(others) == 1 else ''} the data as well, within "
-                f"{limits.set_nats:.0f} nats{' or a tenth of its held-out error' if far else ''}"
-            )
+            if winner.fit.chi2_per_dof >= BIASED:
+                what = "held-out data as well, within a tenth of what misses them"
+            else:
+                what = f"the data as well, within {limits.set_nats:.0f} nats"
+            said.append(f"{', '.join(others)} explain{'s' if len(others) == 1 else ''} {what}")
         said += [
             f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
             for x, y in _other_places(addition)
