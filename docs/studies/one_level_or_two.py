@@ -133,7 +133,7 @@ def results(rows: list[dict[str, Any]]) -> str:
         named = r["named"] or "–"
         rivals = [x for x in r["rivals"] if x[0] not in named]
         top = max((x[1] for x in r["rivals"]), default=0.0)
-        behind = f"{rivals[0][0]}, {top - rivals[0][1]:.0f}" if rivals else "–"
+        behind = f"{rivals[0][0]}, {top - rivals[0][1]:.0f}" if rivals and r["named"] else "–"
         held = f"{r['held_before']:.2f} → {r['held_after']:.2f}"
         verdict = r["verdict"].replace("_", " ")
         lines.append((f"`{r['truth']}`", str(r["levels"]), verdict, named, held, behind, str(r["cpu_s"])))
