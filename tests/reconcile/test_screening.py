@@ -109,9 +109,9 @@ def test_a_sensor_that_resonates_in_the_band_is_met(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> None:
-    """The best by a few forgiving steps, from where these arrived, best first."""
+    """The best by a few forgiving steps, from where these arrived, best first; those that met are one."""
     chosen = screen(null, hypotheses)[: FINALISTS + 2]
     kept = finalists(null, chosen, lambda fraction, message: None)
-    assert len(kept) == FINALISTS
+    assert 0 < len(kept) <= FINALISTS
     assert {s.hypothesis for s in kept} < {s.hypothesis for s in chosen}
     assert kept[0].start is not None and np.abs(kept[0].start - null.scores).max() > 0
