@@ -83,3 +83,9 @@ def test_badly_scaled_systems_are_solved_without_a_word() -> None:
         # Two rows alike to the last digit: the shortest solution, and it solves it.
         twice = np.ones((2, 2)) * 1e20
         assert twice @ descent.solved(twice, np.array([2e20, 2e20])) == pytest.approx(np.full(2, 2e20))
+
+
+def test_beside_what_has_no_slope_there_is_no_step(valley: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a joint whose march runs away next to where it stands."""
+    monkeypatch.setattr(descent, "jacobian", lambda *given: np.array([[np.nan, STEEP], [30.0, 0.0]]))
+    assert walked(valley, 2) == 0.5

@@ -11,7 +11,7 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import Origin, origin_near
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import CELLS, Problem
 from vgvt.reconcile.surrogate import anchor
 
 STEP = 2e-3
@@ -91,3 +91,14 @@ def test_slopes_are_taken_anew_only_where_the_last_ones_do_not_serve(case: Probl
     gains = np.zeros(case.size)
     gains[count:] = 50.0
     assert origin_near(case, gains, nothing, None) is None
+
+
+def test_at_the_end_of_its_range_an_unknown_changes_nothing(case: Problem) -> None:
+    """Cells can be as coarse as stated and no coarser: a score far beyond has no slope, and is no error."""
+    u = np.zeros(case.size)
+    coarse = case.unknowns.index(CELLS)
+    u[coarse] = -100.0
+    slopes = anchor(case, u, (), np.zeros(0)).slopes()
+    assert np.isfinite(slopes).all()
+    assert not slopes[coarse].any()
+    assert slopes[coarse - 1].any()
