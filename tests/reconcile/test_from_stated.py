@@ -15,7 +15,7 @@ from vgvt.reconcile import shortlist
 from vgvt.reconcile.candidate_fits import finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.from_stated import bent, from_stated
+from vgvt.reconcile.from_stated import _sizes, bent, from_stated
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import silent
 from vgvt.reconcile.screen import Screened
@@ -118,3 +118,12 @@ def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     screened.clear()
     assert (large in shortlist.second_list(current, (soft, stiffening), 9.0, silent)) == asked
     assert screened == [wanted]
+
+
+def test_at_one_level_every_size_of_a_joint_is_tried(calibrated: Fit) -> None:
+    """Two sizes of its law by three of its stiffness: one size was too far from a root that slips more."""
+    slipping = Hypothesis(available_effects()["root-friction"], {"kind": "bending", "side": "both"})
+    tried = [slipping.values(e) for e in _sizes(calibrated, slipping)]
+    assert len({v["friction_n_m"] for v in tried}) == 2
+    assert len({v["root_stiffness_n_m_per_rad"] for v in tried}) == 3
+    assert len(tried) == 6

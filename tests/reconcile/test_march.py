@@ -110,6 +110,16 @@ def test_a_stuck_joint_does_not_move() -> None:
     assert np.abs(plain - linear_motion(reaction))[1000:].max() < 0.02 * np.abs(plain).max()
 
 
+def test_joints_yield_to_each_other() -> None:
+    """Without modes, by their flexibilities alone: g = k (free - Y g), of two joints at once."""
+    yields, stiffness = np.array([[1e-4, 4e-5], [4e-5, 2e-4]]), np.array([1000.0, 1500.0])
+    still = Memory(np.array([-1.0 + 1.0j]), np.zeros((2, 1)), np.zeros((1, 2), dtype=complex), yields)
+    free = np.array([[[1e-3], [2e-3]]]) * np.minimum(1, np.arange(400) / 200)
+    found = marched(free, still, [[Law(k) for k in stiffness]], 1 / RATE)
+    wanted = np.linalg.solve(np.eye(2) + stiffness[:, None] * yields, stiffness * free[0, :, -1])
+    np.testing.assert_allclose(found[0, :, -1], wanted, rtol=1e-6)
+
+
 def structure(extra: Array | None = None, damping: float = 0.5) -> Matrices:
     """Four coordinates, two sensors; ``extra`` (4, 4) more stiffness."""
     stream = np.random.default_rng(3)
