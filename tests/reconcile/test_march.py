@@ -153,3 +153,30 @@ def test_a_joint_that_the_model_has_too_soft_shows_the_difference_at_every_level
     force = sweep(1.0, time)
     pushes = Pushes(np.array([force, 4 * force]), RATE, np.arange(65, 195, 10), 20.0)
     np.testing.assert_allclose(shown_stiffness(structure(damping=30.0), joints, pushes), 500.0, rtol=0.02)
+
+
+@pytest.mark.parametrize(("kg", "most"), [(0.0, 1e-5), (2.0, 1e-3)])
+def test_what_the_coordinates_miss_is_felt_between_sensors_and_joints(kg: float, most: float) -> None:
+    """Fast modes as static flexibility, against the structure that has them, the joints' stiffness in its matrix.
+
+    Between two sensors it is left out, which is what heavy ones are off by.
+    """
+    g, fast = np.random.default_rng(11), 1e9
+    slow = structure()
+    axis, rows, drive = np.ones((4, 1)) * [1.0], np.array([[1000.0], [-700.0]]), np.array([1.0])
+    seen = g.standard_normal((2, 4))
+    pad = np.zeros((4, 1))
+    whole = Matrices(
+        np.block([[slow.mass, pad], [pad.T, np.eye(1)]]), np.block([[slow.damping, pad], [pad.T, np.zeros((1, 1))]]),
+        np.block([[slow.stiffness, pad], [pad.T, fast * np.eye(1)]]), np.append(slow.drive, drive),
+        np.hstack([slow.axis, axis]), np.hstack([slow.tilt, pad]), np.zeros(4),
+    )  # fmt: skip
+    added, joined = np.array([3e4, 5e4]), np.hstack([seen, rows])
+    runs, masses = (np.array([0, 1]), np.array([2, 3])), (np.full(2, kg), np.full(2, kg))
+    omega = 2 * np.pi * np.linspace(1, 40, 60)
+    stiffer = replace(whole, stiffness=whole.stiffness + joined.T @ np.diag(added) @ joined)
+    wanted = accelerances(stiffer, omega, runs, masses)
+    joints = Joints(((),), seen, rows @ drive / fast, axis @ rows.T / fast, rows @ rows.T / fast)
+    shown = np.broadcast_to(added[:, None], (2, 2, omega.size)).astype(complex)
+    found = level_accelerances(replace(slow, spare=axis @ drive / fast), joints, shown, omega, runs, masses)
+    assert np.linalg.norm(found - wanted) < most * np.linalg.norm(wanted)

@@ -59,3 +59,14 @@ def test_they_are_what_is_planned_from_scratch(bending: float, torsion: float) -
         assert (one.dof, one.site, one.part, one.carrier) == (other.dof, other.site, other.part, other.carrier)
         np.testing.assert_array_equal(one.position_m, other.position_m)
     assert springs(found) == springs(wanted)
+
+
+def test_few_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever is edited: what is no longer there is planned again."""
+    monkeypatch.setattr(reduced, "_PLANS", 2)
+    scenario = load_scenario("quick")
+    layouts = Layouts.of(scenario)
+    edits = [soft_root(scenario, *softness) for softness in ((0.2, 0.0), (0.0, 0.2), (0.2, 0.2), (0.1, 0.0))]
+    for edited in edits:
+        assert springs(layouts.plan(edited)) == springs(plan(edited))
+    assert len(layouts._known) == 2

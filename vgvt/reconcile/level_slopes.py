@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.levels import Joints
+from vgvt.reconcile.levels import Joints, missed
 from vgvt.reconcile.response import Matrices, Slopes, poles_of
 
 Array = NDArray[np.float64]
@@ -41,13 +41,7 @@ def level_accelerance_slopes(
         carried = rows if mass.any() or slopes.masses_kg[:, rows].any() else rows[:0]
         loads, own = carried.size, slice(0, carried.size)
         acting = np.vstack([matrices.axis[carried], joints.rows])
-        # What the coordinates miss: between what acts, and from there to what is read.
-        corner = np.zeros((loads + number, loads + number))
-        corner[own, loads:] = joints.to_axis[carried]
-        corner[loads:, own] = joints.to_axis[carried].T
-        corner[loads:, loads:] = joints.between
-        missed = np.zeros((rows.size, loads + number))
-        missed[:, loads:] = joints.to_axis[rows]
+        to_rows, corner = missed(joints, rows, carried)
         acts = np.concatenate([square * mass[:loads], -stiffness[run].T], axis=1)
         towards = -square[:, :, None] * matrices.axis[rows] + matrices.tilt[rows]
         answered = inverse @ acting.T
@@ -58,7 +52,7 @@ def level_accelerance_slopes(
         force = acts * displaced
         q = pushed + np.einsum("lma,la->lm", answered, force)
         adjoint = towards @ inverse
-        reading = towards @ answered - square[:, :, None] * missed
+        reading = towards @ answered - square[:, :, None] * to_rows
         felt = acts[:, :, None] * loading
         eased = reading + reading @ felt @ between
         adjoint = adjoint + reading @ felt @ (acting @ inverse)

@@ -190,14 +190,9 @@ def level_accelerances(
         carried = rows if mass.any() else rows[:0]
         held = mass[: carried.size]
         acting = np.vstack([matrices.axis[carried], joints.rows])
-        spare = np.zeros((rows.size, acting.shape[0]))
-        spare[:, carried.size :] = joints.to_axis[rows]
+        spare, corner = missed(joints, rows, carried)
         flexible = _flexible(poles, matrices.axis[rows], acting, spare)
         reading = _flexible(poles, matrices.tilt[rows], acting, 0.0) - square[:, None, None] * flexible
-        corner = np.zeros((acting.shape[0], acting.shape[0]))
-        corner[: carried.size, carried.size :] = joints.to_axis[carried]
-        corner[carried.size :, : carried.size] = joints.to_axis[carried].T
-        corner[carried.size :, carried.size :] = joints.between
         between = _flexible(poles, acting, acting, corner)
         # What mass and joint act with on the structure per motion of theirs, (L, points).
         acts = np.concatenate([square[:, None] * held, -stiffness[run].T], axis=1)
@@ -207,6 +202,20 @@ def level_accelerances(
         free = tilted[:, rows] - square[:, None] * moved[:, rows]
         out[rows] = (free + np.einsum("lab,lb->la", reading, acts * loaded)).T
     return out
+
+
+def missed(joints: Joints, rows: NDArray[np.intp], carried: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Static flexibilities that the coordinates miss, where sensors ``carried`` and joints act: b points in all.
+
+    The first (a, b) is from these to the rows (a,), the second (b, b) between them.
+    """
+    loads = carried.size
+    to_rows, between = np.zeros((rows.size, loads + len(joints.rows))), np.zeros((loads + len(joints.rows),) * 2)
+    to_rows[:, loads:] = joints.to_axis[rows]
+    between[:loads, loads:] = joints.to_axis[carried]
+    between[loads:, :loads] = joints.to_axis[carried].T
+    between[loads:, loads:] = joints.between
+    return to_rows, between
 
 
 def _flexible(poles: Poles, seen: Array, acting: Array, spare: Array | float) -> ComplexArray:

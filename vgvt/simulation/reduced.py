@@ -30,6 +30,8 @@ from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_po
 Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 _AT_REST_N = 1e-8
+# Plans that are kept: an edit makes roots joints or not, and seldom moves a point.
+_PLANS = 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,6 +139,8 @@ class Layouts:
             return self.first
         key = _places(scenario)
         if key not in self._known:
+            if len(self._known) >= _PLANS:
+                del self._known[next(iter(self._known))]
             self._known[key] = plan(scenario)
         return self._known[key]
 
