@@ -28,9 +28,11 @@ from virtual_lab import PAGES, table, write_results
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
+from vgvt.effects.registry import effects_of
 from vgvt.reconcile.attribute import Rival, against
 from vgvt.reconcile.candidate_fits import fitted_from
 from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.checks import Check, checks, seen
 from vgvt.reconcile.data import measured_frfs
 from vgvt.reconcile.fit import NEAR, Fit, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -42,6 +44,7 @@ from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.screen import screen
 from vgvt.reconcile.suggest import known_in, suggest
 from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.with_reading import reading_density
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.streams import named_stream
@@ -52,7 +55,7 @@ NOISE = 0.01
 ALIKE = 0.8
 # Half of what makes two explanations one answer is what the larger size of a pair should put between them.
 APART_NATS, SMALLEST, LARGEST = 2.5, 1.2, 4.0
-VARIANTS = 2
+VARIANTS, READ = 2, 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,20 +133,45 @@ def asked(pair: Pair) -> Row:
     row = {"verdict": "ambiguous", "first_nats": first_nats, "tests": [dataclasses.asdict(t) for t in tests]}
     if not tests or tests[0].nats < limits.set_nats:
         return row | {"resolved": False, "reason": "no test that tells them is known"}
-    chosen = next(p for p in procedures(null.problem) if p.words == tests[0].test)
+    second_nats, again = _made(pair, tests[0].test, true, null, (right.fit, wrong.fit))
+    # One run more comes with all of the first campaign again: that counts once.
+    nats = second_nats + (0.0 if again else first_nats)
+    return row | {
+        "test": tests[0].test, "expected_nats": tests[0].nats, "second_nats": second_nats, "nats": nats,
+        "resolved": nats > limits.set_nats, "wrong": nats < -limits.set_nats,
+    }  # fmt: skip
+
+
+def _made(pair: Pair, words: str, true: Scenario, null: Fit, fits: tuple[Fit, Fit]) -> tuple[float, bool]:
+    """Nats that a test, once made, puts between the right and the wrong, and whether it holds the first campaign."""
+    problem = fits[0].problem
+    check = next((c for c in checks(problem) if c.words == words), None)
+    if check is not None:
+        return _read(pair, check, true, null, fits), False
+    chosen, nominal = next(p for p in procedures(problem) if p.words == words), lab.nominal()
     second = problem_of(
         _measured(pair, _done(pair, chosen, true), chosen.edit(nominal), "second"), chosen.edit(nominal)
     )
-    ends = [_again(second, r.fit) for r in (right, wrong)]
     calibrated = calibrate(second)
-    told = {r.name: r for r in against(calibrated, ends)}
-    second_nats = told[pair.truth].gain_nats - told[pair.other].gain_nats
-    # One run more comes with all of the first campaign again: that counts once.
-    nats = second_nats if len(second.measured.runs) > len(null.problem.measured.runs) else first_nats + second_nats
-    return row | {
-        "test": chosen.words, "expected_nats": tests[0].nats, "second_nats": second_nats, "nats": nats,
-        "resolved": nats > limits.set_nats, "wrong": nats < -limits.set_nats,
-    }  # fmt: skip
+    told = {r.name: r for r in against(calibrated, [_again(second, f) for f in fits])}
+    nats = told[pair.truth].gain_nats - told[pair.other].gain_nats
+    return nats, len(second.measured.runs) > len(problem.measured.runs)
+
+
+def _read(pair: Pair, check: Check, true: Scenario, null: Fit, fits: tuple[Fit, Fit]) -> float:
+    """A reading off the true rig, with the instrument's error, under what either explanation foretells.
+
+    Each has its say in that of its variants that does best by campaign and reading: the first campaign may have left
+    open which it is, the order of a filter far below its corner.
+    """
+    exact = check.read(seen(true, effects_of(true)))
+    error = np.linalg.cholesky(check.covariance(exact.size)) @ pair.stream("reading").standard_normal(exact.size)
+    best = []
+    for name, first in zip((pair.truth, pair.other), fits, strict=True):
+        variants = [first, *(r.fit for r in _fitted(null, name, READ))]
+        densities = ((f, reading_density(f, check, exact + error)) for f in variants)
+        best.append(max(d + f.evidence_nats - first.evidence_nats for f, d in densities if d is not None))
+    return best[0] - best[1]
 
 
 def _true(pair: Pair) -> Scenario:
@@ -173,9 +201,14 @@ def _measured(pair: Pair, true: Scenario, stated: Scenario, which: str) -> Any:
 
 def _best(null: Fit, name: str) -> Rival | None:
     """The best fit of an effect, whichever of its variants it is."""
+    return next(iter(_fitted(null, name, VARIANTS)), None)
+
+
+def _fitted(null: Fit, name: str, count: int) -> tuple[Rival, ...]:
+    """The first variants of an effect on its screen, fitted; the best first."""
     variants = candidates(null.problem, {name: available_effects()[name]})
-    fits = [fitted_from(null, s, NEAR, silent) for s in screen(null, variants)[:VARIANTS] if s.visible]
-    return next(iter(against(null, [f for f in fits if f is not None])), None)
+    fits = [fitted_from(null, s, NEAR, silent) for s in screen(null, variants)[:count] if s.visible]
+    return against(null, [f for f in fits if f is not None])
 
 
 def _again(problem: Problem, first: Fit) -> Fit:

@@ -51,4 +51,4 @@ class TemperatureChange:
             return NOTHING
         airframe = with_stiffness_scaled(scenario.airframe, 1 + self.stiffness_per_k * warming)
         airframe = with_damping_scaled(airframe, 1 + self.damping_per_k * warming)
-        return Action(scenario=scenario.model_copy(update={"airframe": airframe}))
+        return Action(scenario=scenario.model_copy(update={"airframe": airframe}), warming_k=warming)

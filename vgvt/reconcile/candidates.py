@@ -87,6 +87,8 @@ def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
             yield {"node": a, "other_node": b}
         return
     if "shape" in choices and "from_run" in choices:
+        if "channels" in choices:
+            choices["channels"] = tuple(c for c in choices["channels"] if _in_more_runs_than_one(problem, c))
         steps = [("step", k) for k in choices.pop("from_run")]
         shapes = [(s, None) for s in choices.pop("shape") if s != "step"]
         for values in itertools.product(*choices.values()):
@@ -120,6 +122,12 @@ def _options(problem: Problem, name: str, hint: Any) -> tuple[Any, ...] | None:
         held = dict.fromkeys(plain_name(i.name) for i in problem.scenario.airframe.item if i.attached_to != "body")
         return tuple(held) or None
     return None
+
+
+def _in_more_runs_than_one(problem: Problem, channels: str) -> bool:
+    """Whether channels could change between runs at all: what a point shows in its only run has always been so."""
+    nodes = {str(p.dof): p.dof.node for p in problem.layouts.first.grid}
+    return channels not in nodes or sum(nodes[channels] in run for run in problem.measured.runs) > 1
 
 
 def _near(problem: Problem, one: int, other: int) -> bool:

@@ -21,6 +21,8 @@ Scores = tuple[Array, Array]
 # Standard deviations at once: from where scores are tens of them away, a share of that.
 _LONGEST_STEP, _LONGEST_SHARE = 1.5, 0.2
 _REJECTIONS = 5
+# Of a step that led too far.
+_SHORTER = 0.3
 # How often a step that climbed is taken back towards the floor, how much further up the first time may lead, and what
 # each later time must leave at most of what it found: a way back that is as long as that is found sooner by a shorter
 # step.
@@ -52,12 +54,12 @@ class _Slopes:
     normal: Array
     longest: float
 
-    def step(self, u: Array, e: Array, misfit: Array, damping: float) -> Scores:
-        """Scores after a damped Gauss-Newton step from u and e, where the misfit (2 N,) is."""
+    def step(self, u: Array, e: Array, misfit: Array, damping: float, share: float = 1.0) -> Scores:
+        """Scores after a ``share`` of a damped Gauss-Newton step from u and e, where the misfit (2 N,) is."""
         gradient = self.tangent.T @ misfit + np.concatenate([u, e])
         # Scores are in units of their priors: damping by the identity spares the well-determined directions.
         move = -solved(self.normal + damping * np.eye(gradient.size), gradient)
-        return _moved(self.here, u, e, move * min(1.0, self.longest / max(np.abs(move).max(), 1e-300)))
+        return _moved(self.here, u, e, share * move * min(1.0, self.longest / max(np.abs(move).max(), 1e-300)))
 
 
 def taken(
@@ -83,6 +85,9 @@ def taken(
         # A way back is the shorter, the freer the steps are that lead it.
         back = partial(slopes.step, damping=min(damping, 1.0))
         reached = _downhill(here, slopes.step(u, e, misfit, damping), sigma, cost, back)
+        if reached is None:
+            # Along the floor a valley may only be followed for a part of the way, where more damping leads up its side.
+            reached = _downhill(here, slopes.step(u, e, misfit, damping, _SHORTER), sigma, cost)
         if reached is not None:
             new_u, new_e, there, trial, new_cost = reached
             there = anchor(
@@ -95,7 +100,11 @@ def taken(
 
 
 def _downhill(
-    here: Anchor, start: Scores, sigma: Array, cost: float, back: Callable[[Array, Array, Array], Scores]
+    here: Anchor,
+    start: Scores,
+    sigma: Array,
+    cost: float,
+    back: Callable[[Array, Array, Array], Scores] | None = None,
 ) -> tuple[Array, Array, Anchor, ComplexArray, float] | None:
     """Where a step arrives below ``cost``: at its end, or ``back`` from there on the floor of the valley; or None.
 
@@ -114,7 +123,7 @@ def _downhill(
         if reached < cost:
             return u, e, there, trial, reached
         first = reached if k == 0 else first
-        if not reached < _WORSE * first or (k > 1 and reached > _CONTRACTING * last):
+        if back is None or not reached < _WORSE * first or (k > 1 and reached > _CONTRACTING * last):
             return None
         last = reached
         u, e = back(u, e, misfit)

@@ -16,9 +16,9 @@ from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.descent import taken
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import origin_near
+from vgvt.reconcile.local_slopes import SERVE, origin_near
 from vgvt.reconcile.misfit import coarse_sigma, data_misfit, jacobian
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import Problem, recentred
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.surrogate import Anchor, anchor
 
@@ -39,6 +39,8 @@ TO_THE_END = ((0.0, 60),)
 _ENOUGH = 1e-3
 # Relative to the cost: what a step gains where no step leads anywhere any more.
 _NOTHING = 1e-4
+# Standard deviations from where slopes were taken that change nothing.
+_THERE = 0.3
 # Standard deviations that a tolerance reaches.
 _WITHIN = 3.0
 
@@ -119,9 +121,18 @@ def calibrate(
     stages: tuple[tuple[float, int], ...] = STAGES,
     progress: Callable[[float, str], None] | None = None,
 ) -> Fit:
-    """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,)."""
+    """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,).
+
+    Its problem has the slopes of where the fit ended, for all that is fitted next to it, unless that is so far from the
+    stated values that something is imitated: then these are what others start from.
+    """
     at = rough_start(problem)[0] if start is None else start
-    return fit(problem, (), at, np.zeros(0), stages, progress, exact=True)
+    found = fit(problem, (), at, np.zeros(0), stages, progress, exact=True)
+    moved = np.abs(found.u[: len(problem.unknowns)] - problem.at).max(initial=0.0)
+    if moved < _THERE or np.abs(found.u[: len(problem.unknowns)]).max() > SERVE:
+        return found
+    problem = recentred(problem, found.u)
+    return fit(problem, (), found.u, np.zeros(0), TO_THE_END, progress, exact=True)
 
 
 def fit(

@@ -143,7 +143,8 @@ def _holds_for_all_runs(current: Fit, hypothesis: Hypothesis, values: dict[str, 
     if made is None:
         return False
     try:
-        acts = [actions[-1] for _, actions in run_actions(current.problem.scenario, made, current.problem)]
+        runs = len(current.problem.measured.runs)
+        acts = [actions[-1] for _, actions in run_actions(current.problem.scenario, made, runs)]
     except ValueError:
         return False
     return not acts[0].same_rig(NOTHING) and all(acts[0].same_rig(other) for other in acts[1:])

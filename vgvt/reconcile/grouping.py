@@ -53,8 +53,17 @@ def sensor_mass(problem: Problem, u: Array) -> float:
 
 def sensor_mass_index(problem: Problem) -> int | None:
     """Which unknown scales the sensors' mass; None where none does."""
+    return _index(problem, "sensor mass")
+
+
+def end_mass_index(problem: Problem) -> int | None:
+    """Which unknown scales the transducer's mass on the structure's side; None where none does."""
+    return _index(problem, "transducer end mass")
+
+
+def _index(problem: Problem, name: str) -> int | None:
     names = [k.name for k in problem.unknowns]
-    return names.index("sensor mass") if "sensor mass" in names else None
+    return names.index(name) if name in names else None
 
 
 class NoStructureError(ValueError):
@@ -76,11 +85,11 @@ def effects_at(problem: Problem, hypotheses: Sequence[Hypothesis], e: Array) -> 
 
 
 def run_actions(
-    scenario: Scenario, effects: tuple[Effect, ...], problem: Problem
+    scenario: Scenario, effects: tuple[Effect, ...], runs: int
 ) -> list[tuple[Scenario, tuple[Action, ...]]]:
-    """What effects make of every run: the edited scenario and the actions, in the order of the runs."""
+    """What effects make of every one of ``runs`` runs: the edited scenario and the actions, in their order."""
     found = []
-    for run in range(len(problem.measured.runs)):
+    for run in range(runs):
         changed, actions = scenario, []
         for effect in effects:
             action = effect.act(changed, run)
@@ -132,7 +141,7 @@ def assembled(
         return None
     base = _base(problem, u.tobytes())[0]
     try:
-        per_run = run_actions(base, made, problem)
+        per_run = run_actions(base, made, len(problem.measured.runs))
         kinds: list[tuple[Scenario, tuple[Action, ...], list[int]]] = []
         for run, (scenario, actions) in enumerate(per_run):
             for known_scenario, known_actions, runs in kinds:

@@ -25,7 +25,7 @@ from vgvt.simulation.reduced import Structure
 Array = NDArray[np.float64]
 # Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves. Far out the
 # way is long and every tangent rough: a share of the way, then.
-_SERVE, _SERVE_SHARE = 5.0, 0.25
+SERVE, _SERVE_SHARE = 5.0, 0.25
 _STEP = 0.02
 # Of an effect's range: a root of this softness is some per cent of what a wing gives; and scores that change it little.
 _MUCH, _AS_LOOSE = 0.1, 0.3
@@ -61,13 +61,13 @@ class LocalSlopes:
 def origin_near(
     problem: Problem, u: Array, e: Array, last: Origin | None, hypotheses: tuple[Hypothesis, ...] = ()
 ) -> Origin | None:
-    """Where slopes that serve at u are to be taken: None for the stated values, the ``last`` place, or here."""
+    """Where slopes that serve at u are to be taken: None for the problem's own, the ``last`` place, or here."""
     count = len(problem.unknowns)
-    wandered = float(np.abs(u[:count]).max(initial=0.0))
+    wandered = float(np.abs(u[:count] - problem.at).max(initial=0.0))
     loose = _loose(problem, hypotheses, e)
-    if wandered <= _SERVE and not loose:
+    if wandered <= SERVE and not loose:
         return None
-    serves = max(_SERVE, _SERVE_SHARE * wandered)
+    serves = max(SERVE, _SERVE_SHARE * wandered)
     alike = last is not None and last.e.size == e.size
     if last is not None and alike and np.abs(u - last.u)[:count].max(initial=0.0) <= serves:
         alike = not loose or bool(np.abs(e - last.e).max() <= _AS_LOOSE)
@@ -106,14 +106,14 @@ def _held(airframe: Airframe) -> list[tuple[bool, bool]]:
 def slopes_for(
     problem: Problem, hypotheses: tuple[Hypothesis, ...], origin: Origin | None, group: Group
 ) -> LocalSlopes:
-    """The slopes that serve one group of runs.
+    """The slopes that serve one group of runs: the problem's own where there is no ``origin``.
 
     Left out are effects whose values are fixed, which are only looked at, and those that leave the aircraft's own
     coordinates alone: what is hung on it moves with it, whatever the unknowns are.
     """
-    stated = LocalSlopes(problem.nominal.joints, problem.nominal.places, problem.slopes)
+    own = LocalSlopes(problem.nominal.joints, problem.nominal.places, problem.slopes)
     if origin is None:
-        return stated
+        return own
     kept, scores = [], []
     ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
     for hypothesis, start, stop in zip(hypotheses, ends[:-1], ends[1:], strict=True):
@@ -125,7 +125,7 @@ def slopes_for(
         covers = found.channels is None or bool(np.isin(group.channels, found.channels).all())
         if covers and set(found.joints) <= set(group.structure.joints):
             return found
-    return stated
+    return own
 
 
 def _edited_airframes(

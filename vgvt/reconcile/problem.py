@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from vgvt.files.atomically import replacing
 from vgvt.reconcile.data import Measured, measured_frfs
 from vgvt.reconcile.holdout import Split, split
 from vgvt.reconcile.refinement import Refinement, meshed, to_continuum, towards
-from vgvt.reconcile.uncertain import Unknown, prepared, unknowns
+from vgvt.reconcile.uncertain import Unknown, edited, prepared, unknowns
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 from vgvt.simulation.reduced import Layouts, Structure, structure
@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 # In units of the prior's standard deviation: linear within it to round-off of the differences.
 _STEP = 0.1
+# One-sided: second order is small against what products of first order do.
+_ASIDE = 0.02
 MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 """What of a structure changes with the unknowns."""
 _VERSION = "3"
@@ -55,7 +57,8 @@ class Nominal:
 class Problem:
     """Everything that fits share. Scores u: first the ``unknowns``, then the ``nuisances``.
 
-    ``slopes`` maps 'mass', … to the change per unit of each unknown's factor or shift, (unknowns, …);
+    ``slopes`` maps 'mass', … to the change per unit of each unknown's factor or shift, (unknowns, …), at the scores
+    ``centre`` (unknowns,), None for the values as stated;
     ``refinement`` is what the chain's cells lack of a continuum, ``coarseness`` the way from the chain as stated
     to that.
     """
@@ -69,6 +72,12 @@ class Problem:
     slopes: dict[str, Array]
     refinement: Refinement
     coarseness: Refinement
+    centre: Array | None = None
+
+    @property
+    def at(self) -> Array:
+        """Scores (unknowns,) that the slopes were taken at."""
+        return np.zeros(len(self.unknowns)) if self.centre is None else self.centre
 
     @property
     def layouts(self) -> Layouts:
@@ -125,6 +134,38 @@ def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = N
         finer,
         span,
     )
+
+
+def recentred(problem: Problem, u: Array) -> Problem:
+    """The problem with slopes taken at scores u (n,); the same where there is no such aircraft a step further.
+
+    Matrices are products of what the unknowns scale: a stretch's own factor counts for a tenth less on a wing that
+    is a tenth softer. What a fit decides is what is left where such products nearly cancel, and a slope that is
+    wrong by that much stops it anywhere along the valley.
+    """
+    known, centre = problem.unknowns[:-1], u[: len(problem.unknowns)].copy()
+
+    def there(scores: Array) -> Structure:
+        layout = problem.layouts.plan(edited(problem.start.scenario, problem.unknowns, scores))
+        return structure(layout, layout.grid, problem.nominal)
+
+    try:
+        here, found = there(centre), {name: values.copy() for name, values in problem.slopes.items()}
+        for k, unknown in enumerate(known):
+            aside = centre.copy()
+            aside[k] += _ASIDE
+            span = unknown.change(float(aside[k])) - unknown.change(float(centre[k]))
+            if span == 0:
+                # As far as a bounded quantity goes: the slope at its stated value will do.
+                continue
+            moved = there(aside)
+            if moved.joints != here.joints or moved.places != here.places:
+                return problem
+            for name in MATRICES:
+                found[name][k] = (getattr(moved, name) - getattr(here, name)) / span
+    except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
+        return problem
+    return replace(problem, slopes=found, centre=centre)
 
 
 @lru_cache(maxsize=4)

@@ -1,31 +1,38 @@
-"""The next test: small changes of procedure, each simulated under two rival explanations, ranked by what they tell."""
+"""The next test: changes of procedure and readings, each under two rival explanations, ranked by what they tell."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.reconcile.checks import Check, checks, reading_nats
 from vgvt.reconcile.descent import solved
-from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.misfit import data_misfit, jacobian
 from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.procedures import changed, levels_to_try, procedures
+from vgvt.reconcile.procedures import Procedure, changed, levels_to_try, procedures
 from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.with_reading import followed_nats
 
 Array = NDArray[np.float64]
+Nats = Callable[[Fit, Fit], float | None]
 # What a test must promise to be worth its time: nats scatter by sqrt(2 nats), and five make two explanations two.
 _TELLS = 10.0
+# What leaves no doubt: a test that promises more is not worth more minutes.
+_CERTAIN = 50.0
+# Tests whose promise is followed to the end by fits; each takes seconds.
+_FOLLOWED = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A change of procedure, the nats it is expected to put between ``rivals``, and how long it takes."""
+    """A test, the nats it is expected to put between ``rivals``, and how long it takes."""
 
     test: str
     rivals: tuple[str, str]
@@ -37,32 +44,91 @@ class Suggestion:
         return asdict(self)
 
 
-def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
-    """Rank procedures for every pair of rival fits by expected nats per lab minute; the smallest pair of each counts.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Test:
+    """A test in words, the nats that it promises between two fits at first sight, and ``followed`` to the end."""
 
-    What tells a pair at all comes before what does not, however quickly. Expected nats are half the square distance of
-    the two predictions, after the other's own parameters have taken what they can (Box and Hill, Technometrics 9,
-    1967, for normal errors), whichever of the two is true.
+    words: str
+    minutes: float
+    promised: Nats
+    followed: Nats | None = None
+
+    def worth(self, fits: Sequence[Fit], nats: Nats) -> Suggestion | None:
+        """What it tells of the pair that it tells least of, whichever is true; None where that cannot be said."""
+        least: tuple[float, tuple[str, str]] | None = None
+        for one, other in itertools.combinations(fits, 2):
+            for true, wrong in ((one, other), (other, one)):
+                told = nats(true, wrong)
+                if told is None:
+                    return None
+                names = (one.hypotheses[-1].name, other.hypotheses[-1].name)
+                least = min(least or (told, names), (told, names))
+        return None if least is None else Suggestion(self.words, least[1], least[0], self.minutes)
+
+
+def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
+    """Rank tests for every pair of the first three rival fits by expected nats a lab minute; the smallest pair counts.
+
+    What tells a pair at all comes before what does not, however quickly; more than 50 nats are no more than 50, and
+    where nothing tells, minutes do not count.
+    What a changed campaign promises is the linear distance (:func:`expected_nats`); the best of them are followed
+    by fits until the first ``count`` hold what they promise.
     """
-    found: list[Suggestion] = []
     if len(fits) < 2:
         return ()
-    for procedure in (*procedures(fits[0].problem), *levels_to_try(fits)):
-        try:
-            problem = changed(fits[0].problem, procedure)
-        except (InputError, NoStructureError, ValueError, KeyError):
-            continue
-        pairs = []
-        for one, other in itertools.combinations(fits[:3], 2):
-            ways = [expected_nats(a, b, problem) for a, b in ((one, other), (other, one))]
-            told = [nats for nats in ways if nats is not None]
-            # Nobody knows which of the two is true.
-            if len(told) == len(ways):
-                pairs.append((min(told), (one.hypotheses[-1].name, other.hypotheses[-1].name)))
-        if pairs:
-            nats, names = min(pairs)
-            found.append(Suggestion(procedure.words, names, nats, procedure.minutes))
-    return tuple(sorted(found, key=lambda s: (s.nats < _TELLS, -s.nats / s.minutes))[:count])
+    fits = fits[:3]
+    ranked = [(found, test) for test in _tests(fits) if (found := test.worth(fits, test.promised)) is not None]
+    for _ in range(_FOLLOWED):
+        ranked.sort(key=lambda pair: _order(pair[0]))
+        ahead = [(i, test) for i, (_, test) in enumerate(ranked[:count]) if test.followed is not None]
+        if not ahead:
+            break
+        index, test = ahead[0]
+        assert test.followed is not None
+        found = test.worth(fits, test.followed)
+        if found is None:
+            ranked.pop(index)
+        else:
+            ranked[index] = (found, replace(test, followed=None))
+    sure = sorted((found for found, test in ranked if test.followed is None), key=_order)
+    return tuple(sure[:count])
+
+
+def _order(found: Suggestion) -> tuple[bool, float]:
+    if found.nats < _TELLS:
+        return True, -found.nats
+    return False, -min(found.nats, _CERTAIN) / found.minutes
+
+
+def _tests(fits: Sequence[Fit]) -> Iterator[_Test]:
+    """All tests that a scenario allows."""
+    problem = fits[0].problem
+    for check in checks(problem):
+        yield _Test(
+            check.words, check.minutes,
+            lambda a, b, c=check: reading_nats(a, b, c), lambda a, b, c=check: _followed(a, b, c),  # type: ignore[misc]
+        )  # fmt: skip
+    for procedure in (*procedures(problem), *levels_to_try(fits)):
+        after = _after(problem, procedure)
+        if after is not None:
+            yield _Test(
+                procedure.words, procedure.minutes,
+                lambda a, b, p=after: expected_nats(a, b, p), lambda a, b, p=after: found_nats(a, b, p),  # type: ignore[misc]
+            )  # fmt: skip
+
+
+def _followed(true: Fit, other: Fit, check: Check) -> float | None:
+    """What a reading tells where the other explanation may bend to it, unless it is beyond doubt without that."""
+    promised = reading_nats(true, other, check)
+    # A normal law reaches further than a bent valley does: what it leaves no doubt of needs no more.
+    return promised if promised is None or promised >= _CERTAIN else followed_nats(true, other, check)
+
+
+def _after(problem: Problem, procedure: Procedure) -> Problem | None:
+    try:
+        return changed(problem, procedure)
+    except (InputError, NoStructureError, ValueError, KeyError):
+        return None
 
 
 def words_of_none(tests: Sequence[Suggestion], needed: float) -> tuple[str, ...]:
@@ -78,26 +144,44 @@ def words_of_none(tests: Sequence[Suggestion], needed: float) -> tuple[str, ...]
 def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
     """Nats that a campaign by a changed procedure puts between two fits where ``one`` is true; None if impossible.
 
-    By that campaign alone: what the first one knew of the unknowns is left out, as where it is reconciled by itself.
+    Half the square distance of the two predictions, after the other's own parameters have taken what they can (Box and
+    Hill, Technometrics 9, 1967, for normal errors). By that campaign alone: what the first one knew of the unknowns
+    is left out, as where it is reconciled by itself.
     """
-    u, other_u = known_in(problem, one), known_in(problem, other)
+    other_u = known_in(problem, other)
     try:
-        first = anchor(problem, u, one.hypotheses, one.e, slopes=False).predict(u, one.e)
-        second = anchor(problem, other_u, other.hypotheses, other.e)
+        told, own = foretold_by(one, problem)
+        second = anchor(told, other_u, other.hypotheses, other.e)
         predicted = second.predict(other_u, other.e)
     except (InputError, NoStructureError, ValueError, KeyError):
         return None
-    measured = one.problem.measured
-    relative = np.median(measured.sigma / np.abs(measured.values))
-    sigma = relative * (np.abs(first) + np.median(np.abs(first), axis=1, keepdims=True))
-    problem = replace(problem, measured=replace(problem.measured, values=first, sigma=sigma))
-    second = replace(second, problem=problem)
-    gap = data_misfit(problem, predicted)
+    gap = data_misfit(told, predicted)
     tangent = jacobian(second, other_u, other.e, predicted)
-    true, scores = (np.concatenate(s) for s in ((u, one.e), (other_u, other.e)))
+    scores = np.concatenate([other_u, other.e])
     gradient = tangent.T @ gap + scores
     taken = float(gradient @ solved(tangent.T @ tangent + np.eye(scores.size), gradient))
-    return 0.5 * (float(gap @ gap + scores @ scores) - taken - float(true @ true))
+    return 0.5 * (float(gap @ gap + scores @ scores) - taken - own)
+
+
+def found_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
+    """What :func:`expected_nats` foretells, after the other explanation was fitted to the campaign by iteration."""
+    try:
+        told, own = foretold_by(one, problem)
+        ended = fit(told, other.hypotheses, known_in(problem, other), other.e, NEAR)
+    except (InputError, NoStructureError, ValueError, KeyError):
+        return None
+    return 0.5 * (ended.chi2 + float(ended.scores @ ended.scores) - own)
+
+
+def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
+    """A problem whose data are what a fit foretells, without noise but judged by it, and the fit's own penalty."""
+    u = known_in(problem, true)
+    values = anchor(problem, u, true.hypotheses, true.e, slopes=False).predict(u, true.e)
+    measured = true.problem.measured
+    relative = np.median(measured.sigma / np.abs(measured.values))
+    sigma = relative * (np.abs(values) + np.median(np.abs(values), axis=1, keepdims=True))
+    told = replace(problem, measured=replace(problem.measured, values=values, sigma=sigma))
+    return told, float(u @ u + true.e @ true.e)
 
 
 def known_in(problem: Problem, fit: Fit) -> Array:

@@ -20,6 +20,7 @@ from vgvt.reconcile.grouping import (
     NoStructureError,
     cells_at,
     effects_at,
+    end_mass_index,
     run_actions,
     sensor_mass,
     sensor_mass_index,
@@ -147,7 +148,9 @@ class Anchor:
         if not self.filtered:
             return None
         made = effects_at(self.problem, self.hypotheses, e)
-        return None if made is None else [a for _, a in run_actions(self.problem.scenario, made, self.problem)]
+        if made is None:
+            return None
+        return [a for _, a in run_actions(self.problem.scenario, made, len(self.problem.measured.runs))]
 
 
 def anchor(
@@ -222,7 +225,8 @@ def _reduced(
         return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, none, roving, levels)
     count = len(problem.unknowns)
     part = basis[[s.joints.index(j) for j in local.joints]]
-    sensor = sensor_mass_index(problem)
+    sensor, end = sensor_mass_index(problem), end_mass_index(problem)
+    riding = _riding(s.drive, np.array([joint in local.joints for joint in s.joints]))
     grid_rows = local.rows([s.places[r] for r in group.rows])
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
@@ -252,6 +256,8 @@ def _reduced(
         if name == "mass" and sensor is not None and not roving:
             own = np.full(group.rows.size, problem.scenario.accelerometers.mass_kg)
             rows[sensor] += basis.T @ _carried(s, group.rows, own, runs, roving) @ basis
+        if name == "mass" and end is not None:
+            rows[end] += problem.scenario.transducer.end_mass_kg * (basis.T @ riding @ basis)
         for k, (before, after), step in pulls:
             rows[k] += (getattr(after, name) - getattr(before, name)) / step
         added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])
@@ -283,6 +289,15 @@ def _carried(
             if roving:
                 total -= masses[k] * np.outer(s.axis[rows[k]], s.axis[rows[k]])
     return total / len(runs) if roving else total
+
+
+def _riding(drive: Array, known: NDArray[np.bool_]) -> Array:
+    """What a transducer of 1 kg adds to the inertia (n, n) by moving otherwise than the joints that are ``known`` (n,).
+
+    On a mount that gives it goes where the push goes, not where the structure below it does.
+    """
+    bare = np.where(known, drive, 0.0)
+    return np.asarray(np.outer(drive, drive) - np.outer(bare, bare))
 
 
 def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:

@@ -1,0 +1,178 @@
+"""Readings off the rig: what each instrument shows of each effect, and what that tells of two explanations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario
+
+from vgvt.effects import available_effects
+from vgvt.effects.conformance import switched_on
+from vgvt.effects.registry import effects_of
+from vgvt.reconcile.checks import Check, checks, foretold, log_density, reading_nats, seen
+from vgvt.reconcile.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.with_reading import reading_density
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A campaign of four runs with five roving sensors."""
+    scenario = roving_scenario()
+    return make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path_factory.mktemp("cache"))
+
+
+def check(case: Problem, words: str) -> Check:
+    (found,) = (c for c in checks(case) if words in c.words)
+    return found
+
+
+def claimed(case: Problem, name: str, values: dict[str, float], **settings: Any) -> Fit:
+    """An effect of a given size, as if it had been fitted."""
+    hypothesis = Hypothesis(available_effects()[name], settings)
+    return fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores(values), ())
+
+
+def shown(case: Problem, words: str, name: str, **values: Any) -> np.ndarray:
+    """How a reading changes with an effect."""
+    read, scenario = check(case, words).read, case.scenario
+    return np.asarray(read(seen(scenario, [available_effects()[name](**values)])) - read(seen(scenario, [])))
+
+
+def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
+    runs, first = case.measured.runs, case.measured.runs[0]
+    assert shown(case, "tape where the hook", "hook-offset", aft_m=0.02, up_m=0.1) == pytest.approx([0.02, 0, 0.1])
+    assert shown(case, "tape where the shaker", "drive-point-offset", dx_m=0.01, dy_m=-0.02) == pytest.approx(
+        [0.01, -0.02]
+    )
+    assert shown(case, "known mass on the spring", "suspension-stiffness", stiffness_change=0.1) == pytest.approx(
+        [np.log(1.1)]
+    )
+    assert shown(case, "weigh an accelerometer", "roving-sensor-mass", mass_kg=0.004) == pytest.approx([0.004])
+    assert shown(case, "weigh the force transducer", "transducer-mass", mass_kg=0.02) == pytest.approx([0.02])
+    assert shown(case, "weigh the aircraft", "added-mass", mass_kg=0.05) == pytest.approx([0.05, 0.05])
+    warming = shown(case, "log the temperature", "temperature-change", warming_k=3.0)
+    assert warming == pytest.approx(np.linspace(0, 3.0, len(runs)))
+    moved = shown(case, "tape where every sensor", "sensor-position-error", dx_m=0.03, node=first[1]).reshape(-1, 2)
+    assert [tuple(m) for m in moved if m.any()] == [pytest.approx((0.03, 0.0))] * sum(first[1] in r for r in runs)
+    swapped = shown(case, "tape where every sensor", "swapped-sensors", node=first[0], other_node=first[1])
+    apart = swapped.reshape(-1, 2)
+    assert np.any(apart[0]) and apart[0] == pytest.approx(-apart[1])
+    lean = shown(case, "level to every sensor", "sensor-tilt", angle_rad=0.05, azimuth_rad=0.0).reshape(-1, 3)
+    assert lean == pytest.approx(np.tile([np.sin(0.05), 0.0, np.cos(0.05) - 1], (len(lean), 1)))
+    push = shown(case, "level to the stinger", "lateral-force", angle_rad=0.05, azimuth_rad=0.0)
+    assert push[0] == pytest.approx(np.sin(0.05))
+
+
+def test_what_an_absorber_weighs_is_on_the_scale_and_what_the_spring_weighs_is_not(case: Problem) -> None:
+    absorber = shown(case, "weigh the aircraft", "local-absorber", mass_kg=0.05, frequency_hz=12.0)
+    assert absorber == pytest.approx([0.05, 0.05])
+    assert not shown(case, "weigh the aircraft", "suspension-surge", mass_kg=0.5).any()
+
+
+def test_a_split_signal_shows_converters_and_a_reference_sensor_shows_all(case: Problem) -> None:
+    """A gain of the sensor is beyond the converter; a filter is seen where its corner is, far above the band."""
+    split, beside = "split one noise signal", "reference accelerometer"
+    node = case.measured.runs[1][2]
+    assert not shown(case, split, "channel-gain", gain_error=0.05, channels=f"{node}+Z").any()
+    gain = shown(case, beside, "channel-gain", gain_error=0.05, channels=f"{node}+Z")
+    real = gain.reshape(-1, 2, 10)[:, 0]
+    # The force's channel comes first in every run.
+    channels = [(run, n) for run, nodes in enumerate(case.measured.runs) for n in (0, *nodes)]
+    assert [n for (_, n), row in zip(channels, real, strict=True) if row.any()] == [node] * sum(
+        n == node for _, n in channels
+    )
+    assert set(np.round(real[real != 0], 9)) == {0.05}
+    filtered = check(case, split).read(seen(case.scenario, [available_effects()["anti-alias-delay"](delay_s=1e-3)]))
+    size = np.hypot(*np.moveaxis(filtered.reshape(-1, 2, 10), 1, 0))
+    assert size[0] == pytest.approx(1.0)
+    # The fourth order falls by 80 dB in a decade.
+    assert size[1, 0] == pytest.approx(1.0, abs=1e-3) and size[1, -1] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("true", "other", "words"),
+    [
+        (("hook-offset", {"aft_m": 0.04}, {}), ("stinger-moment", {}, {}), "where the hook is"),
+        (("run-drift", {"drift": -0.01}, {}), ("temperature-change", {"warming_k": 8.0}, {}), "temperature"),
+        (("anti-alias-delay", {"delay_s": 5e-4}, {}), ("channel-delay", {"delay_s": 5e-4}, {}), "split one noise"),
+    ],
+)  # fmt: skip
+def test_an_instrument_tells_what_no_other_sweep_does(case: Problem, true: Any, other: Any, words: str) -> None:
+    one, two = (claimed(case, name, values, **settings) for name, values, settings in (true, other))
+    nats = {}
+    for c in checks(case):
+        both = [reading_nats(a, b, c) for a, b in ((one, two), (two, one))]
+        nats[c.words] = min(n for n in both if n is not None)
+    best = max(nats, key=lambda w: nats[w])
+    assert words in best
+    assert nats[best] > stored_thresholds().set_nats
+
+
+def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_is_straight(case: Problem) -> None:
+    """What a sensor weighs moves A/F as a straight line does; both ways of asking must agree on any reading of it."""
+    scale, hypothesis = check(case, "weigh an accelerometer"), Hypothesis(available_effects()["channel-gain"])
+    found = fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores({"gain_error": 0.01}), TO_THE_END)
+    law = foretold(found, scale)
+    assert law is not None
+    for away in (0.0, 1.0, -2.0):
+        reading = law[0] + away * np.sqrt(np.diag(law[1]))
+        assert reading_density(found, scale, reading) == pytest.approx(log_density(reading, *law), abs=0.1)
+
+
+def test_along_a_bent_valley_a_reading_tells_more_than_the_normal_law_foresees(case: Problem) -> None:
+    """Stiffness lost is warming times a coefficient: no warming at all would ask for a coefficient beyond reason."""
+    made = available_effects()["run-drift"](drift=-0.01)
+    drifted = make_problem(campaign_of(roving_scenario(), 1, made), roving_scenario(), lines=60)
+    hypothesis = Hypothesis(available_effects()["temperature-change"], {"shape": "linear"})
+    found = fit(drifted, (hypothesis,), np.zeros(case.size), hypothesis.scores({"warming_k": 8.0}), TO_THE_END)
+    log = check(drifted, "temperature")
+    law = foretold(found, log)
+    assert law is not None
+    none = np.zeros(law[0].size)
+    told = reading_density(found, log, none)
+    assert told is not None
+    assert told < log_density(none, *law) - 10
+
+
+def test_expected_nats_are_the_mean_over_readings(case: Problem) -> None:
+    """Divergence in closed form against readings drawn from what the true explanation foretells."""
+    hook = check(case, "where the hook is")
+    one = claimed(case, "hook-offset", {"aft_m": 0.01, "up_m": 0.004})
+    two = claimed(case, "stinger-moment", {})
+    laws = [foretold(f, hook) for f in (one, two)]
+    assert laws[0] is not None and laws[1] is not None
+    generator = np.random.default_rng(3)
+    readings = generator.multivariate_normal(*laws[0], size=4000)
+    told = [log_density(r, *laws[0]) - log_density(r, *laws[1]) for r in readings]
+    expected = reading_nats(one, two, hook)
+    assert expected is not None
+    assert np.mean(told) == pytest.approx(expected, abs=5 * np.std(told) / np.sqrt(len(told)))
+    assert expected > 0.2
+
+
+def test_a_reading_is_no_better_known_than_what_the_campaign_left_open(case: Problem) -> None:
+    """The hook's tolerance is a part of what the tape is foretold to show, and so is the effect's own spread."""
+    hook, tolerance = check(case, "where the hook is"), case.scenario.tolerances.hook_m
+    alone = claimed(case, "channel-gain", {"gain_error": 0.05}, channels="response")
+    found = foretold(alone, hook)
+    assert found is not None
+    sd = np.sqrt(np.diag(found[1]))
+    assert (sd > 0.002).all() and (sd <= 1.001 * np.hypot(tolerance, 0.002)).all()
+    loose = foretold(claimed(case, "hook-offset", {"aft_m": 0.01}), hook)
+    assert loose is not None
+    assert np.sqrt(np.diag(loose[1]))[0] > 1.1 * sd[0]
+
+
+@pytest.mark.parametrize("name", sorted(available_effects()))
+def test_every_effect_of_the_catalogue_can_be_read(case: Problem, name: str) -> None:
+    made = switched_on(available_effects()[name])
+    plain = [c.read(seen(case.scenario, effects_of(case.scenario))) for c in checks(case)]
+    for one, before in zip(checks(case), plain, strict=True):
+        read = one.read(seen(case.scenario, [made]))
+        assert read.shape == before.shape
+        assert np.isfinite(read).all()
