@@ -59,6 +59,17 @@ def test_a_step_up_the_side_of_a_valley_is_led_back_to_its_floor(valley: Any, mo
     assert walked(valley, 2) < 1.0
 
 
+def test_a_step_that_leads_too_far_is_taken_for_a_part_before_it_is_turned(
+    valley: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "STEEP", 100.0)
+    monkeypatch.setattr(descent, "_CORRECTIONS", 0)
+    monkeypatch.setattr(descent, "_REJECTIONS", 1)
+    assert walked(valley, 1) > 0.5
+    monkeypatch.setattr(descent, "_SHORTER", 1.0)
+    assert walked(valley, 1) == 0.5
+
+
 def test_a_way_back_that_leads_nowhere_is_given_up(valley: Any) -> None:
     """After the first, whichever leaves most of what the one before it left."""
     asked: list[float] = []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,11 +11,15 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
+from vgvt.reconcile.fit import STAGES, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import Origin, origin_near
-from vgvt.reconcile.problem import CELLS, Problem
+from vgvt.reconcile.problem import CELLS, Problem, recentred
+from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.surrogate import anchor
 
+# The package's lazy name of the same spelling is the function.
+fitting = importlib.import_module("vgvt.reconcile.fit")
 STEP = 2e-3
 
 
@@ -43,6 +49,56 @@ def imitating(case: Problem) -> Any:
         if unknown.name in ("mass body", "EI wing"):
             u[k] = 25.0 if unknown.name == "mass body" else -4.0
     return u
+
+
+def test_within_the_tolerances_the_slopes_of_where_it_ended_are_right_and_those_of_the_stated_values_are_not(
+    case: Problem,
+) -> None:
+    """A stretch's factor multiplies that of its whole wing: slopes at home are off by what the wing is."""
+    u = np.zeros(case.size)
+    u[[k.name for k in case.unknowns].index("EI wing")] = 1.5
+    there = recentred(case, u)
+    assert np.array_equal(there.at, u[: len(case.unknowns)])
+    assert not case.at.any()
+    assert worst(case, u, (), np.zeros(0)) > 0.05
+    assert worst(there, u, (), np.zeros(0)) < 0.03
+    # Slopes are the same wherever they are asked for, until that is far from where they were taken.
+    assert origin_near(there, u, np.zeros(0), None) is None
+    assert origin_near(there, -4 * u, np.zeros(0), None) is not None
+
+
+def test_what_others_are_fitted_next_to_has_the_slopes_of_where_it_is(case: Problem) -> None:
+    """The slopes of the stated values stop beside the bottom; those of where they stopped are the bottom's."""
+    stopped = fit(case, (), rough_start(case)[0], np.zeros(0), STAGES, exact=True)
+    found = calibrate(case)
+    assert stopped.converged
+    assert np.array_equal(found.problem.at, stopped.u[: len(case.unknowns)])
+    assert found.evidence_nats > stopped.evidence_nats + 5
+    again = calibrate(found.problem, found.u)
+    assert abs(again.evidence_nats - found.evidence_nats) < 0.5
+
+
+def test_a_calibration_that_imitates_something_leaves_the_slopes_at_home(
+    case: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bent = replace(calibrate(case), problem=case, u=imitating(case))
+    monkeypatch.setattr(fitting, "fit", lambda *a, **k: bent)
+    assert fitting.calibrate(case).problem is case
+
+
+def test_a_gauge_on_a_mount_that_gives_moves_with_the_push(case: Problem) -> None:
+    """Its mass below the sensing element is not carried by the structure as stiffly as the bare aircraft's slope says."""
+    hypothesis = Hypothesis(available_effects()["mount-compliance"])
+    e = hypothesis.scores({"compliance_m_per_n": 2e-4, "loss_factor": 0.5, "frequency_hz": 3.0})
+    index = [k.name for k in case.unknowns].index("transducer end mass")
+    u = np.zeros(case.size)
+    known = anchor(case, u, (hypothesis,), e).slopes()[index]
+    aside = [u + s * STEP * np.eye(u.size)[index] for s in (1, -1)]
+    ends = [anchor(case, a, (hypothesis,), e, slopes=False).mechanical(a, e) for a in aside]
+    wanted = (ends[0] - ends[1]) / (2 * STEP)
+    assert np.linalg.norm(known - wanted) < 0.02 * np.linalg.norm(wanted)
+    bare = anchor(case, u).slopes()[index]
+    assert np.linalg.norm(bare - wanted) > 0.1 * np.linalg.norm(wanted)
 
 
 def test_where_a_calibration_has_wandered(case: Problem) -> None:
