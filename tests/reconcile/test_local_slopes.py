@@ -87,7 +87,7 @@ def test_a_calibration_that_imitates_something_leaves_the_slopes_at_home(
 
 
 def test_a_gauge_on_a_mount_that_gives_moves_with_the_push(case: Problem) -> None:
-    """Its mass below the sensing element is not carried by the structure as stiffly as the bare aircraft's slope says."""
+    """The structure does not carry its mass below the sensing element as stiffly as the bare aircraft's slope says."""
     hypothesis = Hypothesis(available_effects()["mount-compliance"])
     e = hypothesis.scores({"compliance_m_per_n": 2e-4, "loss_factor": 0.5, "frequency_hz": 3.0})
     index = [k.name for k in case.unknowns].index("transducer end mass")
