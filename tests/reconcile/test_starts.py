@@ -133,21 +133,33 @@ def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:
     assert parted(sized, 0.125) == {"frequency_hz": 9.0, "mass_kg": pytest.approx(0.01)}
 
 
-def test_a_model_error_that_is_mended_is_not_paid_for_on_every_line() -> None:
-    """The same fall of χ², judged by noise alone or by the declared error of the model alone."""
+def judged_alone(noise: float, chi2: float, evidence_nats: float) -> Any:
+    """A fit as a rival of one that leaves χ² of 1600, where ``noise`` is a share of what both are judged by."""
     g = np.random.default_rng(0)
     shape = (8, 100)
     white = g.standard_normal(shape) + 1j * g.standard_normal(shape)
+    measured = SimpleNamespace(values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.full(shape, noise))
+    split = SimpleNamespace(train=np.ones(8, bool), held=np.zeros(8, bool))
+    found: Any = SimpleNamespace(
+        problem=SimpleNamespace(measured=measured, split=split), predicted=1 + white, points=1600, chi2=chi2,
+        evidence_nats=evidence_nats,
+    )  # fmt: skip
+    null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
+    (rival,) = rounds.against(null, [found])
+    return rival
+
+
+def test_what_a_fit_loses_counts_whole_whatever_its_gain_would_be_worth() -> None:
+    """Astray, a fit keeps every tolerance that a bent calibration gave away: that is no evidence for it."""
+    lost = judged_alone(0.0, chi2=3600.0, evidence_nats=-700.0)
+    assert lost.gain_nats == lost.raw_nats == -700.0
+
+
+def test_a_model_error_that_is_mended_is_not_paid_for_on_every_line() -> None:
+    """The same fall of χ², judged by noise alone or by the declared error of the model alone."""
     gains = []
     for noise in (1.0, 0.0):
-        measured = SimpleNamespace(values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.full(shape, noise))
-        split = SimpleNamespace(train=np.ones(8, bool), held=np.zeros(8, bool))
-        found: Any = SimpleNamespace(
-            problem=SimpleNamespace(measured=measured, split=split), predicted=1 + white, points=1600, chi2=1500.0,
-            evidence_nats=50.0,
-        )  # fmt: skip
-        null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
-        (rival,) = rounds.against(null, [found])
+        rival = judged_alone(noise, chi2=1500.0, evidence_nats=50.0)
         gains.append(rival.gain_nats)
         assert rival.raw_nats == 50.0
     # 100 of χ² are 50 nats; white residuals of eight channels are worth nearly all of their lines.

@@ -309,7 +309,8 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
 
     Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
     has, not as many as there are lines, and no more than what it is judged by is worth: the same number for every
-    rival, or they could not be compared.
+    rival, or they could not be compared. What is gained so counts for less; what is lost counts whole, or a fit that
+    went astray would be thanked for the tolerances that it keeps.
     """
     if not fits:
         return ()
@@ -324,7 +325,7 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
         missed = None
         if held.any():
             missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
-        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * (current.chi2 - f.chi2), raw, missed))
+        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * max(current.chi2 - f.chi2, 0.0), raw, missed))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
 
 
