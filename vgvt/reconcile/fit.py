@@ -167,7 +167,7 @@ def fit(
             if origin_near(problem, u, e, None, hypotheses) is None:
                 continue
             here = anchor(problem, u, hypotheses, e, groups=here.assembled, structures=structures)
-        damping = 1.0
+        damping, stuck = 1.0, False
         for k in range(iterations):
             if progress is not None:
                 progress((begun + k + 1) / total, f"fit, {coarse:.0%} coarse" if coarse else "fit")
@@ -178,9 +178,10 @@ def fit(
                 break
             u, e, here, predicted, damping = step.u, step.e, step.here, step.predicted, step.damping
             # A step held back gains little anywhere: at the bottom not even a free one promises anything.
-            if step.promised < _ENOUGH or step.gain < _NOTHING:
+            if step.promised < _ENOUGH or (step.gain < _NOTHING and stuck):
                 converged = True
                 break
+            stuck = step.gain < _NOTHING
         else:
             converged = False
     if structures.coarse:
