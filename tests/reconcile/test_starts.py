@@ -103,26 +103,43 @@ def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     assert rounds._finished(stopped) is stopped
 
 
-def test_rivals_at_their_ends_are_judged_together(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("converged", "ended"),
+    [
+        (True, ("first, ended", "refused", "near, ended", "behind")),
+        # Held-out data refused what had not arrived yet.
+        (False, ("first, ended", "refused, ended", "near, ended", "behind")),
+    ],
+)
+def test_rivals_at_their_ends_are_judged_together(
+    monkeypatch: pytest.MonkeyPatch, converged: bool, ended: tuple[str, ...]
+) -> None:
     """What a fit is worth follows from the best of them: one judged by itself could not be compared."""
     judged: list[Any] = []
 
     def against(current: Any, fits: Any) -> Any:
-        judged.append(tuple(fits))
+        judged.append(tuple(f if isinstance(f, str) else f.name for f in fits))
         return ("judged",)
 
     monkeypatch.setattr(rounds, "against", against)
-    monkeypatch.setattr(rounds, "_finished", lambda found: found + ", ended")
-    first, near, behind, refused = (
-        SimpleNamespace(fit=name, gain_nats=gain)
-        for name, gain in (("first", 100.0), ("near", 92.0), ("behind", 80.0), ("refused", 99.0))
-    )
-    rivals: Any = (first, refused, near, behind)
+    monkeypatch.setattr(rounds, "_finished", lambda found: f"{found.name}, ended")
+    first, refused, near, behind = (
+        SimpleNamespace(fit=SimpleNamespace(name=name, converged=arrived), gain_nats=gain)
+        for name, gain, arrived in (
+            ("first", 100.0, True), ("refused", 101.0, converged), ("near", 92.0, False), ("behind", 80.0, False)
+        )
+    )  # fmt: skip
+    rivals: Any = (refused, first, near, behind)
     confirmed: Any = (first, near, behind)
     needs: Any = SimpleNamespace(set_nats=5.0)
     null: Any = None
     assert rounds._ended(null, rivals, confirmed, needs) == ("judged",)
-    assert judged == [("first, ended", "refused", "near, ended", "behind")]
+    assert sorted(judged[0]) == sorted(ended)
+    judged.clear()
+    # Where nothing is confirmed it still may be what gains most.
+    rounds._ended(null, rivals, (), needs)
+    assert ("refused, ended" in judged[0]) is not converged
+    assert "first" in judged[0]
 
 
 def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:

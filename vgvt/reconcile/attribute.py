@@ -144,7 +144,7 @@ def _selected(
             more = _fit_all(current, later, before, part(here, 0.9, 1.0), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
-        if confirmed:
+        if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
             rivals = _ended(current, rivals, confirmed, thresholds)
             confirmed = [
                 r for r in rivals
@@ -192,10 +192,16 @@ def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds
 def _ended(
     current: Fit, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
 ) -> tuple[Rival, ...]:
-    """The rivals judged anew, the best of the confirmed at the end of their fits: a short list may stop before it."""
-    best = max(r.gain_nats for r in confirmed)
+    """The rivals judged anew, the best of the confirmed at the end of their fits: a short list may stop before it.
+
+    So is the one that gains most where held-out data refused it on its way.
+    """
+    first = max(rivals, key=lambda r: r.gain_nats)
+    best = max((r.gain_nats for r in confirmed), default=np.inf)
     within = max(thresholds.set_nats, _WITHIN * best)
     near = {id(r) for r in confirmed if r.gain_nats > best - within}
+    if not first.fit.converged:
+        near.add(id(first))
     return against(current, [_finished(r.fit) if id(r) in near else r.fit for r in rivals])
 
 
