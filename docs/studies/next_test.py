@@ -150,7 +150,7 @@ def _made(pair: Pair, words: str, true: Scenario, null: Fit, fits: tuple[Fit, Fi
         return _read(pair, check, true, null, fits), False
     chosen, nominal = next(p for p in procedures(problem) if p.words == words), lab.nominal()
     second = problem_of(
-        _measured(pair, _done(pair, chosen, true), chosen.edit(nominal), "second"), chosen.edit(nominal)
+        _measured(pair, _done(pair, chosen, true), chosen.edit(nominal), "second", chosen.sweeps), chosen.edit(nominal)
     )
     calibrated = calibrate(second)
     told = {r.name: r for r in against(calibrated, [_again(second, f) for f in fits])}
@@ -192,10 +192,13 @@ def _done(pair: Pair, procedure: Procedure, true: Scenario) -> Scenario:
     return after.model_copy(update={"shaker": after.shaker.model_copy(update={"position_m": at})})
 
 
-def _measured(pair: Pair, true: Scenario, stated: Scenario, which: str) -> Any:
-    """Accelerances of the true aircraft's campaign, read by instruments of the stated tolerances."""
+def _measured(pair: Pair, true: Scenario, stated: Scenario, which: str, sweeps: int = 1) -> Any:
+    """Accelerances of the true aircraft's campaign, read by instruments of the stated tolerances.
+
+    Of averaged ``sweeps`` the mean stands for all.
+    """
     campaign: Campaign = simulate(true, engine="linear").campaign
-    noisy = lab.read_by_instruments(campaign, stated, pair.stream("instruments", which), NOISE)
+    noisy = lab.read_by_instruments(campaign, stated, pair.stream("instruments", which), NOISE / sweeps**0.5)
     return measured_frfs(noisy, lines=LINES, floor=stated.tolerances.model_form)
 
 

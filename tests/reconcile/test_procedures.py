@@ -80,6 +80,29 @@ def test_exchanged_sensors_sit_in_reverse_order(case: Problem) -> None:
         assert after.split.train[i] == case.split.train[row]
 
 
+def test_averaged_sweeps_have_less_noise_and_the_same_error_of_the_model(case: Problem) -> None:
+    averaged = procedure(case, "average 16 sweeps")
+    after, before = changed(case, averaged).measured, case.measured
+    assert np.allclose(after.noise, before.noise / 16)
+    assert np.allclose(after.sigma**2 - after.noise, before.sigma**2 - before.noise)
+    few = procedure(case, "average 4 sweeps")
+    assert 3 * few.minutes > averaged.minutes > few.minutes > 3.0 * len(before.runs)
+
+
+def test_noise_alone_keeps_them_together_and_averages_tell(case: Problem) -> None:
+    """Half of what lies between two explanations, measured by what is left of noise and by the model's error."""
+    fitted = str(case.measured.channels[int(np.flatnonzero(case.split.train)[0])].dof)
+    noisy = replace(case.measured, noise=np.full_like(case.measured.noise, 1e-2) * np.abs(case.measured.values) ** 2)
+    noisy = replace(noisy, sigma=np.sqrt(noisy.noise * (1 + 1e-6)))
+    loud = replace(case, measured=noisy)
+    right = claimed(loud, "channel-gain", {"gain_error": GAIN}, channels=fitted)
+    wrong = claimed(loud, "channel-delay", {"delay_s": 1e-4}, channels=fitted)
+    once = expected_nats(right, wrong, loud)
+    often = expected_nats(right, wrong, changed(loud, procedure(loud, "average 16 sweeps")))
+    assert once is not None and often is not None
+    assert 2 * once < often < 17 * once
+
+
 def test_one_run_with_all_sensors_is_not_repeated_for_the_sake_of_time(tmp_path: Path) -> None:
     """Nothing happened in between; sensors can still be exchanged."""
     whole = small_scenario()

@@ -17,6 +17,9 @@ from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, structure
 
 _DUMMY_KG = 0.05
+_AVERAGED = (4, 16)
+# To move the sensors and to look at what they read.
+_BETWEEN_RUNS_MIN = 3.0
 
 Runs = tuple[tuple[int, ...], ...]
 
@@ -25,13 +28,14 @@ Runs = tuple[tuple[int, ...], ...]
 class Procedure:
     """A change of procedure: in words, as an edit of the scenario, and its lab time beyond the runs themselves.
 
-    ``force`` multiplies what the shaker pushed with.
+    ``force`` multiplies what the shaker pushed with; ``sweeps`` of every run are averaged where there was one.
     """
 
     words: str
     edit: Callable[[Scenario], Scenario]
     minutes: float
     force: float = 1.0
+    sweeps: int = 1
 
 
 def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
@@ -74,7 +78,19 @@ def procedures(problem: Problem) -> tuple[Procedure, ...]:
     for place in places(problem):
         words = f"tape a dummy mass of {1000 * _DUMMY_KG:.0f} g at x = {place[0]:.2f} m, y = {place[1]:.2f} m"
         found.append(Procedure(words, loaded(place), 5.0))
-    return (*found, *_other_runs(problem.measured.runs))
+    return (*found, *_other_runs(problem.measured.runs), *_averages(problem))
+
+
+def _averages(problem: Problem) -> list[Procedure]:
+    """What takes noise away where nothing but noise keeps two explanations together."""
+    sweep_min = problem.scenario.excitation.record_s / 60
+    return [
+        Procedure(
+            f"average {count} sweeps in every run", lambda s: s,
+            len(problem.measured.runs) * (_BETWEEN_RUNS_MIN + count * sweep_min), sweeps=count,
+        )
+        for count in _AVERAGED
+    ]  # fmt: skip
 
 
 def _other_runs(runs: Runs) -> list[Procedure]:
@@ -110,6 +126,10 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
     if procedure.force != 1:
         pushed, force = procedure.force * measured.pushed, procedure.force * measured.force
         measured = replace(measured, pushed=pushed, force=force)
+    if procedure.sweeps > 1:
+        # The model's own error does not average out.
+        noise = measured.noise / procedure.sweeps
+        measured = replace(measured, noise=noise, sigma=np.sqrt(measured.sigma**2 - measured.noise + noise))
     return replace(problem, scenario=scenario, measured=measured, start=nominal)
 
 

@@ -177,10 +177,10 @@ def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
     """A problem whose data are what a fit foretells, without noise but judged by it, and the fit's own penalty."""
     u = known_in(problem, true)
     values = anchor(problem, u, true.hypotheses, true.e, slopes=False).predict(u, true.e)
-    measured = true.problem.measured
+    measured = problem.measured
     relative = np.median(measured.sigma / np.abs(measured.values))
     sigma = relative * (np.abs(values) + np.median(np.abs(values), axis=1, keepdims=True))
-    told = replace(problem, measured=replace(problem.measured, values=values, sigma=sigma))
+    told = replace(problem, measured=replace(measured, values=values, sigma=sigma))
     return told, float(u @ u + true.e @ true.e)
 
 
