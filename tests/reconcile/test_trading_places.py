@@ -89,6 +89,26 @@ def test_a_step_held_back_is_not_the_bottom(
     assert found.converged == (steps == 1)
 
 
+@pytest.mark.parametrize(
+    ("gains", "steps"), [((1e-5, 1e-2, 1e-5, 1e-5, 1e-2), 4), ((1e-5, 1e-5, 1e-2), 2), ((1e-2, 1e-5), 12)]
+)
+def test_a_fit_ends_where_two_steps_gain_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, gains: tuple[float, ...], steps: int
+) -> None:
+    """One alone may have been held back at a bend, after which the valley goes on."""
+    taken = []
+
+    def next_one(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Step:
+        taken.append(gains[len(taken)] if len(taken) < len(gains) else 1e-2)
+        return Step(u, e, here, predicted, damping, taken[-1], 0.05)
+
+    monkeypatch.setattr(fits, "taken", next_one)
+    case = problem(tmp_path, 1)
+    found = fit(case, (), np.zeros(case.size), np.zeros(0), NEAR)
+    assert len(taken) == steps
+    assert found.converged == (steps < 12)
+
+
 def test_exact_slopes_come_last_and_only_where_a_fit_has_gone_far(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
