@@ -118,9 +118,12 @@ def _tests(fits: Sequence[Fit]) -> Iterator[_Test]:
 
 
 def _followed(true: Fit, other: Fit, check: Check) -> float | None:
-    """What a reading tells where the other explanation may bend to it, unless it is beyond doubt without that."""
+    """What a reading tells where the other explanation may bend to it, unless it is beyond doubt at first sight.
+
+    That is dear, as the whole campaign is fitted again. Bending takes of such a promise, at most until the effect is
+    gone that the campaign had asked for.
+    """
     promised = reading_nats(true, other, check)
-    # A normal law reaches further than a bent valley does: what it leaves no doubt of needs no more.
     return promised if promised is None or promised >= _CERTAIN else followed_nats(true, other, check)
 
 
