@@ -92,7 +92,7 @@ def test_what_a_name_takes_of_its_own_data_is_asked_at_the_end_of_its_fit(
     def rival(fit: Any) -> Any:
         return SimpleNamespace(fit=fit, name="it", gain_nats=90.0, held_out=0.8)
 
-    null, begun, ended = (SimpleNamespace(chi2_per_dof=c, problem=None) for c in (1.0, 0.9, 0.7))
+    null, begun, ended = (SimpleNamespace(chi2_per_dof=c, problem=None, converged=True) for c in (1.0, 0.9, 0.7))
     left: Any = SimpleNamespace(held_out_chi2_per_dof=2.0, train_chi2_per_dof=1.0, adequate=True)
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))

@@ -342,5 +342,9 @@ def _judged(current: Fit, found: Fit) -> Rival:
 
 def _restart(null: Fit, winner: Rival) -> Fit:
     """The model without effects fitted again from the winner's scores: a better basin makes a fairer comparison."""
-    again = fit(null.problem, (), winner.fit.u, np.zeros(0), NEAR)
+    try:
+        again = fit(null.problem, (), winner.fit.u, np.zeros(0), NEAR)
+    except NoStructureError:
+        # What the effect held up falls without it.
+        return null
     return again if again.evidence_nats > null.evidence_nats + 0.5 else null

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vgvt.reconcile.fit import NEAR, Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.place_control import distinct_places, place_of
 from vgvt.reconcile.thresholds import Thresholds
 
@@ -22,7 +23,11 @@ def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tupl
         kept = tuple(h for i, h in enumerate(current.hypotheses) if i != k)
         sizes = [len(h.parameters) for h in current.hypotheses]
         e = np.concatenate([current.e[sum(sizes[:i]) : sum(sizes[: i + 1])] for i in range(len(sizes)) if i != k])
-        without = fit(current.problem, kept, current.u, e, NEAR)
+        try:
+            without = fit(current.problem, kept, current.u, e, NEAR)
+        except NoStructureError:
+            # It holds the aircraft up: nothing makes that needless.
+            continue
         if current.evidence_nats - without.evidence_nats < thresholds.evidence_nats:
             return [r for i, r in enumerate(rounds) if i != k], without
     return rounds, current

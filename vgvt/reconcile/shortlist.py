@@ -71,7 +71,12 @@ def _forgiving(current: Fit) -> Fit:
     if bent(current):
         # Less forgiveness would bend it again.
         (u, e), stages = rough_start(current.problem, current.hypotheses, current.e), FORGIVING
-    return fit(current.problem, current.hypotheses, u, e, stages, judged=stages[-1][0])
+    judged = stages[-1][0]
+    try:
+        return fit(current.problem, current.hypotheses, u, e, stages, judged=judged)
+    except NoStructureError:
+        # With what was named the stated aircraft does not hang: from where it does, then.
+        return fit(current.problem, current.hypotheses, current.u, current.e, stages, judged=judged)
 
 
 def short_list(
