@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from reconciled_case import campaign_of, roving_scenario
 
-from vgvt.reconcile.candidates import places
+from vgvt.effects import available_effects
+from vgvt.reconcile.candidates import candidates, places
+from vgvt.reconcile.problem import make_problem
 from vgvt.scenario import load_scenario
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.mirror import expanded_beams
@@ -27,3 +31,18 @@ def test_every_part_of_a_beam_is_near_a_place(name: str) -> None:
         chord = max(beam.stations.aft_edge_m or (0.0,)) + max(beam.stations.forward_edge_m or (0.0,))
         apart = np.linalg.norm(along[:, None] - known, axis=2).min(axis=1)
         assert apart.max() < 0.1 * length + chord / 2
+
+
+def test_what_one_run_alone_shows_of_a_point_cannot_have_drifted(tmp_path: Path) -> None:
+    """Every point is in one run only, but sensors go through all of them: a gain that was always wrong has one name."""
+    scenario = roving_scenario()
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path)
+    known = available_effects()
+    labels = {str(p.dof) for p in case.layouts.first.grid}
+    chosen = {
+        name: {h.settings["channels"] for h in candidates(case, {name: known[name]})}
+        for name in ("gain-drift", "channel-gain")
+    }
+    assert labels <= chosen["channel-gain"]
+    assert not labels & chosen["gain-drift"]
+    assert {"response", "force", "sensor-1", "sensor-2"} <= chosen["gain-drift"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,14 @@ from vgvt.effects import available_effects
 from vgvt.effects.conformance import switched_on
 from vgvt.effects.registry import effects_of
 from vgvt.reconcile.checks import Check, checks, foretold, log_density, reading_nats, seen
-from vgvt.reconcile.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.fit import TO_THE_END, Fit, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.thresholds import stored_thresholds
 from vgvt.reconcile.with_reading import reading_density
+
+# The package's lazy name of the same spelling is the function.
+suggesting = importlib.import_module("vgvt.reconcile.suggest")
 
 
 @pytest.fixture(scope="module")
@@ -113,15 +117,42 @@ def test_an_instrument_tells_what_no_other_sweep_does(case: Problem, true: Any, 
     assert nats[best] > stored_thresholds().set_nats
 
 
-def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_is_straight(case: Problem) -> None:
-    """What a sensor weighs moves A/F as a straight line does; both ways of asking must agree on any reading of it."""
-    scale, hypothesis = check(case, "weigh an accelerometer"), Hypothesis(available_effects()["channel-gain"])
-    found = fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores({"gain_error": 0.01}), TO_THE_END)
+@pytest.mark.parametrize("words", ["weigh an accelerometer", "known mass on the spring"])
+def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_is_straight(
+    case: Problem, words: str
+) -> None:
+    """What a sensor weighs, how stiff the spring is: either way of asking must agree on any reading of it.
+
+    Of the spring the campaign says little, so that the reading is as uncertain as its tolerance.
+    """
+    scale, hypothesis = check(case, words), Hypothesis(available_effects()["channel-gain"])
+    null = calibrate(case)
+    found = fit(null.problem, (hypothesis,), null.u, hypothesis.scores({"gain_error": 0.01}), TO_THE_END)
     law = foretold(found, scale)
     assert law is not None
     for away in (0.0, 1.0, -2.0):
         reading = law[0] + away * np.sqrt(np.diag(law[1]))
-        assert reading_density(found, scale, reading) == pytest.approx(log_density(reading, *law), abs=0.1)
+        assert reading_density(found, scale, reading) == pytest.approx(log_density(reading, *law), abs=0.15)
+
+
+def test_what_nothing_moves_is_known_as_well_as_it_is_read(case: Problem) -> None:
+    found = claimed(case, "channel-gain", {"gain_error": 0.05})
+    law = foretold(found, check(case, "where every sensor sits"))
+    assert law is not None
+    assert np.allclose(law[1], 0.002**2 * np.eye(law[0].size), atol=1e-12)
+
+
+@pytest.mark.parametrize(("promised", "found"), [(20.0, 3.0), (60.0, 60.0)])
+def test_a_reading_is_followed_to_the_end_unless_it_leaves_no_doubt(
+    case: Problem, monkeypatch: pytest.MonkeyPatch, promised: float, found: float
+) -> None:
+    one = claimed(case, "channel-gain", {"gain_error": 0.05})
+    hook = check(case, "where the hook is")
+    monkeypatch.setattr(suggesting, "checks", lambda problem: (hook,))
+    monkeypatch.setattr(suggesting, "procedures", lambda problem: ())
+    monkeypatch.setattr(suggesting, "reading_nats", lambda true, other, asked: promised)
+    monkeypatch.setattr(suggesting, "followed_nats", lambda true, other, asked: 3.0)
+    assert [t.nats for t in suggesting.suggest([one, one])] == [found]
 
 
 def test_along_a_bent_valley_a_reading_tells_more_than_the_normal_law_foresees(case: Problem) -> None:
