@@ -62,10 +62,15 @@ def test_evidence_of_both_campaigns_counts_and_of_runs_that_come_twice_once(
         return SimpleNamespace(measured=SimpleNamespace(runs=(0,) * measured))
 
     def best(null: Any, name: str) -> Any:
-        return SimpleNamespace(name=name, gain_nats=gains[name], fit=SimpleNamespace(hypotheses=(), e=None))
+        fit = SimpleNamespace(hypotheses=(), e=None, problem=null.problem)
+        return SimpleNamespace(name=name, gain_nats=gains[name], fit=fit)
+
+    def measured(pair: Any, true: Any, stated: Any, which: str, sweeps: int = 1) -> int:
+        return 5 + more_runs * (which == "second")
 
     monkeypatch.setattr(study, "_true", lambda pair: study.lab.nominal())
-    monkeypatch.setattr(study, "_measured", lambda pair, true, stated, which: 5 + more_runs * (which == "second"))
+    monkeypatch.setattr(study, "checks", lambda problem: ())
+    monkeypatch.setattr(study, "_measured", measured)
     monkeypatch.setattr(study, "problem_of", problem)
     monkeypatch.setattr(study, "calibrate", lambda problem: SimpleNamespace(problem=problem))
     monkeypatch.setattr(study, "_best", best)
@@ -81,6 +86,20 @@ def test_evidence_of_both_campaigns_counts_and_of_runs_that_come_twice_once(
     assert study.asked(PAIR)["verdict"] == "not ambiguous"
     gains["transducer-mass"] = 8.0
     assert study.asked(PAIR)["verdict"] == "not ambiguous"
+
+
+def test_a_reading_is_explained_by_the_best_variant_of_either(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The campaign had preferred a variant that the reading refuses, by half a nat."""
+    check: Any = SimpleNamespace(read=lambda runs: np.zeros(2), covariance=lambda count: np.eye(count))
+    first: Any = tuple(SimpleNamespace(evidence_nats=10.0, density=d) for d in (-40.0, -60.0))
+    others = {
+        "added-mass": [SimpleNamespace(fit=SimpleNamespace(evidence_nats=9.5, density=-1.0))],
+        "transducer-mass": [SimpleNamespace(fit=SimpleNamespace(evidence_nats=8.0, density=None))],
+    }
+    null: Any = None
+    monkeypatch.setattr(study, "_fitted", lambda null, name, count: others[name])
+    monkeypatch.setattr(study, "reading_density", lambda fit, check, reading: fit.density)
+    assert study._read(PAIR, check, study.lab.nominal(), null, first) == pytest.approx(-1.5 + 60.0)
 
 
 def test_where_no_test_is_promised_the_pair_stays_unresolved(monkeypatch: pytest.MonkeyPatch) -> None:
