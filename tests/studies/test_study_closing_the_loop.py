@@ -75,6 +75,24 @@ def test_a_verdict_places_an_effect_where_what_it_names_sits() -> None:
     assert said(places=SimpleNamespace(places=found.places[1:])) == said(places=None) == []
 
 
+def test_truths_at_the_limit_are_counted_by_themselves() -> None:
+    """What is just visible is named in about half of the cases, and must not hide what larger ones are."""
+
+    def row(ratio: float, answer: str) -> loop_results.Row:
+        return {
+            "group": "effect", "verdict": "explained", "truth": "a", "named": "a", "ratio": ratio, "answer": answer,
+            "held_after": 1.0,
+        }  # fmt: skip
+
+    sized = [(1.0, "nothing"), (1.05, "right"), (0.9, "nothing"), (2.0, "right"), (9.0, "in the set")]
+    said = loop_results.headline([row(*s) for s in sized])
+    assert "| truth in the set (≤ 3 members), above the limit | ≥ 95 % | 3 of 4, " in said
+    assert "| … of these within a tenth of the limit itself |  | 1 of 2, " in said
+    assert "| … of these beyond that | ≥ 95 % | 2 of 2, " in said
+    # What has no size is above any limit.
+    assert "beyond that | ≥ 95 % | 1 of 1, " in loop_results.headline([row(float("nan"), "right")])
+
+
 def test_the_plan_keeps_its_promises() -> None:
     cases = study.plan(study.DRAWS, study.PLACEBOS, study.OPEN_DRAWS, study.PAIRS)
     assert len({c.key for c in cases}) == len(cases)
