@@ -19,7 +19,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     return problem(tmp_path_factory.mktemp("cache"), 1)
 
 
-@pytest.mark.parametrize("compliance_m_per_n", [1e-6, 5e-5, 8e-5, 1.1e-4, 1.5e-4, 2e-4])
+@pytest.mark.parametrize("compliance_m_per_n", [1e-6, 5e-5, 8e-5, 1.1e-4, 2e-4, 5e-4])
 def test_a_gauge_on_clay_is_the_same_in_reduced_coordinates_at_every_size(
     case: Problem, monkeypatch: pytest.MonkeyPatch, compliance_m_per_n: float
 ) -> None:

@@ -58,7 +58,8 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is refused for it is kept among the refused, and the verdict has no name."""
     null: Any = SimpleNamespace(chi2_per_dof=1.0, problem=None)
     joint = SimpleNamespace(linear=False)
-    beside: Any = SimpleNamespace(fit="beside", name="beside", gain_nats=90.0, held_out=40.0, hypothesis=joint)
+    fit = SimpleNamespace(converged=True)
+    beside: Any = SimpleNamespace(fit=fit, name="beside", gain_nats=90.0, held_out=40.0, hypothesis=joint)
     limits = SimpleNamespace(held_out_per_dof=1.0)
     left = SimpleNamespace(
         held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=limits, train_chi2_per_dof=1.0, adequate=False

@@ -32,6 +32,8 @@ _AT_LEAST, _FAR_AHEAD = 3, 5.0
 _AT_ONCE = 2
 # Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
 _WITHIN = 0.1
+# Of what the model without an effect misses: a bent one may meet data by chance a little better than a right one.
+_ASTRAY = 2.0
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
 _AS_GOOD = 1.1
 
@@ -192,10 +194,7 @@ def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds
 def _ended(
     current: Fit, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
 ) -> tuple[Rival, ...]:
-    """The rivals judged anew, the best of the confirmed at the end of their fits: a short list may stop before it.
-
-    So is the one that gains most where held-out data refused it on its way.
-    """
+    """The rivals judged anew, the best of the confirmed, and of all, at the end of their fits, not on their way."""
     first = max(rivals, key=lambda r: r.gain_nats)
     best = max((r.gain_nats for r in confirmed), default=np.inf)
     within = max(thresholds.set_nats, _WITHIN * best)
@@ -315,8 +314,8 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
 
     Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
     has, not as many as there are lines, and no more than what it is judged by is worth: the same number for every
-    rival, or they could not be compared. What is gained so counts for less; what is lost counts whole, or a fit that
-    went astray would be thanked for the tolerances that it keeps.
+    rival, or they could not be compared. What a fit misses that went astray counts whole, or it would be thanked for
+    the tolerances that it keeps.
     """
     if not fits:
         return ()
@@ -331,7 +330,8 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
         missed = None
         if held.any():
             missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
-        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * max(current.chi2 - f.chi2, 0.0), raw, missed))
+        gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
+        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * gained, raw, missed))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
 
 

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-# Share of a coordinate's inertia beyond which its motion is not in the modes: round-off, and no more. Of a gauge that
-# swings on clay within them a ten-thousandth is left to higher ones, and with a strong dashpot is a tenth of a per cent
-# of A/F: left out beyond some size of the clay, it would be a step that no fit gets over.
-_LEFT_OUT = 1e-10
+# Share of a coordinate's inertia beyond which its motion is not in the modes. Of a gauge that swings on clay within
+# them a ten-thousandth is left to higher ones, and with a strong dashpot that is a tenth of a per cent of A/F: left
+# out beyond some size of the clay, it would be a step that no fit gets over. Of a small absorber it is far less, and
+# kept it would hide what that does behind what the modes left out do.
+_LEFT_OUT = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
