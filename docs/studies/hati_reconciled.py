@@ -11,25 +11,22 @@ and figures are written. All of it is derived from records under the MIT licence
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import resource
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from loop_work import core
 from numpy.typing import NDArray
 from virtual_lab import PAGES
 
-import vgvt.reconcile
 from vgvt.data import Campaign, ChannelRole
 from vgvt.effects.registry import available_effects
 from vgvt.files import open_campaign
-from vgvt.reconcile.attribute import Rival
 from vgvt.reconcile.augment import posterior_of
 from vgvt.reconcile.candidates import places
 from vgvt.reconcile.figures_of_merit import compare
@@ -41,6 +38,7 @@ from vgvt.reconcile.loop import reconcile
 from vgvt.reconcile.mode_errors import model_modes
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.residual import residual
+from vgvt.reconcile.rivals import Rival
 from vgvt.reconcile.thresholds import stored_thresholds
 from vgvt.reconcile.verdict import Verdict
 from vgvt.scenario import Scenario, load_scenario
@@ -55,25 +53,7 @@ SPLITS = ("odd runs", "even runs", "forward row", "aft row", "right wing", "left
 Document = dict[str, Any]
 
 
-def _core() -> str:
-    """A hash of the sources that decide, to tell stages of different versions apart."""
-    names = (
-        "attribute",
-        "candidates",
-        "data",
-        "fit",
-        "localise",
-        "misfit",
-        "residual",
-        "screen",
-        "surrogate",
-        "uncertain",
-    )
-    files = [Path(vgvt.reconcile.__file__).with_name(f"{name}.py") for name in names]
-    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()[:12]
-
-
-CORE = _core()
+CORE = core()
 
 
 def nominal() -> Scenario:

@@ -29,7 +29,6 @@ from virtual_lab import PAGES, table, write_results
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
 from vgvt.effects.registry import effects_of
-from vgvt.reconcile.attribute import Rival, against
 from vgvt.reconcile.candidate_fits import fitted_from
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.checks import Check, checks, seen
@@ -40,6 +39,7 @@ from vgvt.reconcile.power import power
 from vgvt.reconcile.problem import Problem, problem_of
 from vgvt.reconcile.procedures import Procedure, procedures
 from vgvt.reconcile.progress import silent
+from vgvt.reconcile.rivals import Rival, against
 from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.screen import screen
 from vgvt.reconcile.suggest import known_in, suggest

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from vgvt.data import Campaign
-from vgvt.effects import Effect
+from vgvt.effects import Effect, available_effects
 from vgvt.effects.conformance import table_of
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.uncertain import edited, unknowns
 from vgvt.scenario import Scenario, load_scenario
@@ -47,6 +50,12 @@ def problem(cache: Path, seed: int, *effects: Effect) -> Problem:
     """The reconciliation of such a campaign with the scenario as stated."""
     scenario = small_scenario()
     return make_problem(campaign_of(scenario, seed, *effects), scenario, lines=200, cache=cache)
+
+
+def claimed(case: Problem, name: str, values: dict[str, float], **settings: Any) -> Fit:
+    """An effect of a given size beside the stated values, as if it had been fitted."""
+    hypothesis = Hypothesis(available_effects()[name], settings)
+    return fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores(values), ())
 
 
 def drawn_scores(case: Problem, seed: int) -> np.ndarray:

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, roving_scenario
+from reconciled_case import campaign_of, claimed, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import switched_on
 from vgvt.effects.registry import effects_of
 from vgvt.reconcile.checks import Check, checks, foretold, log_density, reading_nats, seen
-from vgvt.reconcile.fit import TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.fit import TO_THE_END, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.thresholds import stored_thresholds
@@ -33,12 +33,6 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 def check(case: Problem, words: str) -> Check:
     (found,) = (c for c in checks(case) if words in c.words)
     return found
-
-
-def claimed(case: Problem, name: str, values: dict[str, float], **settings: Any) -> Fit:
-    """An effect of a given size, as if it had been fitted."""
-    hypothesis = Hypothesis(available_effects()[name], settings)
-    return fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores(values), ())
 
 
 def shown(case: Problem, words: str, name: str, **values: Any) -> np.ndarray:
@@ -150,8 +144,8 @@ def test_a_reading_is_followed_to_the_end_unless_it_leaves_no_doubt(
     hook = check(case, "where the hook is")
     monkeypatch.setattr(suggesting, "checks", lambda problem: (hook,))
     monkeypatch.setattr(suggesting, "procedures", lambda problem: ())
-    monkeypatch.setattr(suggesting, "reading_nats", lambda true, other, asked: promised)
-    monkeypatch.setattr(suggesting, "followed_nats", lambda true, other, asked: 3.0)
+    monkeypatch.setattr(suggesting, "reading_nats", lambda true, other, check: promised)
+    monkeypatch.setattr(suggesting, "followed_nats", lambda true, other, check: 3.0)
     assert [t.nats for t in suggesting.suggest([one, one])] == [found]
 
 

@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, roving_scenario, small_scenario
+from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
 
-from vgvt.effects import available_effects
-from vgvt.reconcile.fit import NEAR, Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import Procedure, changed, procedures
 from vgvt.reconcile.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
@@ -35,12 +33,6 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 def procedure(case: Problem, words: str) -> Procedure:
     (found,) = (p for p in procedures(case) if words in p.words)
     return found
-
-
-def claimed(case: Problem, name: str, values: dict[str, float], **settings: Any) -> Fit:
-    """An effect of a given size, as if it had been fitted."""
-    hypothesis = Hypothesis(available_effects()[name], settings)
-    return fit(case, (hypothesis,), np.zeros(case.size), hypothesis.scores(values), ())
 
 
 def campaigns_alone(monkeypatch: pytest.MonkeyPatch, tests: tuple[Procedure, ...]) -> None:
@@ -201,8 +193,8 @@ def test_what_a_campaign_promises_is_followed_to_the_end(case: Problem, monkeypa
     campaigns_alone(monkeypatch, tests)
     first = {"hollow": 45.0, "good": 40.0, "fair": 20.0}
     end = {"hollow": 1.0, "good": 30.0, "fair": 21.0}
-    monkeypatch.setattr(suggesting, "expected_nats", lambda one, other, words: first[words])
-    monkeypatch.setattr(suggesting, "found_nats", lambda one, other, words: end[words])
+    monkeypatch.setattr(suggesting, "expected_nats", lambda one, other, problem: first[problem])
+    monkeypatch.setattr(suggesting, "found_nats", lambda one, other, problem: end[problem])
     one = claimed(case, "channel-gain", {"gain_error": GAIN}, channels="3+Z")
     assert [(t.test, t.nats) for t in suggest([one, one], count=2)] == [("good", 30.0), ("fair", 21.0)]
 
@@ -211,7 +203,7 @@ def test_more_than_certain_is_not_worth_more_minutes(case: Problem, monkeypatch:
     campaigns_alone(monkeypatch, (Procedure("long", lambda s: s, 30.0), Procedure("short", lambda s: s, 5.0)))
     nats = {"long": 100 * suggesting._CERTAIN, "short": 2 * suggesting._CERTAIN}
     for way in ("expected_nats", "found_nats"):
-        monkeypatch.setattr(suggesting, way, lambda one, other, words: nats[words])
+        monkeypatch.setattr(suggesting, way, lambda one, other, problem: nats[problem])
     one = claimed(case, "channel-gain", {"gain_error": GAIN}, channels="3+Z")
     assert [t.test for t in suggest([one, one])] == ["short", "long"]
 
@@ -221,6 +213,6 @@ def test_what_tells_comes_before_what_is_quick(case: Problem, monkeypatch: pytes
     nats = {"quick": suggesting._TELLS - 1, "slow": suggesting._TELLS + 1}
     campaigns_alone(monkeypatch, (quick, slow))
     for way in ("expected_nats", "found_nats"):
-        monkeypatch.setattr(suggesting, way, lambda one, other, words: nats[words])
+        monkeypatch.setattr(suggesting, way, lambda one, other, problem: nats[problem])
     one = claimed(case, "channel-gain", {"gain_error": GAIN}, channels="3+Z")
     assert [t.test for t in suggest([one, one])] == ["slow", "quick"]

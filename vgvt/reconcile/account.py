@@ -30,9 +30,10 @@ from vgvt.view.reconcile_account import (
 )
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Attribution, Rival
+    from vgvt.reconcile.attribute import Attribution
     from vgvt.reconcile.power import Power
     from vgvt.reconcile.problem import Problem
+    from vgvt.reconcile.rivals import Rival
 
 
 def account_of(

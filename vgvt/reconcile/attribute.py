@@ -20,45 +20,21 @@ from vgvt.reconcile.local_slopes import origin_near
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.progress import Progress, part
-from vgvt.reconcile.residual import Residual, independent_values, residual
+from vgvt.reconcile.residual import Residual, residual
+from vgvt.reconcile.rivals import Rival, against
 from vgvt.reconcile.same_place import left_where_it_was
 from vgvt.reconcile.screen import Screened
 from vgvt.reconcile.shortlist import BIASED, second_list, shortened
 from vgvt.reconcile.team import ALONE, Task, Team
-from vgvt.reconcile.thresholds import Thresholds, noise_share
+from vgvt.reconcile.thresholds import Thresholds
 
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # Fitted together after these, whoever shares the work: none of them is left out for another one's sake.
 _AT_ONCE = 2
 # Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
 _WITHIN = 0.1
-# Of what the model without an effect misses: a bent one may meet data by chance a little better than a right one.
-_ASTRAY = 2.0
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
 _AS_GOOD = 1.1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Rival:
-    """A fitted candidate: its gain of evidence over the model without it, in tempered nats, and what it leaves.
-
-    ``raw_nats`` are untempered; ``held_out`` is held-out χ² per degree of freedom, None without held-out data.
-    """
-
-    fit: Fit
-    gain_nats: float
-    raw_nats: float
-    held_out: float | None
-
-    @property
-    def hypothesis(self) -> Hypothesis:
-        """The effect that this candidate adds last."""
-        return self.fit.hypotheses[-1]
-
-    @property
-    def name(self) -> str:
-        """Name of the effect added last."""
-        return self.hypothesis.name
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -307,32 +283,6 @@ def _fit_all(
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
     return against(current, found)
-
-
-def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
-    """Fits with one effect more as rivals, judged against the model without it, best first.
-
-    Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
-    has, not as many as there are lines, and no more than what it is judged by is worth: the same number for every
-    rival, or they could not be compared. What a fit misses that went astray counts whole, or it would be thanked for
-    the tolerances that it keeps.
-    """
-    if not fits:
-        return ()
-    found = max(fits, key=lambda f: f.evidence_nats)
-    keep, held = found.problem.split.train, found.problem.split.held
-    measured = found.problem.measured
-    rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
-    worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
-    rivals = []
-    for f in fits:
-        raw = f.evidence_nats - current.evidence_nats
-        missed = None
-        if held.any():
-            missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
-        gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
-        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * gained, raw, missed))
-    return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
 
 
 def _judged(current: Fit, found: Fit) -> Rival:

@@ -15,7 +15,7 @@ from vgvt.reconcile.misfit import data_misfit
 from vgvt.reconcile.surrogate import anchor
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Rival
+    from vgvt.reconcile.rivals import Rival
 
 
 def straightened(confirmed: Sequence[Rival], set_nats: float) -> list[Rival]:

@@ -15,10 +15,11 @@ import vgvt
 from vgvt.data import Campaign
 from vgvt.files.atomically import replacing
 from vgvt.files.campaign_file import content_hash
-from vgvt.reconcile.attribute import Addition, Rival
+from vgvt.reconcile.attribute import Addition
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.rivals import Rival
 from vgvt.reconcile.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml

@@ -19,7 +19,8 @@ from vgvt.reconcile.residual import independent_values
 from vgvt.reconcile.team import ALONE, Team
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Addition, Rival
+    from vgvt.reconcile.attribute import Addition
+    from vgvt.reconcile.rivals import Rival
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]

@@ -11,9 +11,9 @@ import scipy.stats
 
 from vgvt.data import InputError
 from vgvt.files.atomically import replacing
-from vgvt.reconcile.attribute import Rival
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.rivals import Rival
 from vgvt.reconcile.thresholds import PLACEBO_FLOOR, Thresholds, noise_share
 from vgvt.reconcile.verdict import Verdict
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,16 +105,13 @@ def _tests(fits: Sequence[Fit]) -> Iterator[_Test]:
     """All tests that a scenario allows."""
     problem = fits[0].problem
     for check in checks(problem):
-        yield _Test(
-            check.words, check.minutes,
-            lambda a, b, c=check: reading_nats(a, b, c), lambda a, b, c=check: _followed(a, b, c),  # type: ignore[misc]
-        )  # fmt: skip
+        yield _Test(check.words, check.minutes, partial(reading_nats, check=check), partial(_followed, check=check))
     for procedure in (*procedures(problem), *levels_to_try(fits)):
         after = _after(problem, procedure)
         if after is not None:
             yield _Test(
                 procedure.words, procedure.minutes,
-                lambda a, b, p=after: expected_nats(a, b, p), lambda a, b, p=after: found_nats(a, b, p),  # type: ignore[misc]
+                partial(expected_nats, problem=after), partial(found_nats, problem=after),
             )  # fmt: skip
 
 

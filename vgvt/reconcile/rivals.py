@@ -1,0 +1,68 @@
+"""Fitted candidates against the model without them: the evidence that each gains, tempered, and what held-out data say.
+
+Who of them gives its name is decided in :mod:`vgvt.reconcile.attribute`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.residual import independent_values
+from vgvt.reconcile.thresholds import noise_share
+
+# Of what the model without an effect misses: a bent one may meet data by chance a little better than a right one.
+_ASTRAY = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rival:
+    """A fitted candidate: its gain of evidence over the model without it, in tempered nats, and what it leaves.
+
+    ``raw_nats`` are untempered; ``held_out`` is held-out χ² per degree of freedom, None without held-out data.
+    """
+
+    fit: Fit
+    gain_nats: float
+    raw_nats: float
+    held_out: float | None
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The effect that this candidate adds last."""
+        return self.fit.hypotheses[-1]
+
+    @property
+    def name(self) -> str:
+        """Name of the effect added last."""
+        return self.hypothesis.name
+
+
+def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
+    """Fits with one effect more as rivals, judged against the model without it, best first.
+
+    Under a model that leaves more than noise, χ² counts as many independent values as the residual of the best fit
+    has, not as many as there are lines, and no more than what it is judged by is worth: the same number for every
+    rival, or they could not be compared. What a fit misses that went astray counts whole, or it would be thanked for
+    the tolerances that it keeps.
+    """
+    if not fits:
+        return ()
+    found = max(fits, key=lambda f: f.evidence_nats)
+    keep, held = found.problem.split.train, found.problem.split.held
+    measured = found.problem.measured
+    rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
+    worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
+    rivals = []
+    for f in fits:
+        raw = f.evidence_nats - current.evidence_nats
+        missed = None
+        if held.any():
+            missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
+        gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
+        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * gained, raw, missed))
+    return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
