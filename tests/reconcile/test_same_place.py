@@ -72,7 +72,7 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rounds, "against", lambda current, fits: (beside,))
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)
     monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
-    monkeypatch.setattr(rounds, "_finished", lambda found: found)
+    monkeypatch.setattr(rounds, "ended", lambda current, rivals, *given: rivals)
     needs: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
     found = rounds.attribute(null, (), needs)
     assert found.rounds == () and found.vetoed == (beside,)

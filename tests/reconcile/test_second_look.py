@@ -100,7 +100,7 @@ def test_what_a_name_takes_of_its_own_data_is_asked_at_the_end_of_its_fit(
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(map(rival, fits)))
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)
-    monkeypatch.setattr(rounds, "_finished", lambda found: ended)
+    monkeypatch.setattr(rounds, "ended", lambda *given: (rival(ended),))
     monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     monkeypatch.setattr(rounds, "_taking_it_away", lambda current, confirmed, before: confirmed)

@@ -1,4 +1,4 @@
-"""Where a candidate's fit starts, and where a name's ends."""
+"""Where a candidate's fit starts."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.rivals import against
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.thresholds import SMOOTHED
 
-rounds = importlib.import_module("vgvt.reconcile.attribute")
 candidate_fits = importlib.import_module("vgvt.reconcile.candidate_fits")
 THERE, ELSEWHERE = {"x_m": 0.9, "y_m": 1.1}, {"x_m": 0.9, "y_m": -1.1}
 
@@ -91,57 +91,6 @@ def test_far_off_a_candidate_begins_where_a_few_steps_do_best(
     assert 0 < coarse == last == same == judged == alike < coarser
 
 
-def test_a_name_is_fitted_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
-    monkeypatch.setattr(rounds, "fit", lambda *given, exact: further)
-    monkeypatch.setattr(rounds, "origin_near", lambda *_: None)
-    stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(), u=None, e=None)
-    assert rounds._finished(stopped) is further
-    ended: Any = SimpleNamespace(converged=True, problem=None, u=None, e=None, hypotheses=())
-    assert rounds._finished(ended) is ended
-    further.evidence_nats = 10.0
-    assert rounds._finished(stopped) is stopped
-
-
-@pytest.mark.parametrize(
-    ("converged", "ended"),
-    [
-        (True, ("first, ended", "refused", "near, ended", "behind")),
-        # Held-out data refused what had not arrived yet.
-        (False, ("first, ended", "refused, ended", "near, ended", "behind")),
-    ],
-)
-def test_rivals_at_their_ends_are_judged_together(
-    monkeypatch: pytest.MonkeyPatch, converged: bool, ended: tuple[str, ...]
-) -> None:
-    """What a fit is worth follows from the best of them: one judged by itself could not be compared."""
-    judged: list[Any] = []
-
-    def against(current: Any, fits: Any) -> Any:
-        judged.append(tuple(f if isinstance(f, str) else f.name for f in fits))
-        return ("judged",)
-
-    monkeypatch.setattr(rounds, "against", against)
-    monkeypatch.setattr(rounds, "_finished", lambda found: f"{found.name}, ended")
-    first, refused, near, behind = (
-        SimpleNamespace(fit=SimpleNamespace(name=name, converged=arrived), gain_nats=gain)
-        for name, gain, arrived in (
-            ("first", 100.0, True), ("refused", 101.0, converged), ("near", 92.0, False), ("behind", 80.0, False)
-        )
-    )  # fmt: skip
-    rivals: Any = (refused, first, near, behind)
-    confirmed: Any = (first, near, behind)
-    needs: Any = SimpleNamespace(set_nats=5.0)
-    null: Any = None
-    assert rounds._ended(null, rivals, confirmed, needs) == ("judged",)
-    assert sorted(judged[0]) == sorted(ended)
-    judged.clear()
-    # Where nothing is confirmed it still may be what gains most.
-    rounds._ended(null, rivals, (), needs)
-    assert ("refused, ended" in judged[0]) is not converged
-    assert "first" in judged[0]
-
-
 def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:
     """A start at the frequency that the residual shows says nothing of a size."""
     tuned = Screened(Hypothesis(LocalAbsorber, THERE), {"frequency_hz": 9.0}, 1.0)
@@ -162,7 +111,7 @@ def judged_alone(noise: float, chi2: float, evidence_nats: float) -> Any:
         evidence_nats=evidence_nats,
     )  # fmt: skip
     null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
-    (rival,) = rounds.against(null, [found])
+    (rival,) = against(null, [found])
     return rival
 
 

@@ -12,11 +12,11 @@ from vgvt.reconcile.backward import needed, nowhere
 from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
-from vgvt.reconcile.fit import FAR, NEAR, TO_THE_END, Fit, fit
+from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.last_steps import ended
 from vgvt.reconcile.level_grid import linear_first
-from vgvt.reconcile.local_slopes import origin_near
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.progress import Progress, part
@@ -31,8 +31,6 @@ from vgvt.reconcile.thresholds import Thresholds
 _AT_LEAST, _FAR_AHEAD = 3, 5.0
 # Fitted together after these, whoever shares the work: none of them is left out for another one's sake.
 _AT_ONCE = 2
-# Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
-_WITHIN = 0.1
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
 _AS_GOOD = 1.1
 
@@ -118,12 +116,12 @@ def _selected(
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
-            later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.9), team)
-            more = _fit_all(current, later, before, part(here, 0.9, 1.0), team)
+            later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
+            more = _fit_all(current, later, before, part(here, 0.85, 0.9), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
-            rivals = _ended(current, rivals, confirmed, thresholds)
+            rivals = ended(current, rivals, confirmed, thresholds, part(here, 0.9, 1.0), team)
             confirmed = [
                 r for r in rivals
                 if _passed(r, current, before, thresholds) and takes_enough(r.fit, current, before)
@@ -165,30 +163,6 @@ def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds
     """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
     enough = rival.gain_nats >= thresholds.evidence_nats
     return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
-
-
-def _ended(
-    current: Fit, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
-) -> tuple[Rival, ...]:
-    """The rivals judged anew, the best of the confirmed, and of all, at the end of their fits, not on their way."""
-    first = max(rivals, key=lambda r: r.gain_nats)
-    best = max((r.gain_nats for r in confirmed), default=np.inf)
-    within = max(thresholds.set_nats, _WITHIN * best)
-    near = {id(r) for r in confirmed if r.gain_nats > best - within}
-    if not first.fit.converged:
-        near.add(id(first))
-    return against(current, [_finished(r.fit) if id(r) in near else r.fit for r in rivals])
-
-
-def _finished(found: Fit) -> Fit:
-    """A fit gone on with to its end, with exact slopes where that is far out."""
-    if found.converged and origin_near(found.problem, found.u, found.e, None, found.hypotheses) is None:
-        return found
-    try:
-        more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, exact=True)
-    except NoStructureError:
-        return found
-    return more if more.evidence_nats >= found.evidence_nats else found
 
 
 def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) -> list[Rival]:

@@ -1,0 +1,81 @@
+"""Fits that may give their name are gone on with to their ends before they are compared, and no others."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from vgvt.reconcile import last_steps
+from vgvt.reconcile.shortlist import BIASED
+
+NEEDS: Any = SimpleNamespace(set_nats=5.0)
+NULL: Any = None
+
+
+def told(fraction: float, message: str) -> None:
+    pass
+
+
+def rival(name: str, gain_nats: float, held_out: float | None = None, left: float = 0.8, arrived: bool = True) -> Any:
+    fit = SimpleNamespace(name=name, converged=arrived, chi2_per_dof=left)
+    return SimpleNamespace(name=name, fit=fit, gain_nats=gain_nats, held_out=held_out)
+
+
+@pytest.fixture
+def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
+    """The names of the fits that were judged together, those gone on with marked."""
+    seen: list[tuple[str, ...]] = []
+
+    def against(current: Any, fits: Any) -> Any:
+        seen.append(tuple(f if isinstance(f, str) else f.name for f in fits))
+        return ("judged",)
+
+    monkeypatch.setattr(last_steps, "against", against)
+    monkeypatch.setattr(last_steps, "finished", lambda found, tell: f"{found.name}, ended")
+    return seen
+
+
+def test_a_fit_is_gone_on_with_unless_it_has_arrived_or_becomes_worse(monkeypatch: pytest.MonkeyPatch) -> None:
+    further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
+    monkeypatch.setattr(last_steps, "fit", lambda *given, exact: further)
+    monkeypatch.setattr(last_steps, "origin_near", lambda *_: None)
+    effect = SimpleNamespace(name="it")
+    stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(effect,), u=0, e=0)
+    assert last_steps.finished(stopped, told) is further
+    arrived: Any = SimpleNamespace(converged=True, problem=None, u=None, e=None, hypotheses=(effect,))
+    assert last_steps.finished(arrived, told) is arrived
+    further.evidence_nats = 10.0
+    assert last_steps.finished(stopped, told) is stopped
+
+
+@pytest.mark.parametrize("converged", [True, False])
+def test_rivals_at_their_ends_are_judged_together(judged: list[tuple[str, ...]], converged: bool) -> None:
+    """What a fit is worth follows from the best of them: one judged by itself could not be compared."""
+    first, near, behind = rival("first", 100.0), rival("near", 92.0), rival("behind", 80.0, arrived=False)
+    refused = rival("refused", 101.0, arrived=converged)
+    # Held-out data may have refused what had not arrived yet, were other rivals confirmed or not.
+    said = "refused" if converged else "refused, ended"
+    rivals = (refused, first, near, behind)
+    assert last_steps.ended(NULL, rivals, (first, near, behind), NEEDS, told) == ("judged",)
+    assert judged.pop() == (said, "first, ended", "near, ended", "behind")
+    last_steps.ended(NULL, rivals, (), NEEDS, told)
+    assert judged.pop() == (said, "first", "near", "behind")
+
+
+@pytest.mark.parametrize(
+    ("left", "ended"),
+    [
+        (BIASED - 0.1, ("most, ended", "as good", "may yet", "far")),
+        (BIASED + 0.1, ("most, ended", "as good, ended", "may yet, ended", "far")),
+    ],
+)
+def test_where_held_out_data_decide_all_that_they_may_prefer_are_ended(
+    judged: list[tuple[str, ...]], left: float, ended: tuple[str, ...]
+) -> None:
+    """A surge stopped on its way missed held-out data by 30, at its end by 27, where the winner missed them by 26."""
+    rows = (("most", 900.0, 25.7), ("as good", 400.0, 27.0), ("may yet", 300.0, 30.1), ("far", 200.0, 60.0))
+    confirmed = [rival(*row, left=left) for row in rows]
+    last_steps.ended(NULL, confirmed, confirmed, NEEDS, told)
+    assert judged == [ended]
