@@ -18,7 +18,17 @@ from pathlib import Path
 from typing import Any
 
 from loop_cases import NOISE, SECOND, SHORT, SIMULATION, SIZES, Case, linear_effects, second_laboratory_effects
-from loop_results import JUDGED, Row, by_key, confusion, headline, picture, placebo_limits, write_matrix
+from loop_results import (
+    JUDGED,
+    Row,
+    by_key,
+    confusion,
+    headline,
+    picture,
+    placebo_limits,
+    with_laboratory,
+    write_matrix,
+)
 from loop_work import core, work
 from rich.console import Console
 from virtual_lab import PAGES, write_results
@@ -28,8 +38,8 @@ from vgvt.bench.store import Store
 from vgvt.data import InputError
 
 PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
-# Every tenth campaign comes from MuJoCo's time domain.
-IN_TIME = 10
+# Every fortieth campaign comes from MuJoCo's time domain: each of them takes as long as ten others.
+IN_TIME = 40
 
 
 def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, short: bool = False) -> list[Case]:
@@ -43,9 +53,10 @@ def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, 
         return own | {"engine": "mujoco" if k % IN_TIME == IN_TIME - 2 else "linear", "base": base}
 
     queues.append([Case("placebo", (), k, 0.0, NOISE[k % 3], **source(k)) for k in range(placebos)])
+    # Three draws of an effect have every size and every noise, nine all pairs; a step of 41 meets all names in time.
     effects = [
-        Case("effect", (name,), k, SIZES[(2 - k) % 3], NOISE[(k // 3 + 1) % 3], base=base,
-             engine="mujoco" if (i + k) % IN_TIME == 9 else "linear")
+        Case("effect", (name,), k, SIZES[(2 - k) % 3], NOISE[(i + k + k // 3) % 3], base=base,
+             engine="mujoco" if (k * len(names) + i) % (IN_TIME + 1) == 9 else "linear")
         for k in range(draws) for i, name in enumerate(names)
     ]  # fmt: skip
     queues.append(effects)
@@ -157,7 +168,7 @@ def results(rows: Sequence[Row]) -> str:
     return (
         f"{judged} campaigns came to a verdict; without one: {beside}. Source of the analysis (cases): {said}.\n\n"
         f"{headline(rows)}\n\n### By effect\n\n{by_key(rows, 'truth')}\n\n### By noise\n\n{by_key(rows, 'noise')}\n\n"
-        f"### By size\n\n{by_key(rows, 'size')}"
+        f"### By size\n\n{by_key(rows, 'size')}\n\n### By laboratory\n\n{by_key(with_laboratory(rows), 'laboratory')}"
     )
 
 

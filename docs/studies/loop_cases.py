@@ -72,7 +72,7 @@ class Case:
     @property
     def key(self) -> str:
         """A hash of all that the result depends on, the code aside."""
-        text = json.dumps([*dataclasses.astuple(self), LINES, lab.RUNS, lab.SWEEP_S, lab.TRUE_CELLS])
+        text = json.dumps([*dataclasses.astuple(self), LINES, lab.RUNS, lab.SWEEP_S, lab.TRUE_CELLS, lab.STEPPED_CELLS])
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 
     @property

@@ -116,6 +116,12 @@ def by_key(rows: Sequence[Row], key: str) -> str:
     return table((key, "truth in the set", "wrong single name", "median held-out χ²/ν", "median held-out NRMSE"), lines)
 
 
+def with_laboratory(rows: Sequence[Row]) -> list[Row]:
+    """Rows with a column for where their records come from: the simulator by one of its engines, or the second one."""
+    stepped = "simulation, stepped in time"
+    return [{**r, "laboratory": stepped if r["engine"] == "mujoco" else r["source"]} for r in rows]
+
+
 def placebo_limits(rows: Sequence[Row], file: Path) -> None:
     """Write thresholds as TOML with their provenance, as :mod:`vgvt.reconcile.placebo` makes them of the placebos."""
     mine = [r for r in judged(rows, "placebo") if "noise_per_dof" in r]

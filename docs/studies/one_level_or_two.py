@@ -32,6 +32,8 @@ from vgvt.simulation import simulate
 
 NONLINEAR = ("cubic-root-stiffness", "root-friction", "root-freeplay")
 NOISE = 0.003
+# Joints that depend on level need a finer step than the linear aircraft: as many cells as can still be stepped.
+STEPPED_CELLS = 16
 RUNS = lab.RUNS[:3]
 """Nodes of three runs; each is recorded twice, at the same level or at two."""
 
@@ -74,7 +76,7 @@ def records(truth: Truth) -> dict[float, tuple[Campaign, tuple[Any, ...]]]:
     Where runs differ in their sensors alone three are stepped and stand for both halves.
     """
     scenario = nominal()
-    cells = lab.STEPPED_CELLS if truth.engine == "mujoco" else lab.TRUE_CELLS
+    cells = STEPPED_CELLS if truth.engine == "mujoco" else lab.TRUE_CELLS
     true = lab.drawn(lab.quiet(scenario), named_stream(20260101, "one level or two", truth.name), cells)
     half = truth.engine == "mujoco"
     acquisition = true.acquisition.model_copy(update={"runs": RUNS}) if half else true.acquisition
