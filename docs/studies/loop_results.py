@@ -68,6 +68,12 @@ def in_set(row: Row) -> bool:
     return bool(row["answer"] in ("right", "in the set"))
 
 
+def deviations_of(row: Row) -> list[float]:
+    """Distances of the truth from what was fitted, in stated standard deviations; none in rows of older versions."""
+    said = row.get("deviations") or ""
+    return [float(part.rsplit(" ", 1)[1]) for part in said.split("; ") if part]
+
+
 def headline(rows: Sequence[Row]) -> str:
     """The promises, and what was measured."""
     effect, pair = [r for r in judged(rows, "effect") if visible(r)], judged(rows, "pair")
@@ -86,6 +92,9 @@ def headline(rows: Sequence[Row]) -> str:
         ("never in a catalogue: a single wrong name", "", rate(never, lambda r: r["answer"] == "wrong")),
         ("removed from the catalogue: unknown, or partly with its place", "≥ 90 %", rate(removed, open_set_right)),
         ("two effects: both named", "≥ 75 %", rate(pair, in_set)),
+        ("stated intervals of 95 % that hold the true size or place, truth named alone", "95 %", rate(
+            [{"off": d} for r in effect if r["answer"] == "right" for d in deviations_of(r)],
+            lambda d: abs(d["off"]) <= CONFIDENCE_Z)),
         ("held-out χ² ≤ 1.15 of a fit that is told", "all", rate(
             [r for r in effect if r.get("oracle_held_out") and in_set(r)],
             lambda r: r["held_after"] <= 1.15 * r["oracle_held_out"])),

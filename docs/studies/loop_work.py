@@ -67,7 +67,19 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
         "place": places[0].label if places else "",
         "near": near,
         "known_place": stage.place_m is not None,
+        "deviations": deviations(stage.truth, verdict),
     }  # fmt: skip
+
+
+def deviations(truth: dict[str, dict[str, Any]], verdict: Verdict) -> str:
+    """What is true of named effects, in stated standard deviations from what the verdict says: ``mass_kg -0.7``."""
+    rows = []
+    for effect in verdict.effects:
+        for name, (value, std, _) in effect.parameters.items():
+            known = truth.get(effect.name, {}).get(name)
+            if known is not None and std > 0:
+                rows.append(f"{name} {(known - value) / std:.2f}")
+    return "; ".join(rows)
 
 
 def said_places(verdict: Verdict) -> list[tuple[float, float]]:

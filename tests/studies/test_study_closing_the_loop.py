@@ -75,6 +75,21 @@ def test_a_verdict_places_an_effect_where_what_it_names_sits() -> None:
     assert said(places=SimpleNamespace(places=found.places[1:])) == said(places=None) == []
 
 
+def test_stated_deviations_are_held_against_the_truth() -> None:
+    """Of what is named and true, parameter by parameter; what an effect does not fit has no deviation."""
+    mass = SimpleNamespace(name="added-mass", parameters={"mass_kg": (0.11, 0.02, "kg"), "x_m": (0.5, 0.0, "m")})
+    other = SimpleNamespace(name="channel-gain", parameters={"gain": (1.1, 0.01, "")})
+    truth = {"added-mass": {"mass_kg": 0.1, "x_m": 0.4, "y_m": 1.0}}
+    said = loop_work.deviations(truth, SimpleNamespace(effects=(mass, other)))  # type: ignore[arg-type]
+    assert said == "mass_kg -0.50"
+
+    row = {"group": "effect", "verdict": "explained", "truth": "a", "named": "a", "ratio": 3.0, "held_after": 1.0}
+    rows = [{**row, "answer": a, "deviations": d} for a, d in (("right", "a 1.5; b -2.5"), ("wrong", "a 9.0"))]
+    assert loop_results.deviations_of(rows[0]) == [1.5, -2.5]
+    line = next(x for x in loop_results.headline(rows).splitlines() if "stated intervals" in x)
+    assert "| 1 of 2, 50 % " in line
+
+
 def test_truths_at_the_limit_are_counted_by_themselves() -> None:
     """What is just visible is named in about half of the cases, and must not hide what larger ones are."""
 
