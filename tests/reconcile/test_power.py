@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +12,14 @@ from reconciled_case import problem
 
 from vgvt.effects import available_effects
 from vgvt.effects.added_mass import AddedMass
-from vgvt.reconcile.fit import calibrate, fit
+from vgvt.reconcile.fit import NEAR, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.nameable import nameable_ratio
 from vgvt.reconcile.power import power
 from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.thresholds import SMOOTHED, noise_share
+from vgvt.reconcile.thresholds import SMOOTHED, noise_share, stored_thresholds
+
+NOTHING = np.zeros(0)
 
 
 def test_the_smallest_size_moves_the_data_by_five_deviations(tmp_path: Path) -> None:
@@ -49,3 +54,47 @@ def test_what_grows_with_the_square_of_its_size_is_seen_at_its_root(tmp_path: Pa
     mass = Hypothesis(available_effects()["added-mass"], {"x_m": 0.9, "y_m": 1.1})
     for hypothesis in (gain, mass):
         assert stand.squared(hypothesis, {}, hypothesis.parameters[0]) is None
+
+
+def test_what_gets_a_name_pays_for_its_freedom_and_for_chance(tmp_path: Path) -> None:
+    """By fits to what such a size foretells, with the effect and without: they gain a name and what it pays."""
+    case = problem(tmp_path, 1)
+    stated = np.zeros(case.size)
+    heavier = Hypothesis(AddedMass, {"x_m": 0.9, "y_m": 1.1}, share=1 / 16)
+    (found,) = power(fit(case, (), stated, NOTHING, ()), [heavier])
+    share = noise_share(case.measured, case.split.train)
+    needed = stored_thresholds().evidence_nats
+
+    def gained(mass_kg: float) -> float:
+        """Tempered nats."""
+        there = fit(case, (heavier,), stated, heavier.scores({"mass_kg": mass_kg}), ())
+        exact = replace(case, measured=replace(case.measured, values=there.predicted))
+        told = fit(exact, (heavier,), stated, there.e, NEAR)
+        blind = fit(exact, (), stated, NOTHING, NEAR)
+        return told.evidence_nats - blind.evidence_nats - 0.5 * (1 - share.worth) * (blind.chi2 - told.chi2)
+
+    deviations = 5 * found.named / found.smallest
+    # Its place, told here, is taken for two parameters that each change everything.
+    place = math.log1p(deviations**2 / share.worth)
+    assert gained(found.named) == pytest.approx(needed + place + 1.645 * deviations, rel=0.05)
+    assert gained(found.smallest) < needed + place
+
+
+def test_sizes_that_get_a_name() -> None:
+    """More of what is tried and of what a name needs ask for more; what never shows never has one."""
+    added = available_effects()["added-mass"]
+    one = Hypothesis(added, {"x_m": 0.9, "y_m": 1.1})
+    mass = one.parameters[0]
+
+    def ratio(hypothesis: Hypothesis, smallest: float = 0.01, needed: float = 9.0, grows: int = 1) -> float:
+        return nameable_ratio(hypothesis, mass, smallest, deviations=5.0, raw=5.6, threshold_nats=needed, power=grows)
+
+    plain = ratio(one)
+    assert 1.3 < plain < 1.8
+    assert plain < ratio(replace(one, share=1 / 64)) < plain * 1.3
+    assert plain < ratio(one, needed=30.0)
+    # Twice as many deviations at a size that is only larger by the root of two.
+    assert ratio(one, grows=2) == pytest.approx(plain**0.5, rel=0.05)
+    # A hundred times lighter than plausible: the prior speaks against it.
+    assert ratio(one, smallest=2e-5) > ratio(one, smallest=2e-3)
+    assert ratio(one, smallest=math.inf) == math.inf == ratio(one, needed=1e9)

@@ -108,8 +108,8 @@ def account(kind: str = "ambiguous", named: bool = True) -> Account:
         ),
         modes=(ModeRow(16.5, 15.0, 0.02, 0.02, 0.99, (40.0, 0.5), (41.0, 0.6)),),
         power=(
-            PowerRow("added-mass", "added-mass", "mass_kg", "kg", 0.01, 0.002, 0.2, (("local-absorber", 0.93),)),
-            PowerRow("mains-hum", "mains-hum", "amplitude_v", "V", np.inf, 0.0, 0.1),
+            PowerRow("added-mass", "added-mass", "mass_kg", "kg", 0.01, 0.016, 0.002, 0.2, (("local-absorber", 0.93),)),
+            PowerRow("mains-hum", "mains-hum", "amplitude_v", "V", np.inf, np.inf, 0.0, 0.1),
         ),
         tests=(SuggestionRow("tape a dummy mass", ("added-mass", "local-absorber"), 31.0, 5.0),),
     )

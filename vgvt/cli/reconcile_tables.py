@@ -58,23 +58,23 @@ def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
 
 
 def power_table(rows: Sequence[PowerRow]) -> FittedTable:
-    """The smallest size of each effect that could be seen."""
+    """The sizes of each effect that could be seen, and that would get its name."""
     import math
 
     from vgvt.view.fitted_table import FittedTable
 
     cells = []
     for p in rows:
-        smallest = f"{p.smallest:.2g} {p.unit}".rstrip() if math.isfinite(p.smallest) else "never"
+        sizes = [f"{v:.2g} {p.unit}".rstrip() if math.isfinite(v) else "never" for v in (p.smallest, p.named)]
         alike = ", ".join(f"{name} {cosine:.2f}" for name, cosine in p.alike[:3])
         plausible = f"{p.low:g} to {p.high:g}"
-        cells.append((p.effect, p.parameter, smallest, plausible, "yes" if p.visible else "no", alike))
+        cells.append((p.effect, p.parameter, *sizes, plausible, "yes" if p.visible else "no", alike))
     return FittedTable(
-        columns=("effect", "parameter", "smallest", "plausible", "visible", "hard to tell from"),
+        columns=("effect", "parameter", "just visible", "named from", "plausible", "visible", "hard to tell from"),
         rows=tuple(cells),
-        whole=frozenset(("effect", "parameter", "smallest", "plausible", "visible")),
+        whole=frozenset(("effect", "parameter", "just visible", "named from", "plausible", "visible")),
         expendable=("plausible", "parameter"),
-        right=frozenset(("smallest",)),
-        title="smallest size seen at five standard deviations beyond the tolerances",
+        right=frozenset(("just visible", "named from")),
+        title="just visible: five standard deviations beyond the tolerances; named from: 95 of 100 get their name",
         caption=f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",
     )

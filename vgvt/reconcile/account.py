@@ -91,7 +91,10 @@ def power_rows(power: tuple[Power, ...]) -> tuple[PowerRow, ...]:
         key = (p.effect, p.parameter)
         if key not in best or p.smallest < best[key].smallest:
             best[key] = p
-    rows = [PowerRow(p.effect, p.label, p.parameter, p.unit, p.smallest, p.low, p.high, p.alike) for p in best.values()]
+    rows = [
+        PowerRow(p.effect, p.label, p.parameter, p.unit, p.smallest, p.named, p.low, p.high, p.alike)
+        for p in best.values()
+    ]
     return tuple(sorted(rows, key=lambda r: (not r.visible, r.effect, r.parameter)))
 
 

@@ -1,4 +1,7 @@
-"""What a campaign could see at all: the smallest size of each effect beyond the tolerances, and what looks alike."""
+"""What a campaign could see at all: the smallest size of each effect beyond the tolerances, and what looks alike.
+
+And how large it has to be to get its name, which is more.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,10 @@ import numpy as np
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.nameable import nameable_ratio
 from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.thresholds import noise_share
+from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
 
 _SIGMA = 5.0
 _ALIKE = 0.6
@@ -22,8 +26,9 @@ _ALIKE = 0.6
 class Power:
     """One size parameter of one variant: the smallest size seen at five standard deviations, in ``unit``.
 
-    ``low`` and ``high`` bound what is plausible; ``alike`` are variants whose signature, after what the unknowns
-    can imitate, has a cosine above 0.6 with it. ``smallest`` is infinite for what A/F does not show.
+    ``named`` is the size that gets its name in 95 of 100 such campaigns; ``low`` and ``high`` bound what is plausible;
+    ``alike`` are variants whose signature, after what the unknowns can imitate, has a cosine above 0.6 with it.
+    ``smallest`` is infinite for what A/F does not show, and ``named`` for what would have to be absurdly large.
     """
 
     effect: str
@@ -31,6 +36,7 @@ class Power:
     parameter: str
     unit: str
     smallest: float
+    named: float
     low: float
     high: float
     alike: tuple[tuple[str, float], ...]
@@ -42,18 +48,24 @@ class Power:
 
     def document(self) -> dict[str, object]:
         """Plain values; an infinite size is None."""
-        return asdict(self) | {"smallest": self.smallest if np.isfinite(self.smallest) else None}
+        sizes = {"smallest": self.smallest, "named": self.named}
+        return asdict(self) | {k: v if np.isfinite(v) else None for k, v in sizes.items()}
 
 
 def power(
-    null: Fit, hypotheses: Sequence[Hypothesis], progress: Callable[[float, str], None] | None = None
+    null: Fit,
+    hypotheses: Sequence[Hypothesis],
+    progress: Callable[[float, str], None] | None = None,
+    thresholds: Thresholds | None = None,
 ) -> tuple[Power, ...]:
     """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|).
 
-    Of what grows with the square of its size, from the second one.
+    Of what grows with the square of its size, from the second one. ``thresholds`` (default: those that are shipped)
+    say what a name needs.
     """
+    needed = (thresholds or stored_thresholds()).evidence_nats
     stand = Stand.of(null)
-    worth = np.sqrt(noise_share(null.problem.measured, null.problem.split.train).worth)
+    worth = noise_share(null.problem.measured, null.problem.split.train).worth
     rows, signatures = [], []
     for k, hypothesis in enumerate(hypotheses):
         if progress is not None:
@@ -66,17 +78,29 @@ def power(
             slope = stand.slope(hypothesis, values, p) if square is None else square[1]
             seen = None if slope is None else stand.projected(slope)
             length = 0.0 if seen is None else float(np.linalg.norm(seen))
-            smallest = _SIGMA / (worth * length) if length > 1e-9 else float("inf")
-            rows.append((hypothesis, p, smallest if square is None else square[0] * smallest**0.5))
+            smallest = _SIGMA / (np.sqrt(worth) * length) if length > 1e-9 else float("inf")
+            if square is not None:
+                smallest = square[0] * smallest**0.5
+            more = 1.0
+            if seen is not None and np.isfinite(smallest):
+                grows = 1 if square is None else 2
+                raw = _SIGMA / np.sqrt(worth)
+                # What the tolerances have to give counts whole, what data say is tempered.
+                given = float(np.linalg.norm(seen[null.points :])) / length
+                told = raw * np.sqrt(worth + (1 - worth) * given**2)
+                more = nameable_ratio(
+                    hypothesis, p, smallest, deviations=told, raw=raw, threshold_nats=needed, power=grows
+                )
+            rows.append((hypothesis, p, float(smallest), float(smallest * more)))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
     return tuple(
-        Power(h.name, h.label, p.name, p.unit, smallest, p.low, p.high, _alike(k, rows, signatures))
-        for k, (h, p, smallest) in enumerate(rows)
+        Power(h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, _alike(k, rows, signatures))
+        for k, (h, p, smallest, named) in enumerate(rows)
     )
 
 
 def _alike(
-    k: int, rows: list[tuple[Hypothesis, Parameter, float]], signatures: list[np.ndarray | None]
+    k: int, rows: list[tuple[Hypothesis, Parameter, float, float]], signatures: list[np.ndarray | None]
 ) -> tuple[tuple[str, float], ...]:
     own = signatures[k]
     if own is None:
