@@ -154,9 +154,10 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     monkeypatch.setattr(rounds, "finalists", lambda current, chosen, tell, team: tuple(chosen))
     monkeypatch.setattr(rounds, "fitted_from", fitted)
     monkeypatch.setattr(rounds, "begun_anew", begun)
+    monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
     far: Any = SimpleNamespace(train_chi2_per_dof=before)
-    rivals = rounds._fit_all(current, chosen, far, lambda fraction, message: None)
+    rivals = rounds._fit_all(current, chosen, far, (), lambda fraction, message: None)
     assert (rivals[-1] == "begun anew") is anew
     assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
 

@@ -12,6 +12,7 @@ from vgvt.reconcile.backward import needed, nowhere
 from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
+from vgvt.reconcile.courses import best_course
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -117,7 +118,7 @@ def _selected(
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
             later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
-            more = _fit_all(current, later, before, part(here, 0.85, 0.9), team)
+            more = _fit_all(current, later, before, twins, part(here, 0.85, 0.9), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
@@ -156,7 +157,7 @@ def _tried(
 ) -> tuple[Rival, ...]:
     """The most promising of some hypotheses, fitted."""
     chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6), team)
-    return _fit_all(current, chosen, before, part(tell, 0.6, 1.0), team)
+    return _fit_all(current, chosen, before, hypotheses, part(tell, 0.6, 1.0), team)
 
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
@@ -230,9 +231,17 @@ def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Resid
 
 
 def _fit_all(
-    current: Fit, chosen: Sequence[Screened], before: Residual, tell: Progress, team: Team = ALONE
+    current: Fit,
+    chosen: Sequence[Screened],
+    before: Residual,
+    hypotheses: Sequence[Hypothesis],
+    tell: Progress,
+    team: Team = ALONE,
 ) -> tuple[Rival, ...]:
-    """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out."""
+    """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out.
+
+    Of ``hypotheses`` come the courses of changes between runs that fitted data cannot tell.
+    """
     near, screened = before.train_chi2_per_dof < BIASED, chosen
     if not near:
         chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4), team), part(tell, 0.4, 1.0)
@@ -256,7 +265,7 @@ def _fit_all(
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
-    return against(current, found)
+    return against(current, [best_course(f, hypotheses) for f in found])
 
 
 def _judged(current: Fit, found: Fit) -> Rival:

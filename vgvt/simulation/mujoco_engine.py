@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 
 import mujoco
 import mujoco.batch
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from vgvt.simulation.assembly import Plan, Rig
 from vgvt.simulation.rig import HAMMER, STINGER, numbered
+from vgvt.simulation.silence import silent
 from vgvt.simulation.state_space import exciter_names, mass_above_element_kg
 
 Progress = Callable[[float, str], None]
@@ -46,7 +46,7 @@ def step_runs(
         groups.setdefault(tuple(getattr(rig.model, size) for size in _SIZES), []).append(run)
     readings: dict[int, NDArray[np.float64]] = {}
     for k, runs in enumerate(groups.values()):
-        with _silent():
+        with silent():
             kept = _step_together(
                 [rigs[run] for run in runs],
                 np.array([commands_v[run] for run in runs]),
@@ -102,18 +102,6 @@ def _step_together(
         if progress is not None:
             progress(done / samples, f"{done / sample_rate_hz:.0f} s of {samples / sample_rate_hz:.0f} s simulated")
     return kept
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Keep MuJoCo from writing MUJOCO_LOG.TXT into the user's folder: what goes wrong is said by our own error."""
-    before, quiet = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
-    quiet.logto_file = quiet.logto_console = False
-    mujoco.MjLogConfig.set(quiet)
-    try:
-        yield
-    finally:
-        mujoco.MjLogConfig.set(before)
 
 
 def _share(progress: Progress | None, part: int, parts: int) -> Progress | None:

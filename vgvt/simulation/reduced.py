@@ -26,6 +26,7 @@ from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_element
 from vgvt.simulation.linear import joint_force, linearise, settle
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
+from vgvt.simulation.silence import silent
 
 Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
@@ -157,6 +158,8 @@ def _places(scenario: Scenario) -> tuple[object, ...]:
     return (scenario.accelerometers.grid, scenario.airframe.body.outline_m, cut)
 
 
+# A fit's trial step may lead to an aircraft that has hardly any inertia: what it predicts refuses it.
+@silent()
 def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure | None = None) -> Structure:
     """The structure of a plan with rows for ``points``; ``near`` is one whose equilibrium is not far.
 

@@ -1,0 +1,86 @@
+"""Changes between runs whose courses differ in runs that are held out alone: fitted data cannot tell them apart.
+
+A shaker remounted before the third run or before the fourth is the same to a fit that sees neither: which of them it
+tried says nothing, and what was held out must not refuse the effect for it. Each course has paid for being one of many
+(:attr:`~vgvt.reconcile.hypothesis.Hypothesis.share`), so that held-out data may choose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.effects.action import Action, ChannelFilter
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.surrogate import anchor
+
+Array = NDArray[np.float64]
+_COURSE = ("from_run", "shape")
+
+
+def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
+    """The fit with that course of its last effect that meets held-out data best, of those that are one where fitted.
+
+    ``hypotheses`` are all variants; the fit itself where its effect has no course, or where every other one differs.
+    """
+    problem, own = found.problem, found.hypotheses[-1]
+    if not problem.split.held_runs.any() or not set(_COURSE) & set(own.settings):
+        return found
+    scores = found.e[found.e.size - len(own.parameters) :]
+    here, best = _done(problem, own, scores), found
+    for course in (h for h in hypotheses if _other_course(h, own)):
+        there = replace(own, settings=course.settings)
+        if not _alike(problem, here, _done(problem, there, scores)):
+            continue
+        joined = (*found.hypotheses[:-1], there)
+        try:
+            predicted = anchor(problem, found.u, joined, found.e, slopes=False).predict(found.u, found.e)
+        except NoStructureError:
+            continue
+        other = replace(found, hypotheses=joined, predicted=predicted)
+        if _missed(other) < _missed(best):
+            best = other
+    return best
+
+
+def _other_course(h: Hypothesis, own: Hypothesis) -> bool:
+    """Whether a variant differs from another one by its course alone."""
+    rest, own_rest = ({k: v for k, v in x.settings.items() if k not in _COURSE} for x in (h, own))
+    return h.cls is own.cls and rest == own_rest and h.settings != own.settings
+
+
+def _done(problem: Problem, hypothesis: Hypothesis, scores: Array) -> tuple[Action, ...] | None:
+    """What an effect does to every run of which a channel is fitted; None where it refuses its values."""
+    effect = hypothesis.effect(hypothesis.values(scores))
+    runs = sorted({c.run for c, fitted in zip(problem.measured.channels, problem.split.train, strict=True) if fitted})
+    try:
+        return None if effect is None else tuple(effect.act(problem.scenario, run) for run in runs)
+    except (InputError, ValueError):
+        return None
+
+
+def _alike(problem: Problem, one: tuple[Action, ...] | None, other: tuple[Action, ...] | None) -> bool:
+    """Whether two courses do the same to fitted runs."""
+    if one is None or other is None:
+        return False
+    frequency = problem.measured.frequency_hz
+
+    def filters(action: Action) -> list[tuple[str, bytes]]:
+        linear = [c for c in action.channels if isinstance(c, ChannelFilter)]
+        return [(c.channels, np.asarray(c.response(frequency)).tobytes()) for c in linear]
+
+    return all(a.same_rig(b) and filters(a) == filters(b) for a, b in zip(one, other, strict=True))
+
+
+def _missed(found: Fit) -> float:
+    """Square sum of what is missed of held-out data."""
+    problem = found.problem
+    held, sigma = problem.split.held, problem.measured.sigma
+    return float(np.sum(np.abs((found.foretold - problem.measured.values) / sigma)[held] ** 2))
