@@ -90,13 +90,13 @@ def small_plan(base: int = 1, short: bool = False) -> list[Case]:
     quiet = NOISE[1]
     cases = [
         Case("placebo", (), 0, 0.0, quiet, base=base),
-        Case("effect", ("local-absorber",), 0, 10.0, quiet, base=base),
+        Case("effect", ("local-absorber",), 0, SIZES[2], quiet, base=base),
         Case("never", ("double-absorber",), 0, 0.0, quiet, SECOND, base=base),
         Case("placebo", (), 1, 0.0, quiet, SECOND, base=base),
-        Case("effect", ("channel-delay",), 0, 10.0, quiet, SECOND, base=base),
-        Case("effect", ("suspension-surge",), 0, 10.0, quiet, base=base),
-        Case("removed", ("local-absorber",), 0, 10.0, quiet, base=base),
-        Case("pair", ("local-absorber", "channel-delay"), 0, 10.0, quiet, base=base),
+        Case("effect", ("channel-delay",), 0, SIZES[2], quiet, SECOND, base=base),
+        Case("effect", ("suspension-surge",), 0, SIZES[2], quiet, base=base),
+        Case("removed", ("local-absorber",), 0, SIZES[2], quiet, base=base),
+        Case("pair", ("local-absorber", "channel-delay"), 0, SIZES[2], quiet, base=base),
     ]
     return [replace(case, short=short) for case in cases]
 

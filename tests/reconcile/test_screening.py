@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.loose_sensor_mount import LooseSensorMount
 from vgvt.effects.suspension_surge import SuspensionSurge
+from vgvt.reconcile import shortlist
 from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate, fit
@@ -115,3 +117,30 @@ def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> Non
     assert 0 < len(kept) <= FINALISTS
     assert {s.hypothesis for s in kept} < {s.hypothesis for s in chosen}
     assert kept[0].start is not None and np.abs(kept[0].start - null.scores).max() > 0
+
+
+@pytest.mark.parametrize(("strained", "fitted"), [(True, ["settled", "open"]), (False, ["open"])])
+def test_from_a_strained_calibration_less_has_to_be_in_sight(
+    monkeypatch: pytest.MonkeyPatch, strained: bool, fitted: list[str]
+) -> None:
+    """An asymmetry imitated by five deviations of EI promised 5.6 nats of the 25 that its fit then gained."""
+    size = SimpleNamespace(neutral=0.0, name="size")
+    place = SimpleNamespace(neutral=None, name="place")
+
+    def promised(name: str, nats: float, *parameters: Any) -> Any:
+        hypothesis = SimpleNamespace(name=name, settings={}, parameters=parameters)
+        return SimpleNamespace(hypothesis=hypothesis, gain_nats=nats, visible=True)
+
+    screened = [promised("settled", 5.6, size), promised("open", 3.0, size, place), promised("nothing", 1.0, size)]
+    monkeypatch.setattr(shortlist, "freed", lambda hypothesis: hypothesis)
+    chosen = shortlist.short_list(screened, 6, needed=9.0, strained=strained)
+    assert [s.hypothesis.name for s in chosen] == fitted
+
+
+def test_a_calibration_is_strained_where_its_scores_hold_more_than_a_name() -> None:
+    """Sixty of one deviation each are what is uncertain; the same sixty and two of five are not."""
+    quiet: Any = SimpleNamespace(scores=np.ones(60))
+    bent: Any = SimpleNamespace(scores=np.concatenate([np.ones(58), [5.0, -5.0]]))
+    assert not shortlist._strained(quiet, 9.0)
+    assert shortlist._strained(bent, 9.0)
+    assert not shortlist._strained(bent, 30.0)

@@ -13,6 +13,7 @@ from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.courses import best_course
+from vgvt.reconcile.doubts import strained_too_much
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -97,7 +98,7 @@ def _selected(
     vetoed: list[Rival] = []
     rivals: tuple[Rival, ...] = rounds[-1].rivals if rounds else ()
     for k in range(len(rounds), most):
-        if k > 0 and residual(current, thresholds).adequate:
+        if k > 0 and residual(current, thresholds).adequate and not strained_too_much(current):
             break
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
         straight, bent = linear_first(current.problem, left)

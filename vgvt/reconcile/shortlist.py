@@ -42,7 +42,8 @@ def shortened(
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
     """
     if before.train_chi2_per_dof < BIASED:
-        return short_list(_in_sight(current, left, _OPEN * needed, tell), _SHORT_LIST, needed=needed)
+        found = _in_sight(current, left, _OPEN * needed, tell)
+        return short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
     straight, large = _asked(current, left)
     looks: list[Task] = [(_far, (current, straight)), (_near, (current, straight)), *large]
     far, near, *others = team.work_off(looks, part(tell, 0.0, 0.9))
@@ -79,17 +80,33 @@ def _forgiving(current: Fit) -> Fit:
         return fit(current.problem, current.hypotheses, current.u, current.e, stages, judged=judged)
 
 
+def _strained(current: Fit, needed: float) -> bool:
+    """Whether a calibration moved what is uncertain so far that an effect might get its name by taking it back.
+
+    Scores that nothing strains have a square of one each at most.
+    """
+    return 0.5 * (float(current.scores @ current.scores) - current.scores.size) > needed
+
+
 def short_list(
-    screened: Sequence[Screened], count: int, *, needed: float = 1.0, forgiving: bool = False
+    screened: Sequence[Screened],
+    count: int,
+    *,
+    needed: float = 1.0,
+    forgiving: bool = False,
+    strained: bool = False,
 ) -> tuple[Screened, ...]:
-    """The best variants, at most two of an effect, that a fit could take to the nats ``needed``."""
+    """The best variants, at most two of an effect, that a fit could take to the nats ``needed``.
+
+    From a ``strained`` calibration the closed form sees but the beginning of the way back.
+    """
     chosen: list[Screened] = []
     for s in screened:
         same = sum(1 for c in chosen if c.hypothesis.name == s.hypothesis.name)
         # Every place of a placed effect is tried where its fit starts from afar: one start is enough.
         most = 1 if forgiving and "x_m" in s.hypothesis.settings else _A_FAMILY
         settled = all(p.neutral is not None for p in freed(s.hypothesis).parameters)
-        worth = (_SETTLED if settled else _OPEN) * needed
+        worth = (_SETTLED if settled and not strained else _OPEN) * needed
         if s.visible and s.gain_nats > worth and same < most and len(chosen) < count:
             chosen.append(s)
     return tuple(chosen)
