@@ -127,3 +127,12 @@ def test_at_one_level_every_size_of_a_joint_is_tried(calibrated: Fit) -> None:
     assert len({v["friction_n_m"] for v in tried}) == 2
     assert len({v["root_stiffness_n_m_per_rad"] for v in tried}) == 3
     assert len(tried) == 6
+
+
+@pytest.mark.parametrize(("left", "moved", "taken"), [(0.8, 3.0, False), (0.8, -17.9, True), (2.0, 3.0, True)])
+def test_what_is_met_by_an_unknown_far_out_is_looked_for_as_what_is_missed(
+    left: float, moved: float, taken: bool
+) -> None:
+    """A mass on a wing that eighteen deviations of the wing's own imitated got no look that forgives."""
+    at: Any = SimpleNamespace(u=np.array([0.5, moved]))
+    assert shortlist.swallowed(at, SimpleNamespace(train_chi2_per_dof=left)) is taken

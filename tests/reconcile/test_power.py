@@ -98,3 +98,16 @@ def test_sizes_that_get_a_name() -> None:
     # A hundred times lighter than plausible: the prior speaks against it.
     assert ratio(one, smallest=2e-5) > ratio(one, smallest=2e-3)
     assert ratio(one, smallest=math.inf) == math.inf == ratio(one, needed=1e9)
+
+
+def test_what_shows_by_round_off_alone_never_shows(tmp_path: Path) -> None:
+    """A clock that runs fast by a factor of ten million would, says the slope; a hum of a hundred million volts too."""
+    case = problem(tmp_path, 1)
+    stated = fit(case, (), np.zeros(case.size), NOTHING, ())
+    unseen = [Hypothesis(available_effects()[name]) for name in ("clock-skew", "aliased-interference")]
+    seen = Hypothesis(available_effects()["transducer-mass"])
+    *never, sometimes = power(stated, [*unseen, seen])
+    assert {p.smallest for p in never} == {p.named for p in never} == {math.inf}
+    assert not any(p.alike for p in never)
+    assert all(p.document()["smallest"] is None is p.document()["named"] for p in never)
+    assert sometimes.smallest < sometimes.named < math.inf

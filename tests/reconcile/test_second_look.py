@@ -159,7 +159,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     monkeypatch: pytest.MonkeyPatch, before: float, leaves: float, named: tuple[str, ...], anew: bool
 ) -> None:
     """From where peaks overlap, those that were screened, with the least that a fit has left."""
-    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named)
+    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named, u=np.zeros(3))
     chosen: Any = [SimpleNamespace(hypothesis=name, gain_nats=1.0) for name in ("first", "second")]
     left = iter((leaves + 5.0, leaves))
 

@@ -75,6 +75,6 @@ def power_table(rows: Sequence[PowerRow]) -> FittedTable:
         whole=frozenset(("effect", "parameter", "just visible", "named from", "plausible", "visible")),
         expendable=("plausible", "parameter"),
         right=frozenset(("just visible", "named from")),
-        title="just visible: five standard deviations beyond the tolerances; named from: 95 of 100 get their name",
+        title="just visible: five standard deviations beyond the tolerances; named from: 95 of 100",
         caption=f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",
     )

@@ -26,7 +26,7 @@ from vgvt.reconcile.residual import Residual, residual
 from vgvt.reconcile.rivals import Rival, against
 from vgvt.reconcile.same_place import left_where_it_was
 from vgvt.reconcile.screen import Screened
-from vgvt.reconcile.shortlist import BIASED, second_list, shortened
+from vgvt.reconcile.shortlist import BIASED, second_list, shortened, swallowed
 from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.thresholds import Thresholds
 
@@ -243,7 +243,7 @@ def _fit_all(
 
     Of ``hypotheses`` come the courses of changes between runs that fitted data cannot tell.
     """
-    near, screened = before.train_chi2_per_dof < BIASED, chosen
+    near, screened = not swallowed(current, before), chosen
     if not near:
         chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4), team), part(tell, 0.4, 1.0)
         last = {s.hypothesis for s in chosen}

@@ -20,6 +20,8 @@ from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
 
 _SIGMA = 5.0
 _ALIKE = 0.6
+# Times the largest plausible size.
+_ABSURD = 1e3
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +83,9 @@ def power(
             smallest = _SIGMA / (np.sqrt(worth) * length) if length > 1e-9 else float("inf")
             if square is not None:
                 smallest = square[0] * smallest**0.5
+            if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
+                # What leaves A/F alone but for round-off.
+                smallest, seen = float("inf"), None
             more = 1.0
             if seen is not None and np.isfinite(smallest):
                 grows = 1 if square is None else 2
