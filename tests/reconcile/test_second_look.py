@@ -152,14 +152,21 @@ def test_what_is_ahead_by_all_data_is_named_beside_the_confirmed(
 
 
 @pytest.mark.parametrize(
-    ("before", "leaves", "named", "anew"),
-    [(20.0, 10.0, (), True), (20.0, 0.8, (), False), (1.0, 1.6, (), False), (20.0, 10.0, ("an effect",), False)],
+    ("before", "moved", "leaves", "named", "anew"),
+    [
+        (20.0, 0.0, 10.0, (), True),
+        (20.0, 0.0, 0.8, (), False),
+        (1.0, 0.0, 1.6, (), False),
+        # Data that an unknown far out meets are no better a start.
+        (1.0, 18.0, 1.6, (), True),
+        (20.0, 0.0, 10.0, ("an effect",), False),
+    ],
 )
 def test_candidates_begin_anew_where_a_first_round_leaves_much(
-    monkeypatch: pytest.MonkeyPatch, before: float, leaves: float, named: tuple[str, ...], anew: bool
+    monkeypatch: pytest.MonkeyPatch, before: float, moved: float, leaves: float, named: tuple[str, ...], anew: bool
 ) -> None:
     """From where peaks overlap, those that were screened, with the least that a fit has left."""
-    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named, u=np.zeros(3))
+    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named, u=np.array([moved]))
     chosen: Any = [SimpleNamespace(hypothesis=name, gain_nats=1.0) for name in ("first", "second")]
     left = iter((leaves + 5.0, leaves))
 
