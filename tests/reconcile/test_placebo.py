@@ -46,6 +46,7 @@ def test_thresholds_survive_their_file_with_their_provenance(tmp_path: Path) -> 
     write_thresholds(tmp_path / "thresholds.toml", made)
     again = thresholds_of(tmp_path / "thresholds.toml")
     assert again.chi2_per_dof == pytest.approx(made.chi2_per_dof, rel=1e-3)
+    assert again.evidence_form_nats == pytest.approx(made.evidence_form_nats, rel=1e-3) != 0
     assert again.provenance.startswith("20 campaigns without any missing effect")
 
 
@@ -64,3 +65,15 @@ def test_what_held_out_data_refused_would_not_have_become_a_name() -> None:
     assert best_nats(rivals, ()) == 18.0
     assert best_nats(rivals, refused) == 5.0
     assert best_nats((), ()) == 0.0
+
+
+def test_gains_of_nothing_have_a_limit_for_noise_and_one_for_the_models_form() -> None:
+    """Where the form is most of it placebos gain more: campaigns of noise are not judged by these."""
+    g = np.random.default_rng(8)
+    noisy = [replace(p, noise_per_dof=0.55, best_nats=float(2 * g.standard_normal())) for p in drawn(60, 1)]
+    formed = [replace(p, noise_per_dof=0.19, best_nats=float(5 * g.standard_normal())) for p in drawn(60, 2)]
+    both = calibrated_thresholds([*noisy, *formed], "a test")
+    assert both.evidence_nats == pytest.approx(calibrated_thresholds(noisy, "a test").evidence_nats)
+    assert both.evidence_form_nats * 0.9 == pytest.approx(calibrated_thresholds(formed, "a test").evidence_nats)
+    assert both.evidence_form_nats > 2 * both.evidence_nats
+    assert calibrated_thresholds(noisy, "a test").evidence_form_nats == 0.0

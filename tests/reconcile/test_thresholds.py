@@ -110,3 +110,12 @@ def test_an_error_of_the_model_counts_once_for_some_lines() -> None:
     assert NoiseShare(0.0, 100, 0.004).worth == pytest.approx(1 / SMOOTHED)
     quiet, loud = (noise_share(case(noise, 0.004, 0.0, 1)[0], SPLIT.train).worth for noise in (0.001, 0.1))
     assert quiet < 0.5 < 0.95 < loud
+
+
+@pytest.mark.parametrize(("noise", "needed"), [(1.0, 9.0), (0.9, 9.0), (0.19, 12.6), (0.0, 14.0)])
+def test_where_a_models_form_is_most_of_what_is_judged_by_a_name_needs_more(noise: float, needed: float) -> None:
+    """Such an error is common to lines and channels: what is not there imitates it, by the root of its share."""
+    limits = Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test", evidence_form_nats=14.0)
+    assert limits.at(NoiseShare(noise, 1000, 0.004)).evidence_nats == pytest.approx(needed)
+    # Those of before know one limit alone.
+    assert Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test").at(NoiseShare(0.0, 1000, 0.004)).evidence_nats == 9.0

@@ -73,6 +73,7 @@ def attribute(
 ) -> Attribution:
     """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
 
+    ``thresholds`` are those of the campaign (:meth:`~vgvt.reconcile.thresholds.Thresholds.at`).
     ``begun`` are the null model and the rounds of a call that was broken off; ``keep`` is told both after each round.
     ``workers`` processes share what can be done at once; the answer is the same with any number.
     """

@@ -16,7 +16,7 @@ from vgvt.reconcile.fit import FAR, Fit, calibrate
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
-from vgvt.reconcile.thresholds import Thresholds, stored_thresholds
+from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
 from vgvt.reconcile.turned import turned, words_of_turn
 from vgvt.reconcile.verdict import Kind, Verdict, kind_of, named_effects, reasons_of, undecided
 from vgvt.scenario.model import Scenario
@@ -55,6 +55,7 @@ def reconcile(
     problem = make_problem(
         campaign, scenario, floor=floor, lines=lines, cache=None if folder is None else folder / "cache"
     )
+    limits = limits.at(noise_share(problem.measured, problem.split.train))
     null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
     hypotheses = candidates(problem, effects)
     origin = provenance_of(campaign, scenario, {h.name for h in hypotheses}, limits, lines)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,8 @@ _SET_NATS = 5.0
 _UNDER_A_NAME = 1.0
 # Where noise is more of what a campaign is judged by, it hides what the model's form leaves.
 _MOST_NOISE = 0.8
+# Below it the model's form is most of what a campaign is judged by, and has a limit of gains of its own.
+_MOSTLY_NOISE = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,13 +88,16 @@ def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: f
         for p in told
         if p.held_out_per_dof is not None and p.held_out_noise_per_dof is not None
     ]
+    every = [p.best_nats for p in placebos]
+    noisy = [p.best_nats for p in placebos if p.noise_per_dof >= _MOSTLY_NOISE]
+    formed = [p.best_nats / np.sqrt(1 - p.noise_per_dof) for p in placebos if p.noise_per_dof < _MOSTLY_NOISE]
     return Thresholds(
         max(0.0, _limit(chi2, level)), max(0.0, _limit(smooth, level)),
         max(0.0, _limit(held if len(held) >= _FEWEST else chi2, level)),
         # Gains of nothing are often negative: a name needs more than that.
-        max(_UNDER_A_NAME, _limit_above([p.best_nats for p in placebos], level)), _SET_NATS,
+        max(_UNDER_A_NAME, _limit_above(noisy if len(noisy) >= _FEWEST else every, level)), _SET_NATS,
         f"{len(placebos)} campaigns without any missing effect, one-sided {level:.0%} prediction limits; {made_by}",
-        unit,
+        unit, max(0.0, _limit_above(formed, level)) if len(formed) >= _FEWEST else 0.0,
     )  # fmt: skip
 
 
@@ -103,7 +108,7 @@ def _beyond(left: float, noise: float, floors: float) -> float:
 
 def write_thresholds(path: Path, thresholds: Thresholds) -> None:
     """Write thresholds as TOML, as ``thresholds_of`` reads them."""
-    numbers = ("chi2_per_dof", "smooth_per_dof", "held_out_per_dof", "evidence_nats", "set_nats", "model_form")
+    numbers = [f.name for f in fields(Thresholds) if f.name != "provenance"]
     lines = [f"{name} = {getattr(thresholds, name):.4g}" for name in numbers]
     said = thresholds.provenance.replace("\\", "/").replace('"', "'").replace("\n", " ")
     with replacing(path) as part:

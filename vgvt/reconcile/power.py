@@ -65,9 +65,9 @@ def power(
     Of what grows with the square of its size, from the second one. ``thresholds`` (default: those that are shipped)
     say what a name needs.
     """
-    needed = (thresholds or stored_thresholds()).evidence_nats
+    share = noise_share(null.problem.measured, null.problem.split.train)
+    needed, worth = (thresholds or stored_thresholds()).at(share).evidence_nats, share.worth
     stand = Stand.of(null)
-    worth = noise_share(null.problem.measured, null.problem.split.train).worth
     rows, signatures = [], []
     for k, hypothesis in enumerate(hypotheses):
         if progress is not None:

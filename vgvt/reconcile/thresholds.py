@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +28,9 @@ class Thresholds:
 
     χ² per degree of freedom of the fit, of its smooth part and of held-out data *beyond noise*: where a campaign had
     no noise, and a model-form floor of ``model_form`` were all that it is judged by. ``limits_for`` makes them those
-    of a campaign. ``evidence_nats`` is the largest gain of evidence that an effect that is not there reaches;
-    ``set_nats`` how near candidates count as equal.
+    of a campaign. ``evidence_nats`` is the largest gain of evidence that an effect that is not there reaches where
+    noise is most of what is judged by; ``evidence_form_nats`` where a model-form floor is all, which lasts from line to
+    line and from channel to channel; ``set_nats`` is how near candidates count as equal.
     """
 
     chi2_per_dof: float
@@ -38,6 +40,15 @@ class Thresholds:
     set_nats: float
     provenance: str
     model_form: float = PLACEBO_FLOOR
+    evidence_form_nats: float = 0.0
+
+    def at(self, share: NoiseShare) -> Thresholds:
+        """These thresholds with the ``evidence_nats`` of a campaign of that share of noise.
+
+        What a model's form has wrong is imitated in proportion to its size, the root of its share.
+        """
+        of_form = self.evidence_form_nats * math.sqrt(max(0.0, 1 - share.noise))
+        return replace(self, evidence_nats=max(self.evidence_nats, of_form))
 
 
 @dataclass(frozen=True, slots=True)
