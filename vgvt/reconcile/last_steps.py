@@ -15,7 +15,7 @@ from vgvt.reconcile.thresholds import Thresholds
 
 # Rivals this near to the best, as a share of its gain, are fitted to the end before they are compared.
 _WITHIN = 0.1
-# Held-out errors this near to the least may still become it: a third is what last steps have been seen to take.
+# Held-out errors this near to the least, as a multiple of it, may still become it.
 _MAY_YET = 1.5
 
 
