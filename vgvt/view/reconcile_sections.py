@@ -187,21 +187,21 @@ def power_section(power: Sequence[PowerRow]) -> str:
     """Detectability: the sizes of each effect that could be seen and named, and what it would be taken for."""
     if not power:
         return ""
-    heads = ("effect", "parameter", "just visible", "named from", "plausible", "visible", "hard to tell from")
+    heads = ("effect, parameter", "just visible", "named from", "plausible", "visible", "hard to tell from")
     rows = []
     for p in power:
         sizes = [f"{v:.2g} {escaped(p.unit)}" if np.isfinite(v) else "never" for v in (p.smallest, p.named)]
         alike = ", ".join(f"{escaped(name)} ({cosine:.2f})" for name, cosine in p.alike[:4])
         mark = '<span class="found">yes</span>' if p.visible else '<span class="missed">no</span>'
-        plausible = f"{p.low:g} to {p.high:g} {escaped(p.unit)}"
-        rows.append((escaped(p.effect), escaped(p.parameter), *sizes, plausible, mark, alike))
+        what = f"<b>{escaped(p.effect)}</b><br>{escaped(p.parameter)}"
+        rows.append((what, *sizes, f"{p.low:g} to {p.high:g}", mark, alike))
     note = (
         "Just visible: five standard deviations beyond what the scenario's tolerances can imitate, for the variant of "
         "the effect that shows soonest; about half of such effects get their name. Named from: 95 of 100 do, as far as "
         "the fitted data decide. Never: it leaves the ratio of acceleration to force alone. Hard to tell from: cosine "
         "of the two signatures."
     )
-    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 1, 6))}'
+    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 5))}'
 
 
 def tests_section(account: Account) -> str:
