@@ -100,6 +100,21 @@ def test_sizes_that_get_a_name() -> None:
     assert ratio(one, smallest=math.inf) == math.inf == ratio(one, needed=1e9)
 
 
+def test_a_campaign_is_asked_for_what_its_own_share_of_noise_asks(tmp_path: Path) -> None:
+    """Where placebos of the model's form gain more, a name needs more, and what is just visible is what it was."""
+    case = problem(tmp_path, 1)
+    stated = fit(case, (), np.zeros(case.size), NOTHING, ())
+    heavier = Hypothesis(AddedMass, {"x_m": 0.9, "y_m": 1.1})
+    usual = replace(stored_thresholds(), evidence_form_nats=0.0)
+    strict = replace(usual, evidence_form_nats=60.0)
+    (few,), (many,) = (power(stated, [heavier], thresholds=t) for t in (usual, strict))
+    own = strict.at(noise_share(case.measured, case.split.train))
+    (known,) = power(stated, [heavier], thresholds=replace(own, evidence_form_nats=0.0))
+    assert many.smallest == few.smallest
+    assert many.named == pytest.approx(known.named)
+    assert many.named > 1.1 * few.named
+
+
 def test_what_shows_by_round_off_alone_never_shows(tmp_path: Path) -> None:
     """A clock that runs fast by a factor of ten million would, says the slope; a hum of a hundred million volts too."""
     case = problem(tmp_path, 1)

@@ -108,7 +108,7 @@ def judged_alone(noise: float, chi2: float, evidence_nats: float) -> Any:
     split = SimpleNamespace(train=np.ones(8, bool), held=np.zeros(8, bool))
     found: Any = SimpleNamespace(
         problem=SimpleNamespace(measured=measured, split=split), predicted=1 + white, points=1600, chi2=chi2,
-        evidence_nats=evidence_nats,
+        evidence_nats=evidence_nats, held_out_chi2_per_dof=None,
     )  # fmt: skip
     null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
     (rival,) = against(null, [found])

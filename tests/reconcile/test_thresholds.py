@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -12,6 +16,7 @@ from vgvt.reconcile.placebo import Placebo, calibrated_thresholds
 from vgvt.reconcile.residual import smooth_part
 from vgvt.reconcile.thresholds import SMOOTHED, NoiseShare, Thresholds, limits_for, noise_share
 
+loop = importlib.import_module("vgvt.reconcile.loop")
 CHANNELS, LINES, HELD = 12, 200, 3
 SPLIT = Split(np.arange(CHANNELS) >= HELD, np.zeros(CHANNELS, dtype=bool), np.arange(CHANNELS) < HELD)
 
@@ -119,3 +124,29 @@ def test_where_a_models_form_is_most_of_what_is_judged_by_a_name_needs_more(nois
     assert limits.at(NoiseShare(noise, 1000, 0.004)).evidence_nats == pytest.approx(needed)
     # Those of before know one limit alone.
     assert Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test").at(NoiseShare(0.0, 1000, 0.004)).evidence_nats == 9.0
+
+
+def test_the_loop_judges_a_campaign_by_limits_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The form's limit is that of the share that the campaign has, not the one in the file."""
+    measured, _ = case(0.001, 0.004, 0.002, 1)
+    problem = SimpleNamespace(measured=measured, split=SPLIT)
+    asked: list[Thresholds] = []
+
+    def attributed(start: Any, hypotheses: Any, limits: Thresholds, **rest: Any) -> None:
+        asked.append(limits)
+        raise InterruptedError
+
+    for name, found in {
+        "make_problem": problem,
+        "calibrate": SimpleNamespace(problem=problem),
+        "candidates": (),
+    }.items():
+        monkeypatch.setattr(loop, name, lambda *given, found=found, **more: found)
+    monkeypatch.setattr(loop, "provenance_of", lambda *given: None)
+    monkeypatch.setattr(loop, "attribute", attributed)
+    nothing: Any = None
+    with pytest.raises(InterruptedError):
+        loop.reconcile(nothing, nothing, thresholds=Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test", 0.004, 14.0))
+    share = noise_share(measured, SPLIT.train)
+    assert share.noise < 0.3
+    assert asked[0].evidence_nats == pytest.approx(14.0 * (1 - share.noise) ** 0.5)

@@ -6,6 +6,7 @@ import dataclasses
 from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import closing_the_loop as study
 import loop_cases
@@ -80,7 +81,8 @@ def test_stated_deviations_are_held_against_the_truth() -> None:
     mass = SimpleNamespace(name="added-mass", parameters={"mass_kg": (0.11, 0.02, "kg"), "x_m": (0.5, 0.0, "m")})
     other = SimpleNamespace(name="channel-gain", parameters={"gain": (1.1, 0.01, "")})
     truth = {"added-mass": {"mass_kg": 0.1, "x_m": 0.4, "y_m": 1.0}}
-    said = loop_work.deviations(truth, SimpleNamespace(effects=(mass, other)))  # type: ignore[arg-type]
+    verdict: Any = SimpleNamespace(effects=(mass, other))
+    said = loop_work.deviations(truth, verdict)
     assert said == "mass_kg -0.50"
 
     row = {"group": "effect", "verdict": "explained", "truth": "a", "named": "a", "ratio": 3.0, "held_after": 1.0}

@@ -34,7 +34,7 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
     if not problem.split.held_runs.any() or not set(_COURSE) & set(own.settings):
         return found
     scores = found.e[found.e.size - len(own.parameters) :]
-    here, best = _done(problem, own, scores), found
+    here, alike = _done(problem, own, scores), [found]
     for course in (h for h in hypotheses if _other_course(h, own)):
         there = replace(own, settings=course.settings)
         if not _alike(problem, here, _done(problem, there, scores)):
@@ -44,10 +44,8 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
             predicted = anchor(problem, found.u, joined, found.e, slopes=False).predict(found.u, found.e)
         except NoStructureError:
             continue
-        other = replace(found, hypotheses=joined, predicted=predicted)
-        if _missed(other) < _missed(best):
-            best = other
-    return best
+        alike.append(replace(found, hypotheses=joined, predicted=predicted))
+    return min(alike, key=lambda f: f.held_out_chi2_per_dof or 0.0)
 
 
 def _other_course(h: Hypothesis, own: Hypothesis) -> bool:
@@ -77,10 +75,3 @@ def _alike(problem: Problem, one: tuple[Action, ...] | None, other: tuple[Action
         return [(c.channels, np.asarray(c.response(frequency)).tobytes()) for c in linear]
 
     return all(a.same_rig(b) and filters(a) == filters(b) for a, b in zip(one, other, strict=True))
-
-
-def _missed(found: Fit) -> float:
-    """Square sum of what is missed of held-out data."""
-    problem = found.problem
-    held, sigma = problem.split.held, problem.measured.sigma
-    return float(np.sum(np.abs((found.foretold - problem.measured.values) / sigma)[held] ** 2))

@@ -93,6 +93,14 @@ class Fit:
         return found
 
     @property
+    def held_out_chi2_per_dof(self) -> float | None:
+        """χ² per held-out value, by what the fit foretells of them; None where nothing is held out."""
+        measured, held = self.problem.measured, self.problem.split.held
+        if not held.any():
+            return None
+        return float(np.mean(np.abs((self.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
+
+    @property
     def scores(self) -> Array:
         """u and e joined."""
         return np.concatenate([self.u, self.e])

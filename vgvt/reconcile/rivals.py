@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.residual import independent_values
@@ -53,16 +51,12 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     if not fits:
         return ()
     found = max(fits, key=lambda f: f.evidence_nats)
-    keep, held = found.problem.split.train, found.problem.split.held
-    measured = found.problem.measured
+    measured, keep = found.problem.measured, found.problem.split.train
     rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
     worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
     rivals = []
     for f in fits:
         raw = f.evidence_nats - current.evidence_nats
-        missed = None
-        if held.any():
-            missed = float(np.mean(np.abs((f.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
         gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
-        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * gained, raw, missed))
+        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * gained, raw, f.held_out_chi2_per_dof))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))
