@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Channel, Dof, InputError
+from vgvt.reconcile.ending import Ending
 from vgvt.reconcile.harmonics import Harmonic, harmonics
 from vgvt.reconcile.variance import local_rational_noise, quiet_noise, repeat_noise
 from vgvt.signals.local_polynomial import local_polynomial_fit
@@ -48,6 +49,7 @@ class Measured:
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
     indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
+    ``endings`` are what the records leave out by ending, by run; None where one ends at rest.
     """
 
     frequency_hz: Array
@@ -65,6 +67,7 @@ class Measured:
     pushed: Array
     remarks: tuple[str, ...] = ()
     harmonics: tuple[Harmonic, ...] = ()
+    endings: tuple[Ending | None, ...] = ()
 
     def with_floor(self, floor: float) -> Measured:
         """The same data judged with another relative model-form floor."""
@@ -88,8 +91,8 @@ def measured_frfs(
 ) -> Measured:
     """The accelerances of a campaign, thinned to about ``lines`` lines that are denser where something happens.
 
-    Whole-record spectra, zero-padded to the longest record; one that ends ringing is tapered, and the lines that
-    the taper touches are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16), 2012):
+    Whole-record spectra, zero-padded to the longest record; one that ends ringing is tapered, and the lines where the
+    taper touches the force are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16), 2012):
     local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode for
     noise, repeats take drift for noise. InputError without a single usable reference.
     """
@@ -120,20 +123,33 @@ def measured_frfs(
         frequency[chosen], channels, values, noise, variances, _sigma(values, noise, floor), force, chosen,
         rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.responses) for run in runs), rate, level,
         spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
+        tuple(
+            Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) if end else None
+            for r, end in enumerate(spectra.ends)
+        ),
     )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _End:
+    """The force (N,) of a record that ends ringing, as it was, and how many of its last samples are tapered."""
+
+    force: Array
+    tapered: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Spectra:
     """Whole-record spectra: force (R, K), response (all channels in order, K), what the taper touches (R, K).
 
-    ``pushed`` (R, N) is the force that they are of.
+    ``pushed`` (R, N) is the force that they are of; ``ends`` are of the records that are tapered, None of others.
     """
 
     force: ComplexArray
     response: ComplexArray
     touched: ComplexArray | None
     pushed: Array
+    ends: tuple[_End | None, ...]
 
     @property
     def samples(self) -> int:
@@ -162,21 +178,24 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
     touched: list[ComplexArray] = []
     pushed = np.zeros((len(runs), samples))
     remarks: list[str] = []
+    ends: list[_End | None] = []
     for r, run in enumerate(runs):
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
         signals -= signals.mean(axis=1, keepdims=True)
         window = _window(signals, rate)
         if window is not None:
             remarks.append(f"run {run.run}: the record ends ringing; its last {_TAPER_S:g} s are tapered")
+            ends.append(_End(signals[0], int((window < 1).sum())))
             touched.append(np.fft.rfft(signals[0] * window * (1 - window), samples))
             signals = signals * window
         else:
+            ends.append(None)
             touched.append(np.zeros(samples // 2 + 1, dtype=complex))
         pushed[r, : signals.shape[1]] = signals[0]
         spectrum = np.fft.rfft(signals, samples, axis=1)
         force.append(spectrum[0])
         response.extend(spectrum[1:])
-    return _Spectra(np.array(force), np.array(response), np.array(touched), pushed), tuple(remarks)
+    return _Spectra(np.array(force), np.array(response), np.array(touched), pushed, tuple(ends)), tuple(remarks)
 
 
 def _window(signals: Array, rate: float) -> Array | None:

@@ -151,6 +151,7 @@ def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
         first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
         sigma=first.sigma[index], variances={name: v[index] for name, v in first.variances.items()},
         force=first.force[came], pushed=first.pushed[came], level_n=first.level_n[came],
+        endings=tuple(first.endings[k] for k in came) if first.endings else (),
     )  # fmt: skip
     parts = problem.split
     split = Split(parts.train[index] | again, parts.held_runs[index] & ~again, parts.held_channels[index] & ~again)

@@ -15,6 +15,7 @@ from vgvt.effects.action import Action
 from vgvt.reconcile.adjacent import beside as groups_beside
 from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.chain import chain_factor
+from vgvt.reconcile.ending import Ending, left_out, left_out_slopes
 from vgvt.reconcile.grouping import (
     Group,
     NoStructureError,
@@ -110,7 +111,9 @@ class Anchor:
                 for rows in group.runs
             )
             if group.levels is None:
+                endings = self._endings(group)
                 out[group.channels] = accelerances(matrices, omega, group.runs, masses)
+                out[group.channels] += left_out(matrices, omega, group.runs, masses, endings)
             else:
                 shown = group.levels.moved(x[count:])
                 out[group.channels] = level_accelerances(
@@ -135,7 +138,9 @@ class Anchor:
                     mass_slopes[index] = problem.scenario.accelerometers.mass_kg * rate[index]
             changes = Slopes(**{n: by_rate(rate, group.slopes[n]) for n in MATRICES}, masses_kg=mass_slopes)
             if group.levels is None:
-                out[:, group.channels] = accelerance_slopes(group.matrices, omega, group.runs, masses, changes)
+                of = (group.matrices, omega, group.runs, masses)
+                out[:, group.channels] = accelerance_slopes(*of, changes)
+                out[:, group.channels] += left_out_slopes(*of, self._endings(group), changes)
             else:
                 # What a joint shows is held in the unknowns.
                 shown = np.concatenate([np.zeros((len(known), *group.levels.shown.shape)), group.levels.slopes])
@@ -143,6 +148,12 @@ class Anchor:
                     group.matrices, group.levels.joints, group.levels.shown, shown, omega, group.runs, masses, changes
                 )
         return out
+
+    def _endings(self, group: Reduced) -> tuple[Ending | None, ...]:
+        """How the records of a group's runs end."""
+        measured = self.problem.measured
+        run_of = [measured.channels[group.channels[rows[0]]].run for rows in group.runs]
+        return tuple(measured.endings[r] if measured.endings else None for r in run_of)
 
     def _actions(self, e: Array) -> list[tuple[Action, ...]] | None:
         if not self.filtered:
