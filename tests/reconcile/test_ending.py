@@ -127,6 +127,6 @@ def test_a_force_is_thinned_where_it_is_sampled_faster_than_the_band_asks_for() 
     fast = np.fft.irfft(np.pad(np.fft.rfft(slow), (0, 7 * SAMPLES // 2)), 8 * SAMPLES) * 8
     masses = tuple(MASSES[r] for r in RUNS)
     thinned = Ending.of(fast, 8 * RATE_HZ, 8 * TAPERED, HZ, 8 * np.fft.rfft(slow)[LINES])
-    assert thinned.force.size < 0.2 * fast.size
+    assert thinned.past.size < 0.2 * fast.size
     one, other = (left_out(m, 2 * np.pi * HZ, RUNS, masses, (e,) * 2) for e in (thinned, ending(slow)))
     np.testing.assert_allclose(one, other, atol=5e-3 * np.abs(other).max())

@@ -92,9 +92,9 @@ def measured_frfs(
     """The accelerances of a campaign, thinned to about ``lines`` lines that are denser where something happens.
 
     Whole-record spectra, zero-padded to the longest record; one that ends ringing is tapered, and the lines where the
-    taper touches the force are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16), 2012):
-    local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode for
-    noise, repeats take drift for noise. InputError without a single usable reference.
+    taper touches the force are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16),
+    2012): local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode
+    for noise, repeats take drift for noise. InputError without a single usable reference.
     """
     runs, remarks = usable_runs(campaign)
     for run in runs:

@@ -23,76 +23,108 @@ from vgvt.reconcile.response import Matrices, Poles, Slopes, poles_of
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-# Samples of the force a period of the band's top: what is integrated below is smooth.
-_PER_PERIOD = 6.0
+# Samples of the force a period of the band's top: what is integrated over the whole record is smooth.
+_PER_PERIOD = 12.0
+# Taps of the filter that thins it, a sample that is kept.
+_TAPS = 20
+# Weights of the samples next to an end of an integral by midpoints, to the fourth order: of a force that does not rest
+# there half a per cent would be left.
+_AT_END = np.array([26, 21, 25]) / 24
 # Poles up to this many times the band's top; those above follow the force, and what is left of them is flat.
 _ABOVE_BAND = 1.3
 # A pole that rings at the end with less than this share of what a typical line holds is left out.
-_FADED = 1e-4
+_FADED = 2e-4
 # Of a pole, to take the slope of its answer.
 _STEP = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ending:
-    """The end of one run's record: its ``force`` (N,), N, at ``rate_hz``, not tapered, and where the taper starts.
+    """The end of one run's record: its force ``past`` (N,) until the taper starts, latest first, every ``step_s``.
 
-    ``taper`` (L, samples from ``start``) turns an answer over the tapered end into FT[w' z]/FT[w f] at every line;
-    ``typical_n_s`` is the median size of FT[w f] there.
+    ``last`` (samples,) is the force under the taper as it was, every ``sample_s``, both N times weights of
+    integration. At the lines ``frequency_hz`` (L,) ``turned`` (2, L) are transforms of the latter with half a period of
+    the taper added and taken off, and ``whole`` (L,) is FT[w f], N s, times counting from the taper's start.
     """
 
-    force: Array
-    rate_hz: float
-    start: int
-    taper: ComplexArray
-    typical_n_s: float
+    past: Array
+    step_s: float
+    last: Array
+    sample_s: float
+    frequency_hz: Array
+    turned: ComplexArray
+    whole: ComplexArray
 
     @classmethod
     def of(cls, force: Array, rate_hz: float, tapered: int, frequency_hz: Array, spectrum: ComplexArray) -> Ending:
         """Of a force (N,) whose last ``tapered`` samples a half cosine brings to rest; ``spectrum`` (L,) is its DFT."""
-        thinned = max(1, int(rate_hz / (_PER_PERIOD * frequency_hz[-1])))
-        few = force if thinned == 1 else scipy.signal.resample_poly(force, 1, thinned)
-        rate = rate_hz / thinned
-        begun = force.size - tapered
-        start = -(-begun // thinned)
-        t = np.arange(start, few.size) / rate
-        falling = -0.5 * np.pi * rate_hz / tapered * np.sin(np.pi * (t * rate_hz - begun + 0.5) / tapered)
-        turning = np.exp(-2j * np.pi * frequency_hz[:, None] * t)
-        whole = spectrum / rate_hz
-        taper = turning * (falling / rate) / whole[:, None]
-        return cls(np.asarray(few, dtype=np.float64), rate, start, taper, float(np.median(np.abs(whole))))
+        begun, step = force.size - tapered, 1 / rate_hz
+        # Samples are in the middle of their time, and the taper starts at the end of one: an odd number keeps that so.
+        thinned = max(1, (int(rate_hz / (_PER_PERIOD * frequency_hz[-1])) - 1) // 2 * 2 + 1)
+        smooth = force
+        if thinned > 1:
+            smooth = scipy.signal.fftconvolve(force, scipy.signal.firwin(_TAPS * thinned + 1, 1 / thinned), mode="same")
+        past, last = smooth[begun - (thinned + 1) // 2 :: -thinned].copy(), force[begun:].copy()
+        for end in (past, last, last[::-1]):
+            end[: _AT_END.size] *= _AT_END
+        t = (np.arange(tapered) + 0.5) * step
+        omega = 2 * np.pi * frequency_hz
+        turned = np.array([np.exp(np.outer(1j * (w - omega), t)) @ (step * last) for w in _turns(tapered * step)])
+        whole = spectrum * step * np.exp(1j * omega * (begun - 0.5) * step)
+        return cls(past, thinned * step, last, step, frequency_hz, turned, whole)
 
-    def ringing(self, poles: ComplexArray) -> ComplexArray:
-        """Answers z (poles, samples from ``start``), N s, of decaying poles (P,), 1/s, to the force since it began."""
-        step = 1 / self.rate_hz
-        past = self.force[self.start :: -1]
-        # Sums over blocks, then over the blocks: far fewer exponentials than one for every sample and pole.
-        size = int(np.sqrt(past.size)) + 1
-        blocks = np.zeros((size, size))
-        blocks.ravel()[: past.size] = past
-        within = blocks @ np.exp(np.outer(np.arange(size), poles * step))
-        begun = step * (np.exp(np.outer(np.arange(size) * size, poles * step)) * within).sum(axis=0)
-        last = self.force[self.start :]
-        factors = np.exp(poles * step)
-        rows = [
-            np.concatenate([[z], scipy.signal.lfilter([step], [1.0, -a], last[1:] + 0j, zi=[a * z])[0]])
-            for z, a in zip(begun, factors, strict=True)
-        ]
-        # The trapezium's rule: of the newest sample only half has acted.
-        return np.asarray(np.array(rows).reshape(poles.size, last.size) - 0.5 * step * last)
+    def ringing(self, poles: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Answers z, N s, of decaying poles (P,), 1/s, to the force since it began: where the taper starts and ends."""
+        start = _decayed(self.past, poles, self.step_s)
+        return start, np.exp(self.last.size * self.sample_s * poles) * start + _decayed(
+            self.last[::-1], poles, self.sample_s
+        )
+
+    def share(self, poles: ComplexArray, rung: tuple[ComplexArray, ComplexArray]) -> ComplexArray:
+        """FT[w' z] / FT[w f] (P, L) of poles that ring so: a half sine is two turns, and each has a closed form."""
+        length = self.last.size * self.sample_s
+        omega = 2 * np.pi * self.frequency_hz
+        start, end = (z[:, None] for z in rung)
+        out = np.zeros((poles.size, omega.size), dtype=complex)
+        for sign, turn, forced in zip((1, -1), _turns(length), self.turned, strict=True):
+            reached = end * np.exp(1j * (turn - omega) * length)
+            out += sign * (reached - start - forced) / (poles[:, None] + 1j * (turn - omega))
+        return np.asarray(out * (0.25j * np.pi / length) / self.whole)
+
+    def heard(self, rung: tuple[ComplexArray, ComplexArray]) -> NDArray[np.bool_]:
+        """Which of the poles (P,) ring loudly enough to count."""
+        return np.asarray(np.abs(rung).max(axis=0) > _FADED * np.median(np.abs(self.whole)))
+
+
+def _turns(length_s: float) -> tuple[float, float]:
+    """The two circular frequencies, rad/s, whose difference is half a period of a sine over the taper."""
+    return np.pi / length_s, -np.pi / length_s
+
+
+def _decayed(force: Array, poles: ComplexArray, step_s: float) -> ComplexArray:
+    """Answers (P,) of poles, 1/s, to a force (N,), latest first, by midpoints of steps.
+
+    Over blocks, then over the blocks: far fewer exponentials than one for every sample and pole.
+    """
+    size = int(np.sqrt(force.size)) + 1
+    blocks = np.zeros((size, size))
+    blocks.ravel()[: force.size] = force
+    within = np.exp(np.outer((np.arange(size) + 0.5) * step_s, poles))
+    summed = blocks @ within.real + 1j * (blocks @ within.imag)
+    return np.asarray(step_s * (np.exp(np.outer(np.arange(size) * size * step_s, poles)) * summed).sum(axis=0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Rung:
     """The poles (P,) at places ``at`` among all of a loaded structure that ring at a run's end.
 
-    ``share`` (P, L) is what the end does to them, FT[w' z] / FT[w f] / (iω - λ), and ``slope`` its change with λ.
+    ``share`` (P, L) is what the ``ending`` does to them, FT[w' z] / FT[w f] / (iω - λ).
     """
 
+    ending: Ending
     all: Poles
     at: NDArray[np.intp]
     share: ComplexArray
-    slope: ComplexArray
 
 
 def left_out(
@@ -129,12 +161,12 @@ def left_out_slopes(
         here, at = rung.all, rung.at
         poles, vectors, left = here.poles, here.vectors, here.left
         axis = matrices.axis[rows]
-        heavier = np.einsum("kr,ra,rb->kab", slopes.masses_kg[:, rows], axis, axis)
-        turned = slopes.axis[:, rows]
-        heavier += np.einsum("r,kra,rb->kab", mass, turned, axis) + np.einsum("r,ra,krb->kab", mass, axis, turned)
+        turned = (mass[:, None] * slopes.axis[:, rows]).transpose(0, 2, 1) @ axis
+        heavier = turned + turned.transpose(0, 2, 1) + (axis.T * slopes.masses_kg[:, None, rows]) @ axis
         changes = (slopes.stiffness, slopes.damping, slopes.mass + heavier)
         onto = _elements(changes, left[at], vectors, poles)
         off = _elements(changes, left, vectors[:, at], poles[at])
+        slope = _slope(rung)
         apart = poles[at][:, None] - poles[None]
         apart[np.arange(at.size), at] = np.inf
         pushed = left @ matrices.drive
@@ -144,7 +176,7 @@ def left_out_slopes(
         moved = np.einsum("kpp->kp", onto[:, :, at])
         for read, changed, power in ((matrices.axis, slopes.axis, 2), (matrices.tilt, slopes.tilt, 0)):
             seen, pole = read[rows] @ vectors, poles[at][:, None]
-            function, steeper = pole**power * rung.share, pole**power * rung.slope
+            function, steeper = pole**power * rung.share, pole**power * slope
             if power:
                 steeper = steeper + power * pole ** (power - 1) * rung.share
             sights = changed[:, rows] @ vectors[:, at] + np.einsum("cj,kjp->kcp", seen, off / apart.T)
@@ -153,8 +185,10 @@ def left_out_slopes(
     return out
 
 
-def _elements(changes: tuple[Array, ...], left: ComplexArray, vectors: ComplexArray, poles: ComplexArray) -> ComplexArray:
-    """Elements (k, a, b) of the system's changes between vectors left (a, m) and right (m, b), the latter of ``poles``.
+def _elements(
+    changes: tuple[Array, ...], left: ComplexArray, vectors: ComplexArray, poles: ComplexArray
+) -> ComplexArray:
+    """Elements (k, a, b) of a system's changes between vectors left (a, m) and right (m, b), the latter of ``poles``.
 
     ``changes`` are those of stiffness, damping and mass, (k, m, m) each.
     """
@@ -168,30 +202,26 @@ def _loaded(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices
 
 
 def _rung(loaded: Matrices, omega: Array, ending: Ending) -> _Rung | None:
-    """What rings at a run's end; None where nothing does."""
+    """What rings at a run's end; None where nothing does.
+
+    Of each pair of poles the one that turns as the lines do: of its mirror image a smooth taper leaves nothing there.
+    """
     here = poles_of(loaded, omega)
     poles = here.poles
     at = np.flatnonzero((poles.imag > 0) & (poles.imag < _ABOVE_BAND * omega[-1]) & (poles.real < 0))
-    answer = ending.ringing(poles[at])
-    loud = np.abs(answer).max(axis=1, initial=0.0) > _FADED * ending.typical_n_s
-    at, answer = at[loud], answer[loud]
-    if at.size == 0:
+    rung = ending.ringing(poles[at])
+    loud = ending.heard(rung)
+    if not loud.any():
         return None
-    pole = poles[at][:, None]
+    at = at[loud]
+    start, end = rung
+    share = ending.share(poles[at], (start[loud], end[loud])) * here.reciprocal[:, at].T
+    return _Rung(ending, here, at, share)
+
+
+def _slope(rung: _Rung) -> ComplexArray:
+    """Change (P, L) of each pole's share with the pole."""
+    pole, reciprocal = rung.all.poles[rung.at], rung.all.reciprocal[:, rung.at].T
     change = _STEP * np.abs(pole)
-    faster = (ending.ringing((pole + change)[:, 0]) - answer) / change
-    both = np.concatenate([answer, faster, answer.conj(), faster.conj()]) @ ending.taper.T
-    share, slope, mirrored, against = np.split(both, 4)
-    # A pole and its mirror image: at positive frequencies the latter is far away, and no more forgotten than others.
-    reciprocal, image = 1 / (1j * omega - pole), 1 / (1j * omega - pole.conj())
-    return _Rung(
-        here,
-        np.concatenate([at, _images(poles, at)]),
-        np.concatenate([share * reciprocal, mirrored * image]),
-        np.concatenate([(slope + share * reciprocal) * reciprocal, (against + mirrored * image) * image]),
-    )
-
-
-def _images(poles: ComplexArray, at: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Where the complex conjugates of some poles are."""
-    return np.asarray([int(np.argmin(np.abs(poles - poles[k].conj()))) for k in at], dtype=np.intp)
+    there = rung.ending.share(pole + change, rung.ending.ringing(pole + change))
+    return np.asarray((there * reciprocal / (1 - change[:, None] * reciprocal) - rung.share) / change[:, None])
