@@ -41,6 +41,8 @@ SHORT = (
     "stinger-moment", "suspension-surge", "swapped-sensors", "transducer-mass",
 )  # fmt: skip
 """A catalogue for a machine with little time: two of five effects, those that are most often taken for others."""
+AT_THE_DRIVE = ("mount-compliance", "stinger-moment", "transducer-mass")
+"""What sits where the shaker pushes, and says so by no parameter of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,13 +119,21 @@ def staged(case: Case) -> Staged:
             ratio = min(ratio, own)
         tables = tuple(EffectTable(name=name, **values) for name, values in sizes.items())
         campaign = simulate(true.model_copy(update={"effect": tables}), engine=case.engine).campaign
-    for said in sizes.values():
-        if {"x_m", "y_m"} <= set(said):
-            place = (said["x_m"], said["y_m"])
+    for name, said in sizes.items():
+        place = _place_of(name, said, true) or place
     noisy = lab.read_by_instruments(campaign, scenario, case.stream("instruments"), case.noise)
     # A name or a note could tell: the analysis gets neither.
     blind = dataclasses.replace(noisy, name="campaign", notes={})
     return Staged(blind, sizes, ratio if case.truth else 0.0, place)
+
+
+def _place_of(name: str, said: dict[str, Any], true: Scenario) -> tuple[float, float] | None:
+    """Where on the aircraft an effect sits, x and y; None of what is everywhere or in an instrument."""
+    if {"x_m", "y_m"} <= set(said):
+        return said["x_m"], said["y_m"]
+    if name == "suspension-surge":
+        return true.suspension.hook_m[:2]
+    return true.shaker.position_m[:2] if name in AT_THE_DRIVE else None
 
 
 def second_laboratory_effects() -> tuple[tuple[str, ...], tuple[str, ...]]:

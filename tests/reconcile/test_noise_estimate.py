@@ -95,7 +95,9 @@ def test_coloured_noise_is_estimated_as_it_is(name: str) -> None:
 def test_noise_at_the_end_of_a_record_is_no_ringing_but_a_cut_record_rings() -> None:
     generator = np.random.default_rng(2)
     noisy = Noise(0.1, False).on(without_noise("Hati, 14 s"), generator)
-    assert measured_frfs(noisy, lines=100).remarks == ()
+    rested = measured_frfs(noisy, lines=100)
+    assert rested.remarks == ()
+    assert rested.endings == (None,) * len(RUNS)
     # The last 3 s are silent; a record that ends before them ends in the swing of the last mode.
     cut = replace(noisy, runs=tuple(replace(r, samples=r.samples[:, : -round(3.2 * 250)]) for r in noisy.runs))
     remarks = measured_frfs(cut, lines=100).remarks

@@ -61,6 +61,14 @@ def test_the_umpire(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...
     assert loop_work.answer(truth, kind, sets) == expected
 
 
+def test_a_truth_sits_where_its_parameters_say_or_where_it_is_fixed() -> None:
+    true = loop_truth.nominal()
+    assert loop_cases._place_of("added-mass", {"x_m": 0.5, "y_m": 0.2}, true) == (0.5, 0.2)
+    assert loop_cases._place_of("suspension-surge", {"mass_kg": 0.3}, true) == true.suspension.hook_m[:2]
+    assert loop_cases._place_of("mount-compliance", {}, true) == true.shaker.position_m[:2]
+    assert loop_cases._place_of("channel-delay", {"delay_s": 1e-4}, true) is None
+
+
 def test_a_verdict_places_an_effect_where_what_it_names_sits() -> None:
     """And where it names nothing that has a place, where the residual does."""
     found = SimpleNamespace(places=[SimpleNamespace(position_m=(0.7, -0.2, 0.1)), SimpleNamespace(position_m=None)])

@@ -184,7 +184,8 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
         signals -= signals.mean(axis=1, keepdims=True)
         window = _window(signals, rate)
         if window is not None:
-            remarks.append(f"run {run.run}: the record ends ringing; its last {_TAPER_S:g} s are tapered")
+            said = f"its last {_TAPER_S:g} s are tapered, which predictions know"
+            remarks.append(f"run {run.run}: the record ends ringing; {said}")
             ends.append(_End(signals[0], int((window < 1).sum())))
             touched.append(np.fft.rfft(signals[0] * window * (1 - window), samples))
             signals = signals * window
