@@ -25,11 +25,8 @@ ComplexArray = NDArray[np.complex128]
 
 # Samples of the force a period of the band's top: what is integrated over the whole record is smooth.
 _PER_PERIOD = 12.0
-# Taps of the filter that thins it, a sample that is kept.
-_TAPS = 20
-# Weights of the samples next to an end of an integral by midpoints, to the fourth order: of a force that does not rest
-# there half a per cent would be left.
-_AT_END = np.array([26, 21, 25]) / 24
+# Taps of the filter that thins it, a sample that is kept, and its window: flat to a ten-thousandth within the band.
+_TAPS, _FLAT = 20, ("kaiser", 8.0)
 # Poles up to this many times the band's top; those above follow the force, and what is left of them is flat.
 _ABOVE_BAND = 1.3
 # A pole that rings at the end with less than this share of what a typical line holds is left out.
@@ -42,9 +39,9 @@ _STEP = 1e-6
 class Ending:
     """The end of one run's record: its force ``past`` (N,) until the taper starts, latest first, every ``step_s``.
 
-    ``last`` (samples,) is the force under the taper as it was, every ``sample_s``, both N times weights of
-    integration. At the lines ``frequency_hz`` (L,) ``turned`` (2, L) are transforms of the latter with half a period of
-    the taper added and taken off, and ``whole`` (L,) is FT[w f], N s, times counting from the taper's start.
+    ``last`` (samples,) is the force under the taper as it was, every ``sample_s``. At the lines ``frequency_hz`` (L,)
+    ``turned`` (2, L) are transforms of the latter with half a period of the taper added and taken off, and ``whole``
+    (L,) is FT[w f], N s, times counting from the taper's start.
     """
 
     past: Array
@@ -63,10 +60,9 @@ class Ending:
         thinned = max(1, (int(rate_hz / (_PER_PERIOD * frequency_hz[-1])) - 1) // 2 * 2 + 1)
         smooth = force
         if thinned > 1:
-            smooth = scipy.signal.fftconvolve(force, scipy.signal.firwin(_TAPS * thinned + 1, 1 / thinned), mode="same")
-        past, last = smooth[begun - (thinned + 1) // 2 :: -thinned].copy(), force[begun:].copy()
-        for end in (past, last, last[::-1]):
-            end[: _AT_END.size] *= _AT_END
+            filtering = scipy.signal.firwin(_TAPS * thinned + 1, 1 / thinned, window=_FLAT)
+            smooth = scipy.signal.fftconvolve(force, filtering, mode="same")
+        past, last = smooth[begun - (thinned + 1) // 2 :: -thinned], force[begun:]
         t = (np.arange(tapered) + 0.5) * step
         omega = 2 * np.pi * frequency_hz
         turned = np.array([np.exp(np.outer(1j * (w - omega), t)) @ (step * last) for w in _turns(tapered * step)])
