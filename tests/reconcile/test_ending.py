@@ -65,26 +65,30 @@ def answers(m: Matrices, rows: np.ndarray, masses: np.ndarray, force: np.ndarray
     return np.array(out).T
 
 
-def quotient(force: np.ndarray, answered: np.ndarray) -> np.ndarray:
+def window_of(tapered: int, samples: int = SAMPLES) -> np.ndarray:
+    """One, and half a cosine at the end."""
+    window = np.ones(samples)
+    window[samples - tapered :] = 0.5 * (1 + np.cos(np.pi * (np.arange(tapered) + 0.5) / max(tapered, 1)))
+    return window
+
+
+def quotient(force: np.ndarray, answered: np.ndarray, tapered: int) -> np.ndarray:
     """What a campaign's analysis makes of a record: the quotient of tapered spectra, at the lines."""
-    window = np.ones(SAMPLES)
-    window[-TAPERED:] = 0.5 * (1 + np.cos(np.pi * (np.arange(TAPERED) + 0.5) / TAPERED))
+    window = window_of(tapered)
     return np.asarray(np.fft.rfft(answered * window)[:, LINES] / np.fft.rfft(force * window)[LINES])
 
 
-def ending(force: np.ndarray) -> Ending:
-    window = np.ones(SAMPLES)
-    window[-TAPERED:] = 0.5 * (1 + np.cos(np.pi * (np.arange(TAPERED) + 0.5) / TAPERED))
-    return Ending.of(force, RATE_HZ, TAPERED, HZ, np.fft.rfft(force * window)[LINES])
+def ending(force: np.ndarray, tapered: int = TAPERED) -> Ending:
+    return Ending.of(force, RATE_HZ, tapered, HZ, np.fft.rfft(force * window_of(tapered))[LINES])
 
 
-@pytest.mark.parametrize("stop_s", [9.0, 11.9])
-def test_a_record_that_ends_ringing_is_foretold(stop_s: float) -> None:
-    """Once with a rest after the sweep, shorter than the decay, and once with none, the taper in its midst."""
+@pytest.mark.parametrize(("stop_s", "tapered"), [(9.0, TAPERED), (11.9, TAPERED), (9.0, 0)])
+def test_a_record_that_ends_ringing_is_foretold(stop_s: float, tapered: int) -> None:
+    """With a rest after the sweep, shorter than the decay; with none, the taper in its midst; cut off without one."""
     m, force = structure(), sweep(stop_s)
     endless = accelerances(m, 2 * np.pi * HZ, RUNS, tuple(MASSES[r] for r in RUNS))
-    found = endless + left_out(m, 2 * np.pi * HZ, RUNS, tuple(MASSES[r] for r in RUNS), (ending(force),) * 2)
-    read = np.concatenate([quotient(force, answers(m, rows, MASSES[rows], force)) for rows in RUNS])
+    found = endless + left_out(m, 2 * np.pi * HZ, RUNS, tuple(MASSES[r] for r in RUNS), (ending(force, tapered),) * 2)
+    read = np.concatenate([quotient(force, answers(m, rows, MASSES[rows], force), tapered) for rows in RUNS])
     # Under the taper the force is where the last lines are: these the analysis leaves out.
     clear = HZ < 12.0
     size = np.abs(read[:, clear]).max(axis=1, keepdims=True)
@@ -128,9 +132,8 @@ def test_a_force_is_thinned_where_it_is_sampled_faster_than_the_band_asks_for(st
     m, slow, omega = structure(), sweep(stop_s), 2 * np.pi * HZ
     finer, masses = 8, tuple(MASSES[r] for r in RUNS)
     fast = np.fft.irfft(np.pad(np.fft.rfft(slow), (0, (finer - 1) * SAMPLES // 2)), finer * SAMPLES) * finer
-    window = np.ones(fast.size)
     tapered = finer * TAPERED
-    window[-tapered:] = 0.5 * (1 + np.cos(np.pi * (np.arange(tapered) + 0.5) / tapered))
+    window = window_of(tapered, fast.size)
     thinned = Ending.of(fast, finer * RATE_HZ, tapered, HZ, np.fft.rfft(fast * window)[LINES])
     assert thinned.past.size < 0.2 * fast.size
     ends = [left_out(m, omega, RUNS, masses, (e,) * 2) for e in (thinned, ending(slow))]

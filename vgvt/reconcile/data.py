@@ -49,7 +49,7 @@ class Measured:
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
     indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
-    ``endings`` are what the records leave out by ending, by run; None where one ends at rest.
+    ``endings`` are those of the runs' records, by which these leave something out.
     """
 
     frequency_hz: Array
@@ -67,7 +67,7 @@ class Measured:
     pushed: Array
     remarks: tuple[str, ...] = ()
     harmonics: tuple[Harmonic, ...] = ()
-    endings: tuple[Ending | None, ...] = ()
+    endings: tuple[Ending, ...] = ()
 
     def with_floor(self, floor: float) -> Measured:
         """The same data judged with another relative model-form floor."""
@@ -124,15 +124,14 @@ def measured_frfs(
         rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.responses) for run in runs), rate, level,
         spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
         tuple(
-            Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) if end else None
-            for r, end in enumerate(spectra.ends)
+            Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) for r, end in enumerate(spectra.ends)
         ),
     )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _End:
-    """The force (N,) of a record that ends ringing, as it was, and how many of its last samples are tapered."""
+    """The force (N,) of a record as it was, and how many of its last samples are tapered."""
 
     force: Array
     tapered: int
@@ -142,14 +141,14 @@ class _End:
 class _Spectra:
     """Whole-record spectra: force (R, K), response (all channels in order, K), what the taper touches (R, K).
 
-    ``pushed`` (R, N) is the force that they are of; ``ends`` are of the records that are tapered, None of others.
+    ``pushed`` (R, N) is the force that they are of; ``ends`` are those of the records.
     """
 
     force: ComplexArray
     response: ComplexArray
     touched: ComplexArray | None
     pushed: Array
-    ends: tuple[_End | None, ...]
+    ends: tuple[_End, ...]
 
     @property
     def samples(self) -> int:
@@ -178,7 +177,7 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
     touched: list[ComplexArray] = []
     pushed = np.zeros((len(runs), samples))
     remarks: list[str] = []
-    ends: list[_End | None] = []
+    ends: list[_End] = []
     for r, run in enumerate(runs):
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
         signals -= signals.mean(axis=1, keepdims=True)
@@ -190,7 +189,7 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
             touched.append(np.fft.rfft(signals[0] * window * (1 - window), samples))
             signals = signals * window
         else:
-            ends.append(None)
+            ends.append(_End(signals[0], 0))
             touched.append(np.zeros(samples // 2 + 1, dtype=complex))
         pushed[r, : signals.shape[1]] = signals[0]
         spectrum = np.fft.rfft(signals, samples, axis=1)

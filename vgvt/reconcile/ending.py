@@ -6,12 +6,14 @@ z' = λ z + f, and both multiplied by w before they are transformed, partial int
     (iω - λ) FT[w z] = FT[w f] + FT[w' z]:
 
 the quotient of the spectra is not the pole's 1/(iω - λ) but that times 1 + FT[w' z]/FT[w f], which is exact for any
-force. The surge of a spring rings for minutes: at its peaks a campaign of short sweeps misses a tenth of A/F and more,
-and a fit that does not know of it takes that for damping.
+force. Where a record is not tapered, w falls at once, and FT[w' z] is what is left of z at the end. The surge of a
+spring rings for minutes: at its peaks a campaign of short sweeps misses a tenth of A/F and more, and a fit that does
+not know of it takes that for damping.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,6 +33,8 @@ _TAPS, _FLAT = 20, ("kaiser", 8.0)
 _ABOVE_BAND = 1.3
 # A pole that rings at the end with less than this share of what a typical line holds is left out.
 _FADED = 2e-4
+# Of that, with which a pole may do so that has no sensors on it.
+_HARDLY = 0.5
 # Of a pole, to take the slope of its answer.
 _STEP = 1e-6
 
@@ -54,7 +58,7 @@ class Ending:
 
     @classmethod
     def of(cls, force: Array, rate_hz: float, tapered: int, frequency_hz: Array, spectrum: ComplexArray) -> Ending:
-        """Of a force (N,) whose last ``tapered`` samples a half cosine brings to rest; ``spectrum`` (L,) is its DFT."""
+        """Of a force (N,) whose last ``tapered`` samples, or none, a half cosine brings to rest, and its DFT (L,)."""
         begun, step = force.size - tapered, 1 / rate_hz
         # Samples are in the middle of their time, and the taper starts at the end of one: an odd number keeps that so.
         thinned = max(1, (int(rate_hz / (_PER_PERIOD * frequency_hz[-1])) - 1) // 2 * 2 + 1)
@@ -65,13 +69,16 @@ class Ending:
         past, last = smooth[begun - (thinned + 1) // 2 :: -thinned], force[begun:]
         t = (np.arange(tapered) + 0.5) * step
         omega = 2 * np.pi * frequency_hz
-        turned = np.array([np.exp(np.outer(1j * (w - omega), t)) @ (step * last) for w in _turns(tapered * step)])
+        turns = _turns(tapered * step) if tapered else ()
+        turned = np.array([np.exp(np.outer(1j * (w - omega), t)) @ (step * last) for w in turns])
         whole = spectrum * step * np.exp(1j * omega * (begun - 0.5) * step)
         return cls(past, thinned * step, last, step, frequency_hz, turned, whole)
 
     def ringing(self, poles: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """Answers z, N s, of decaying poles (P,), 1/s, to the force since it began: where the taper starts and ends."""
         start = _decayed(self.past, poles, self.step_s)
+        if self.last.size == 0:
+            return start, start
         return start, np.exp(self.last.size * self.sample_s * poles) * start + _decayed(
             self.last[::-1], poles, self.sample_s
         )
@@ -81,15 +88,19 @@ class Ending:
         length = self.last.size * self.sample_s
         omega = 2 * np.pi * self.frequency_hz
         start, end = (z[:, None] for z in rung)
+        if length == 0:
+            # Of samples: a fall from one to the next has no end of harmonics, and all of them count.
+            half = 0.5 * self.sample_s * (1j * omega - poles[:, None])
+            return np.asarray(-end / self.whole * half / np.sinh(half))
         out = np.zeros((poles.size, omega.size), dtype=complex)
         for sign, turn, forced in zip((1, -1), _turns(length), self.turned, strict=True):
             reached = end * np.exp(1j * (turn - omega) * length)
             out += sign * (reached - start - forced) / (poles[:, None] + 1j * (turn - omega))
         return np.asarray(out * (0.25j * np.pi / length) / self.whole)
 
-    def heard(self, rung: tuple[ComplexArray, ComplexArray]) -> NDArray[np.bool_]:
-        """Which of the poles (P,) ring loudly enough to count."""
-        return np.asarray(np.abs(rung).max(axis=0) > _FADED * np.median(np.abs(self.whole)))
+    def heard(self, rung: tuple[ComplexArray, ComplexArray], share: float = 1.0) -> NDArray[np.bool_]:
+        """Which of the poles (P,) ring loudly enough to count, or by some ``share`` of that."""
+        return np.asarray(np.abs(rung).max(axis=0) > share * _FADED * np.median(np.abs(self.whole)))
 
 
 def _turns(length_s: float) -> tuple[float, float]:
@@ -129,10 +140,7 @@ def left_out(
 ) -> ComplexArray:  # fmt: skip
     """What endings add to the accelerances (C, L) of :func:`vgvt.reconcile.response.accelerances`, run by run."""
     out = np.zeros((matrices.axis.shape[0], omega.size), dtype=complex)
-    for rows, mass, ending in zip(runs, masses_kg, endings, strict=True):
-        rung = None if ending is None else _rung(_loaded(matrices, rows, mass), omega, ending)
-        if rung is None:
-            continue
+    for rows, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
         here, pole = rung.all, rung.all.poles[rung.at]
         pushed = (here.left @ matrices.drive)[rung.at]
         axis, tilt = matrices.axis[rows] @ here.vectors[:, rung.at], matrices.tilt[rows] @ here.vectors[:, rung.at]
@@ -150,13 +158,13 @@ def left_out_slopes(
     mix with every other pole's, the more the nearer it is.
     """
     out = np.zeros((slopes.mass.shape[0], matrices.axis.shape[0], omega.size), dtype=complex)
-    for rows, mass, ending in zip(runs, masses_kg, endings, strict=True):
-        rung = None if ending is None else _rung(_loaded(matrices, rows, mass), omega, ending)
-        if rung is None:
-            continue
+    mass_of = np.zeros(matrices.axis.shape[0])
+    for rows, mass in zip(runs, masses_kg, strict=True):
+        mass_of[rows] = mass
+    for rows, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
         here, at = rung.all, rung.at
         poles, vectors, left = here.poles, here.vectors, here.left
-        axis = matrices.axis[rows]
+        axis, mass = matrices.axis[rows], mass_of[rows]
         turned = (mass[:, None] * slopes.axis[:, rows]).transpose(0, 2, 1) @ axis
         heavier = turned + turned.transpose(0, 2, 1) + (axis.T * slopes.masses_kg[:, None, rows]) @ axis
         changes = (slopes.stiffness, slopes.damping, slopes.mass + heavier)
@@ -191,6 +199,29 @@ def _elements(
     return np.asarray(-sum((left @ change @ vectors) * poles**n for n, change in enumerate(changes)))
 
 
+def _ringing_runs(
+    matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
+    endings: tuple[Ending | None, ...],
+) -> Iterator[tuple[NDArray[np.intp], _Rung]]:  # fmt: skip
+    """Rows of the runs at whose end something rings, and what."""
+    if all(end is None for end in endings):
+        return
+    poles = _in_reach(poles_of(matrices, omega).poles, omega)
+    for rows, mass, ending in zip(runs, masses_kg, endings, strict=True):
+        # Sensors hardly change how long something rings: most often nothing does, and that is seen without them.
+        if ending is None or not ending.heard(ending.ringing(poles), _HARDLY).any():
+            continue
+        rung = _rung(_loaded(matrices, rows, mass), omega, ending)
+        if rung is not None:
+            yield rows, rung
+
+
+def _in_reach(poles: ComplexArray, omega: Array, images: bool = False) -> ComplexArray:
+    """Those of some poles that decay, turn as the lines do, and not much faster than the last; or ``images``, too."""
+    turning = poles.imag != 0 if images else poles.imag > 0
+    return np.asarray(poles[turning & (np.abs(poles.imag) < _ABOVE_BAND * omega[-1]) & (poles.real < 0)])
+
+
 def _loaded(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices:
     """The structure with the point masses (rows,) of a run."""
     axis = matrices.axis[rows]
@@ -198,13 +229,11 @@ def _loaded(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices
 
 
 def _rung(loaded: Matrices, omega: Array, ending: Ending) -> _Rung | None:
-    """What rings at a run's end; None where nothing does.
-
-    Of each pair of poles the one that turns as the lines do: of its mirror image a smooth taper leaves nothing there.
-    """
+    """What rings at a run's end; None where nothing does."""
     here = poles_of(loaded, omega)
     poles = here.poles
-    at = np.flatnonzero((poles.imag > 0) & (poles.imag < _ABOVE_BAND * omega[-1]) & (poles.real < 0))
+    # Of a pole's mirror image a smooth taper leaves nothing at the lines, and a fall at once does.
+    at = np.flatnonzero(np.isin(poles, _in_reach(poles, omega, images=ending.last.size == 0)))
     rung = ending.ringing(poles[at])
     loud = ending.heard(rung)
     if not loud.any():
