@@ -20,7 +20,7 @@ from vgvt.reconcile.first_order import FirstOrder
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.misfit import data_misfit
+from vgvt.reconcile.misfit import data_misfit, jacobian
 from vgvt.reconcile.scheduled import whole_and_shares
 from vgvt.reconcile.surrogate import Anchor, anchor
 from vgvt.simulation.attached import vanishes
@@ -38,6 +38,23 @@ _SQUARED = 3.0
 _LONGEST = 20.0
 # Derivatives that are kept: those that what is looked at closer asks for again.
 _KNOWN = 128
+
+
+def _at_rest(null: Fit) -> Fit:
+    """The fit as if its records had ended at rest: what its ends leave out is taken off the data and the prediction.
+
+    Motions know nothing of ends, and what the unknowns imitate must be seen with the same eyes as what effects do.
+    """
+    problem, measured = null.problem, null.problem.measured
+    if not measured.endings:
+        return null
+    problem = replace(problem, measured=replace(measured, endings=()))
+    predicted = anchor(problem, null.u, null.hypotheses, null.e, slopes=False).predict(null.u, null.e)
+    rested = replace(problem.measured, values=measured.values + predicted - null.predicted)
+    problem = replace(problem, measured=rested)
+    here = anchor(problem, null.u, null.hypotheses, null.e)
+    tangent = jacobian(here, null.u, null.e, predicted, null.sigma)
+    return replace(null, problem=problem, predicted=predicted, tangent=tangent)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +77,7 @@ class Stand:
     @classmethod
     def of(cls, null: Fit) -> Stand:
         """Stand on a fit without hypotheses, or on one whose hypotheses stay."""
+        null = _at_rest(null)
         stacked = np.vstack([null.tangent, np.eye(null.scores.size)])
         basis, _ = np.linalg.qr(stacked)
         here = anchor(null.problem, null.u, null.hypotheses, null.e, slopes=False)
