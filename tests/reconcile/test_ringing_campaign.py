@@ -10,9 +10,12 @@ from reconciled_case import campaign_of, drawn_scores, roving_scenario, without_
 
 from vgvt.effects import available_effects, make_effect
 from vgvt.reconcile.data import measured_frfs
+from vgvt.reconcile.fit import fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.misfit import data_misfit
 from vgvt.reconcile.problem import Problem, problem_of
 from vgvt.reconcile.procedures import changed, procedures
+from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.surrogate import anchor
 
 SIZES = {"mass_kg": 0.3, "loss_factor": 0.002}
@@ -53,6 +56,18 @@ def test_their_slopes_are_those_of_differences(ringing: Problem) -> None:
         ]
         wanted = (ends[0] - ends[1]) / (2 * step)
         assert np.linalg.norm(known[u.size - len(ringing.nuisances) + k] - wanted) < 0.05 * np.linalg.norm(wanted)
+
+
+def test_a_screen_sees_them_as_if_they_had_rested(ringing: Problem) -> None:
+    """Misses stay what they are; slopes are those of the same aircraft where nothing is cut off."""
+    u = drawn_scores(ringing, 1)
+    made = fit(ringing, (SURGE,), u, E, ())
+    alone = fit(replace(ringing, measured=replace(ringing.measured, endings=())), (SURGE,), u, E, ())
+    stand = Stand.of(made)
+    np.testing.assert_allclose(stand.misfit[: made.points], data_misfit(ringing, made.predicted), atol=1e-8)
+    size = np.linalg.norm(alone.tangent)
+    assert np.linalg.norm(made.tangent - alone.tangent) > 1e-2 * size
+    assert np.linalg.norm(stand.fit.tangent - alone.tangent) < 1e-6 * size
 
 
 def test_a_run_made_once_more_ends_as_it_did(ringing: Problem) -> None:

@@ -9,6 +9,9 @@ the quotient of the spectra is not the pole's 1/(iω - λ) but that times 1 + FT
 force. Where a record is not tapered, w falls at once, and FT[w' z] is what is left of z at the end. The surge of a
 spring rings for minutes: at its peaks a campaign of short sweeps misses a tenth of A/F and more, and a fit that does
 not know of it takes that for damping.
+
+:mod:`vgvt.reconcile.data` keeps the end of every run; :mod:`vgvt.reconcile.surrogate` adds what is here to the
+accelerances of :mod:`vgvt.reconcile.response`, and :mod:`vgvt.reconcile.stand` takes it off again to screen.
 """
 
 from __future__ import annotations
@@ -136,11 +139,11 @@ class _Rung:
 
 def left_out(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
-    endings: tuple[Ending | None, ...],
+    endings: tuple[Ending, ...],
 ) -> ComplexArray:  # fmt: skip
     """What endings add to the accelerances (C, L) of :func:`vgvt.reconcile.response.accelerances`, run by run."""
     out = np.zeros((matrices.axis.shape[0], omega.size), dtype=complex)
-    for rows, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
+    for rows, _, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
         here, pole = rung.all, rung.all.poles[rung.at]
         pushed = (here.left @ matrices.drive)[rung.at]
         axis, tilt = matrices.axis[rows] @ here.vectors[:, rung.at], matrices.tilt[rows] @ here.vectors[:, rung.at]
@@ -150,7 +153,7 @@ def left_out(
 
 def left_out_slopes(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
-    endings: tuple[Ending | None, ...], slopes: Slopes,
+    endings: tuple[Ending, ...], slopes: Slopes,
 ) -> ComplexArray:  # fmt: skip
     """Derivatives (k, C, L) of :func:`left_out`, exact but for poles that fade in or out of it.
 
@@ -158,13 +161,10 @@ def left_out_slopes(
     mix with every other pole's, the more the nearer it is.
     """
     out = np.zeros((slopes.mass.shape[0], matrices.axis.shape[0], omega.size), dtype=complex)
-    mass_of = np.zeros(matrices.axis.shape[0])
-    for rows, mass in zip(runs, masses_kg, strict=True):
-        mass_of[rows] = mass
-    for rows, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
+    for rows, mass, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
         here, at = rung.all, rung.at
         poles, vectors, left = here.poles, here.vectors, here.left
-        axis, mass = matrices.axis[rows], mass_of[rows]
+        axis = matrices.axis[rows]
         turned = (mass[:, None] * slopes.axis[:, rows]).transpose(0, 2, 1) @ axis
         heavier = turned + turned.transpose(0, 2, 1) + (axis.T * slopes.masses_kg[:, None, rows]) @ axis
         changes = (slopes.stiffness, slopes.damping, slopes.mass + heavier)
@@ -201,19 +201,17 @@ def _elements(
 
 def _ringing_runs(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
-    endings: tuple[Ending | None, ...],
-) -> Iterator[tuple[NDArray[np.intp], _Rung]]:  # fmt: skip
-    """Rows of the runs at whose end something rings, and what."""
-    if all(end is None for end in endings):
-        return
+    endings: tuple[Ending, ...],
+) -> Iterator[tuple[NDArray[np.intp], Array, _Rung]]:  # fmt: skip
+    """Rows and masses of the runs at whose end something rings, and what."""
     poles = _in_reach(poles_of(matrices, omega).poles, omega)
     for rows, mass, ending in zip(runs, masses_kg, endings, strict=True):
         # Sensors hardly change how long something rings: most often nothing does, and that is seen without them.
-        if ending is None or not ending.heard(ending.ringing(poles), _HARDLY).any():
+        if not ending.heard(ending.ringing(poles), _HARDLY).any():
             continue
         rung = _rung(_loaded(matrices, rows, mass), omega, ending)
         if rung is not None:
-            yield rows, rung
+            yield rows, mass, rung
 
 
 def _in_reach(poles: ComplexArray, omega: Array, images: bool = False) -> ComplexArray:

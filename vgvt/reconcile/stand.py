@@ -21,6 +21,7 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit, jacobian
+from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.scheduled import whole_and_shares
 from vgvt.reconcile.surrogate import Anchor, anchor
 from vgvt.simulation.attached import vanishes
@@ -36,25 +37,34 @@ _MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 3.0, 4
 _SQUARED = 3.0
 # No further at once than the linearised matrices carry.
 _LONGEST = 20.0
+# Standard deviations by which ends of records must show.
+_NOTHING_RINGS = 1e-6
 # Derivatives that are kept: those that what is looked at closer asks for again.
 _KNOWN = 128
 
 
 def _at_rest(null: Fit) -> Fit:
-    """The fit as if its records had ended at rest: what its ends leave out is taken off the data and the prediction.
+    """The fit as if its records had ended at rest: what their ends leave out is taken off data, prediction and slopes.
 
     Motions know nothing of ends, and what the unknowns imitate must be seen with the same eyes as what effects do.
     """
-    problem, measured = null.problem, null.problem.measured
-    if not measured.endings:
+    measured = null.problem.measured
+    problem = replace(null.problem, measured=replace(measured, endings=()))
+
+    def of(which: Problem, slopes: bool) -> Anchor:
+        # What ends do to slopes is small, and so is where the others were taken.
+        return anchor(which, null.u, null.hypotheses, null.e, slopes=slopes, rough=True)
+
+    predicted = of(problem, slopes=False).predict(null.u, null.e)
+    if np.abs((predicted - null.predicted) / measured.sigma).max() < _NOTHING_RINGS:
         return null
-    problem = replace(problem, measured=replace(measured, endings=()))
-    predicted = anchor(problem, null.u, null.hypotheses, null.e, slopes=False).predict(null.u, null.e)
-    rested = replace(problem.measured, values=measured.values + predicted - null.predicted)
-    problem = replace(problem, measured=rested)
-    here = anchor(problem, null.u, null.hypotheses, null.e)
-    tangent = jacobian(here, null.u, null.e, predicted, null.sigma)
-    return replace(null, problem=problem, predicted=predicted, tangent=tangent)
+    rest, ringing = (
+        jacobian(of(which, slopes=True), null.u, null.e, there, null.sigma)
+        for which, there in ((problem, predicted), (null.problem, null.predicted))
+    )
+    values = measured.values + predicted - null.predicted
+    problem = replace(problem, measured=replace(problem.measured, values=values))
+    return replace(null, problem=problem, predicted=predicted, tangent=null.tangent + rest - ringing)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

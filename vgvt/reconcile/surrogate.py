@@ -111,9 +111,10 @@ class Anchor:
                 for rows in group.runs
             )
             if group.levels is None:
-                endings = self._endings(group)
-                out[group.channels] = accelerances(matrices, omega, group.runs, masses)
-                out[group.channels] += left_out(matrices, omega, group.runs, masses, endings)
+                of = (matrices, omega, group.runs, masses)
+                out[group.channels] = accelerances(*of)
+                if problem.measured.endings:
+                    out[group.channels] += left_out(*of, self._endings(group))
             else:
                 shown = group.levels.moved(x[count:])
                 out[group.channels] = level_accelerances(
@@ -140,7 +141,8 @@ class Anchor:
             if group.levels is None:
                 of = (group.matrices, omega, group.runs, masses)
                 out[:, group.channels] = accelerance_slopes(*of, changes)
-                out[:, group.channels] += left_out_slopes(*of, self._endings(group), changes)
+                if problem.measured.endings:
+                    out[:, group.channels] += left_out_slopes(*of, self._endings(group), changes)
             else:
                 # What a joint shows is held in the unknowns.
                 shown = np.concatenate([np.zeros((len(known), *group.levels.shown.shape)), group.levels.slopes])
@@ -149,11 +151,10 @@ class Anchor:
                 )
         return out
 
-    def _endings(self, group: Reduced) -> tuple[Ending | None, ...]:
+    def _endings(self, group: Reduced) -> tuple[Ending, ...]:
         """How the records of a group's runs end."""
         measured = self.problem.measured
-        run_of = [measured.channels[group.channels[rows[0]]].run for rows in group.runs]
-        return tuple(measured.endings[r] if measured.endings else None for r in run_of)
+        return tuple(measured.endings[measured.channels[group.channels[rows[0]]].run] for rows in group.runs)
 
     def _actions(self, e: Array) -> list[tuple[Action, ...]] | None:
         if not self.filtered:
