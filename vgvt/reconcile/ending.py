@@ -92,9 +92,7 @@ class Ending:
         omega = 2 * np.pi * self.frequency_hz
         start, end = (z[:, None] for z in rung)
         if length == 0:
-            # Of samples: a fall from one to the next has no end of harmonics, and all of them count.
-            half = 0.5 * self.sample_s * (1j * omega - poles[:, None])
-            return np.asarray(-end / self.whole * half / np.sinh(half))
+            return np.asarray(-end / self.whole)
         out = np.zeros((poles.size, omega.size), dtype=complex)
         for sign, turn, forced in zip((1, -1), _turns(length), self.turned, strict=True):
             reached = end * np.exp(1j * (turn - omega) * length)
