@@ -13,6 +13,7 @@ from typing import Any
 
 import loop_truth as lab
 import numpy as np
+from loop_places import NOWHERE, Where, where
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects, parameters_of
@@ -41,8 +42,6 @@ SHORT = (
     "stinger-moment", "suspension-surge", "swapped-sensors", "transducer-mass",
 )  # fmt: skip
 """A catalogue for a machine with little time: two of five effects, those that are most often taken for others."""
-AT_THE_DRIVE = ("mount-compliance", "stinger-moment", "transducer-mass")
-"""What sits where the shaker pushes, and says so by no parameter of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +90,13 @@ class Case:
 class Staged:
     """A campaign for the analysis, and beside it, for the umpire alone, what is true: settings by effect and sizes.
 
-    ``ratio`` is the smallest size over what gets a name; ``place_m`` where a thing sits that has one place.
+    ``ratio`` is the smallest size over what gets a name; ``place`` where a thing sits that has one.
     """
 
     campaign: Campaign | None
     truth: dict[str, dict[str, Any]]
     ratio: float
-    place_m: tuple[float, float] | None = None
+    place: Where = NOWHERE
 
 
 def staged(case: Case) -> Staged:
@@ -110,7 +109,7 @@ def staged(case: Case) -> Staged:
         campaign, sizes, place = _second(case, true)
         ratio = min((_over_the_limit(case, name, said) for name, said in sizes.items()), default=float("nan"))
     else:
-        sizes, ratio, place = {}, float("inf"), None
+        sizes, ratio, place = {}, float("inf"), NOWHERE
         for name in case.truth:
             chosen = _chosen(case, name)
             if chosen is None:
@@ -120,20 +119,12 @@ def staged(case: Case) -> Staged:
         tables = tuple(EffectTable(name=name, **values) for name, values in sizes.items())
         campaign = simulate(true.model_copy(update={"effect": tables}), engine=case.engine).campaign
     for name, said in sizes.items():
-        place = _place_of(name, said, true) or place
+        own_place = where(name, said, true)
+        place = own_place if own_place.known else place
     noisy = lab.read_by_instruments(campaign, scenario, case.stream("instruments"), case.noise)
     # A name or a note could tell: the analysis gets neither.
     blind = dataclasses.replace(noisy, name="campaign", notes={})
     return Staged(blind, sizes, ratio if case.truth else 0.0, place)
-
-
-def _place_of(name: str, said: dict[str, Any], true: Scenario) -> tuple[float, float] | None:
-    """Where on the aircraft an effect sits, x and y; None of what is everywhere or in an instrument."""
-    if {"x_m", "y_m"} <= set(said):
-        return said["x_m"], said["y_m"]
-    if name == "suspension-surge":
-        return true.suspension.hook_m[:2]
-    return true.shaker.position_m[:2] if name in AT_THE_DRIVE else None
 
 
 def second_laboratory_effects() -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -153,15 +144,15 @@ def _second_laboratory() -> tuple[dict[str, Any], dict[str, Any], Any]:
     return catalogue_twins.TWINS, never_catalogued.UNCATALOGUED, second_laboratory
 
 
-def _second(case: Case, true: Scenario) -> tuple[Campaign, dict[str, dict[str, Any]], tuple[float, float] | None]:
+def _second(case: Case, true: Scenario) -> tuple[Campaign, dict[str, dict[str, Any]], Where]:
     """The campaign, what the catalogue would call the effects that it has, and the place of one that it has not."""
     twins, never, laboratory = _second_laboratory()
-    changes, sizes, place = [], {}, None
+    changes, sizes, place = [], {}, NOWHERE
     nodes = true.acquisition.runs[1]
     for name in case.truth:
         if name in never:
             change, node = never[name](case.stream("effect"), nodes)
-            place = None if node is None else laboratory.place(true, node)
+            place = NOWHERE if node is None else Where(laboratory.place(true, node))
         else:
             change, sizes[name] = twins[name](case.stream("effect"), nodes)
         changes.append(change)

@@ -137,7 +137,7 @@ def placebo_limits(rows: Sequence[Row], file: Path) -> None:
     found = [
         Placebo(
             r["train_before"], r["smooth_before"], r["held_before"], r["evidence_nats"], r["noise_per_dof"],
-            r["held_out_noise_per_dof"],
+            r["held_out_noise_per_dof"], strain_sd=r.get("strain_before"),
         )
         for r in mine
     ]  # fmt: skip

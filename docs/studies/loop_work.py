@@ -10,6 +10,7 @@ from typing import Any
 import loop_truth as lab
 import numpy as np
 from loop_cases import LINES, Case, Staged, staged
+from loop_places import said_place
 
 import vgvt.reconcile
 from vgvt.effects import available_effects, parameters_of
@@ -19,7 +20,6 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.placebo import best_nats
 
 Row = dict[str, Any]
-STATION_M = 0.30
 LARGEST_SET = 3
 
 
@@ -51,8 +51,6 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
     before, after = verdict.before, verdict.after
     held_before, held_after = before.held_out or before.train, after.held_out or after.train
     places = verdict.localisation.places if verdict.localisation else ()
-    said = said_places(verdict)
-    near = stage.place_m is not None and any(float(np.hypot(*np.subtract(p, stage.place_m))) < STATION_M for p in said)
     return {
         "verdict": verdict.kind.value,
         "named": " | ".join(" or ".join(s) for s in sets),
@@ -65,8 +63,11 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
         "noise_per_dof": verdict.attribution.null_residual.noise_per_dof,
         "held_out_noise_per_dof": verdict.attribution.null_residual.held_out_noise_per_dof,
         "place": places[0].label if places else "",
-        "near": near,
-        "known_place": stage.place_m is not None,
+        "near": stage.place.same(said_place(verdict, lab.nominal())),
+        "known_place": stage.place.known,
+        "leads": " | ".join(e.name for e in verdict.leads),
+        "strain_before": verdict.attribution.null_residual.strain_sd,
+        "strain_after": verdict.attribution.final_residual.strain_sd,
         "deviations": deviations(stage.truth, verdict),
     }  # fmt: skip
 
@@ -80,19 +81,6 @@ def deviations(truth: dict[str, dict[str, Any]], verdict: Verdict) -> str:
             if known is not None and std > 0:
                 rows.append(f"{name} {(known - value) / std:.2f}")
     return "; ".join(rows)
-
-
-def said_places(verdict: Verdict) -> list[tuple[float, float]]:
-    """Where a verdict says that the effect is, x and y: where those that it names sit, or what it localises."""
-    named = []
-    for e in verdict.effects:
-        values = {**e.settings, **{k: v[0] for k, v in e.parameters.items()}}
-        if {"x_m", "y_m"} <= set(values):
-            named.append((float(values["x_m"]), float(values["y_m"])))  # type: ignore[arg-type]
-    places = verdict.localisation.places if verdict.localisation else ()
-    if named or not places or places[0].position_m is None:
-        return named
-    return [(places[0].position_m[0], places[0].position_m[1])]
 
 
 def answer(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]]) -> str:

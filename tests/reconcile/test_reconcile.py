@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import Effect, available_effects
-from vgvt.reconcile import Kind, Verdict, reconcile
+from vgvt.reconcile import Kind, Verdict, loop, reconcile
+from vgvt.reconcile.account import account_of
+from vgvt.reconcile.leads import demoted
 from vgvt.scenario import load_scenario
 
 SOME = ("channel-gain", "channel-delay", "transducer-mass")
@@ -49,6 +52,27 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
     again = load_scenario(folder / "reconciled.toml")
     assert [t.name for t in again.effect] == ["channel-gain"]
     assert found.document()["verdict"] == "explained"
+
+
+def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loop, "as_leads", demoted)
+    found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))
+    assert found.kind is Kind.UNKNOWN
+    assert found.effects == ()
+    (lead,) = found.leads
+    assert lead.name == "channel-gain"
+    assert found.after == found.before
+    assert any("channel-gain (channels = 7+Z) comes nearest" in reason for reason in found.reasons)
+    document: Any = found.document()
+    assert document["effects"] == []
+    assert [e["name"] for e in document["leads"]] == ["channel-gain"]
+    assert any("channel-gain" in row["effect"] for row in document["candidates"])
+    told = account_of(found, title="a lead")
+    assert not told.changed
+    assert [e.name for e in told.leads] == ["channel-gain"]
+    assert [c.standing for c in told.candidates].count("lead") == 1
+    assert load_scenario(folder / "reconciled.toml").effect == ()
+    assert "a lead, not switched on here: channel-gain" in (folder / "reconciled.toml").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -61,29 +61,6 @@ def test_the_umpire(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...
     assert loop_work.answer(truth, kind, sets) == expected
 
 
-def test_a_truth_sits_where_its_parameters_say_or_where_it_is_fixed() -> None:
-    true = loop_truth.nominal()
-    assert loop_cases._place_of("added-mass", {"x_m": 0.5, "y_m": 0.2}, true) == (0.5, 0.2)
-    assert loop_cases._place_of("suspension-surge", {"mass_kg": 0.3}, true) == true.suspension.hook_m[:2]
-    assert loop_cases._place_of("mount-compliance", {}, true) == true.shaker.position_m[:2]
-    assert loop_cases._place_of("channel-delay", {"delay_s": 1e-4}, true) is None
-
-
-def test_a_verdict_places_an_effect_where_what_it_names_sits() -> None:
-    """And where it names nothing that has a place, where the residual does."""
-    found = SimpleNamespace(places=[SimpleNamespace(position_m=(0.7, -0.2, 0.1)), SimpleNamespace(position_m=None)])
-    fixed = SimpleNamespace(settings={"x_m": 0.5, "y_m": 1.0}, parameters={"mass_kg": (0.1, 0.01, "kg")})
-    freed = SimpleNamespace(settings={}, parameters={"x_m": (0.6, 0.1, "m"), "y_m": (-1.0, 0.1, "m")})
-    of_a_channel = SimpleNamespace(settings={"channels": "3+Z"}, parameters={"delay_s": (1e-4, 1e-5, "s")})
-
-    def said(*effects: object, places: object = found) -> list[tuple[float, float]]:
-        return loop_work.said_places(SimpleNamespace(effects=effects, localisation=places))  # type: ignore[arg-type]
-
-    assert said(fixed, of_a_channel, freed) == [(0.5, 1.0), (0.6, -1.0)]
-    assert said(of_a_channel) == said() == [(0.7, -0.2)]
-    assert said(places=SimpleNamespace(places=found.places[1:])) == said(places=None) == []
-
-
 def test_stated_deviations_are_held_against_the_truth() -> None:
     """Of what is named and true, parameter by parameter; what an effect does not fit has no deviation."""
     mass = SimpleNamespace(name="added-mass", parameters={"mass_kg": (0.11, 0.02, "kg"), "x_m": (0.5, 0.0, "m")})

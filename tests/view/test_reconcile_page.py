@@ -167,6 +167,16 @@ def test_every_verdict_has_its_sentence_steps_and_refutation(kind) -> None:
     assert ("What was named" in body) == bool(told.effects)
 
 
+def test_what_comes_nearest_is_shown_and_called_no_name() -> None:
+    told = replace(account("unknown", named=False), leads=account().effects)
+    assert "what comes nearest, added-mass or local-absorber, takes less than half of it" in verdict_sentence(told)
+    assert any("is a lead" in step for step in next_steps(told))
+    body = visible(render_reconcile_page(told))
+    assert "What comes nearest" in body and "What was named" not in body
+    assert "No names" in body and "mass_kg = 0.05" in body
+    assert not told.changed
+
+
 def test_what_is_refuted_names_the_separating_test_and_the_limit() -> None:
     said = " ".join(disproofs(account()))
     assert "Weigh it." in said

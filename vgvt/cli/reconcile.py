@@ -223,8 +223,8 @@ def _show(document: Mapping[str, Any], folder: ReconcileFolder) -> None:
 
     show(str(document["sentence"]), "")
     show(*(f"  - {reason}" for reason in document["reasons"]))
-    if document["effects"]:
-        show(effects_table(document["effects"]))
+    if document["effects"] or document["leads"]:
+        show(effects_table(document["effects"] or document["leads"]))
     show(error_table(document))
     for line in document["warnings"]:
         log(f"calibrated far from what the scenario states: {line}")

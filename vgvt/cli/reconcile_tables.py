@@ -41,7 +41,7 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
 
 
 def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
-    """What was named, with its parameters, evidence and equals."""
+    """What was named, or comes nearest, with its parameters, evidence and equals."""
     from vgvt.view.fitted_table import FittedTable
 
     rows = []

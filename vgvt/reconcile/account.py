@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.mode_errors import mode_rows
 from vgvt.reconcile.residual import Residual
-from vgvt.reconcile.verdict import Kind, Verdict
+from vgvt.reconcile.verdict import Kind, NamedEffect, Verdict
 from vgvt.scenario.planform import outlines_m
 from vgvt.view.reconcile_account import (
     Account,
@@ -30,7 +30,7 @@ from vgvt.view.reconcile_account import (
 )
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Attribution
+    from vgvt.reconcile.attribute import Addition, Attribution
     from vgvt.reconcile.power import Power
     from vgvt.reconcile.problem import Problem
     from vgvt.reconcile.rivals import Rival
@@ -65,11 +65,13 @@ def account_of(
             "chi2_per_dof": own.chi2_per_dof,
             "smooth_per_dof": own.smooth_per_dof,
             "held_out_chi2_per_dof": own.held_out_per_dof,
+            "strain_sd": own.strain_sd,
             "evidence_nats": limits.evidence_nats,
             "set_nats": limits.set_nats,
         },
         provenance=limits.provenance,
-        effects=_effects(verdict),
+        effects=_effects(verdict.effects, found.rounds),
+        leads=_effects(verdict.leads, found.leads),
         candidates=_candidates(found, limits.evidence_nats),
         places=tuple(
             PlaceRow(p.label, p.kind, p.position_m, p.explained, p.type, p.size, p.unit, p.dynamic_stiffness)
@@ -112,6 +114,7 @@ def _state(fit: Fit, left: Residual, comparison: Comparison) -> ModelState:
         "lag_one": left.lag_one,
         "between_channels": left.between_channels,
         "share_beyond_three": left.share_beyond_three,
+        "strain_sd": left.strain_sd,
     }
     merits = {
         name: None if part is None else asdict(part)
@@ -125,9 +128,9 @@ def _state(fit: Fit, left: Residual, comparison: Comparison) -> ModelState:
     return ModelState(fit.foretold, left.table, figures, merits, left.adequate)
 
 
-def _effects(verdict: Verdict) -> tuple[EffectRow, ...]:
+def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tuple[EffectRow, ...]:
     rows = []
-    for effect, addition in zip(verdict.effects, verdict.attribution.rounds, strict=True):
+    for effect, addition in zip(effects, rounds, strict=True):
         cls = addition.winner.hypothesis.cls
         rows.append(
             EffectRow(
@@ -142,16 +145,18 @@ def _effects(verdict: Verdict) -> tuple[EffectRow, ...]:
 def _candidates(found: Attribution, needed: float) -> tuple[CandidateRow, ...]:
     rows = []
     before = found.null_residual.held_out_chi2_per_dof
-    for k, addition in enumerate(found.rounds, start=1):
+    first: Standing = "named" if found.rounds else "lead"
+    rounds = found.rounds or found.leads
+    for k, addition in enumerate(rounds, start=1):
         rows += [
-            _candidate(k, rival, addition.held_out_before, _standing(rival, addition, found, needed))
+            _candidate(k, rival, addition.held_out_before, _standing(rival, addition, found, needed, first))
             for rival in addition.rivals
         ]
-    tried = {id(r) for addition in found.rounds for r in addition.rivals}
-    if found.rounds:
-        before = found.final_residual.held_out_chi2_per_dof
+    tried = {id(r) for addition in rounds for r in addition.rivals}
+    if rounds:
+        before = (found.led or found.final).held_out_chi2_per_dof
     last = [rival for rival in found.last_rivals if id(rival) not in tried]
-    rows += [_candidate(len(found.rounds) + 1, r, before, _standing(r, None, found, needed)) for r in last]
+    rows += [_candidate(len(rounds) + 1, r, before, _standing(r, None, found, needed, first)) for r in last]
     return tuple(rows)
 
 
@@ -162,11 +167,10 @@ def _candidate(k: int, rival: Rival, before: float | None, standing: Standing) -
     return CandidateRow(k, label, rival.gain_nats, rival.raw_nats, before, rival.held_out, standing, fitted)
 
 
-def _standing(rival: Rival, addition: object, found: Attribution, needed: float) -> Standing:
-    winner, equivalent = getattr(addition, "winner", None), getattr(addition, "equivalent", ())
-    if rival is winner:
-        return "named"
-    if any(rival is r for r in equivalent):
+def _standing(rival: Rival, addition: Addition | None, found: Attribution, needed: float, first: Standing) -> Standing:
+    if addition is not None and rival is addition.winner:
+        return first
+    if addition is not None and any(rival is r for r in addition.equivalent):
         return "equivalent"
     if any(rival is r for r in found.vetoed):
         return "refused by held-out data"

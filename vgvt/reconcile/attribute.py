@@ -49,7 +49,10 @@ class Addition:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attribution:
-    """The model without effects, the rounds that added one, the fit at the end, and what each of both ends leaves."""
+    """The model without effects, the rounds that added one, the fit at the end, and what each of both ends leaves.
+
+    ``leads`` are rounds that take too little to give a name, ``led`` the fit with them (:mod:`vgvt.reconcile.leads`).
+    """
 
     null: Fit
     null_residual: Residual
@@ -58,6 +61,8 @@ class Attribution:
     final_residual: Residual
     last_rivals: tuple[Rival, ...]
     vetoed: tuple[Rival, ...]
+    leads: tuple[Addition, ...] = ()
+    led: Fit | None = None
 
 
 def attribute(

@@ -12,7 +12,7 @@ from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.uncertain import edited
-from vgvt.reconcile.verdict import Verdict
+from vgvt.reconcile.verdict import NamedEffect, Verdict
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
@@ -64,6 +64,13 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
     return rows
 
 
+def _values(effect: NamedEffect) -> list[str]:
+    """Settings and parameters of an effect as comments."""
+    settings = [f"#   {k} = {v}" for k, v in effect.settings.items()]
+    fitted = [f"#   {k} = {v:.5g} +- {sd:.2g} {unit}".rstrip() for k, (v, sd, unit) in effect.parameters.items()]
+    return settings + fitted
+
+
 def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]) -> None:
     """The augmented scenario as TOML with where it comes from, and the posterior, as comments above it."""
     lines = [f"# {key}: {value}" for key, value in provenance.items()]
@@ -72,7 +79,9 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
         lines.append(
             f"# {effect.name}: {effect.evidence_nats:.1f} nats, equivalent: {', '.join(effect.equivalent) or 'none'}"
         )
-        lines += [f"#   {k} = {v:.5g} +- {sd:.2g} {unit}".rstrip() for k, (v, sd, unit) in effect.parameters.items()]
+        lines += _values(effect)
+    for lead in verdict.leads:
+        lines += [f"# a lead, not switched on here: {lead.name}", *_values(lead)]
     lines += ["#", "# Calibrated within the scenario's tolerances (score in prior standard deviations):"]
     lines += [
         f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}" for r in posterior_of(verdict.attribution.final)

@@ -58,13 +58,19 @@ def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
     One held-out channel can miss more than all the others: what it alone gains by is no explanation of them. Too much
     is also what the tolerances had to give: a gain that is wrong by thirty of its deviations leaves no misfit behind.
     """
-    if found.chi2_per_dof <= before.limits.chi2_per_dof:
-        return True
+    return found.chi2_per_dof <= before.limits.chi2_per_dof or share_taken(found, current, before) >= _MUCH
+
+
+def share_taken(found: Fit, current: Fit, before: Residual) -> float:
+    """What a fit takes of what was too much in ``current`` without it: misfit beyond noise and bent tolerances.
+
+    ``before`` is what ``current`` leaves. One where nothing was too much.
+    """
     missed = current.chi2 - before.noise_per_dof * current.points
     # Scores that nothing bends have a square of one each at most.
     bent = max(0.0, float(current.scores @ current.scores) - current.scores.size)
     taken = current.chi2 + float(current.scores @ current.scores) - found.chi2 - float(found.scores @ found.scores)
-    return taken >= _MUCH * (missed + bent)
+    return taken / (missed + bent) if missed + bent > 0 else 1.0
 
 
 def held_out_nats(found: Fit, better: float) -> float:

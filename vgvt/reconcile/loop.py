@@ -13,12 +13,13 @@ from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.figures_of_merit import compare
 from vgvt.reconcile.fit import FAR, Fit, calibrate
+from vgvt.reconcile.leads import as_leads
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
 from vgvt.reconcile.turned import turned, words_of_turn
-from vgvt.reconcile.verdict import Kind, Verdict, kind_of, named_effects, reasons_of, undecided
+from vgvt.reconcile.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of, undecided
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
@@ -77,6 +78,7 @@ def reconcile(
         again = attributed(calibrate(other, found.null.u, stages=FAR), "rounds-turned.json", _ATTRIBUTED, _TURNED)
         if again.rounds and (not found.rounds or again.final_residual.adequate):
             found, said = again, (words_of_turn(found, other),)
+    found = as_leads(found)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)
     places = None
@@ -89,7 +91,8 @@ def reconcile(
         tests = suggest(undecided(found))
         said += words_of_none(tests, limits.set_nats)
     verdict = Verdict(
-        kind, (*said, *reasons_of(kind, found, limits, places)), named_effects(found), found.final_residual.reasons,
+        kind, (*said, *reasons_of(kind, found, limits, places)), named_effects(found), leads_of(found),
+        found.final_residual.reasons,
         compare(found.null.foretold, measured, parts),
         compare(found.final.foretold, measured, parts),
         tests, found, places, limits, augment(scenario, found),

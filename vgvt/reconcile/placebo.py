@@ -32,7 +32,7 @@ class Placebo:
     candidate that held-out data did not refuse.
 
     ``noise_per_dof`` and ``held_out_noise_per_dof`` are the χ² that its noise alone leaves, ``model_form`` the relative
-    floor it was judged with. What is held out is None where nothing was.
+    floor it was judged with. What is held out is None where nothing was; ``strain_sd`` where it was not noted.
     """
 
     chi2_per_dof: float
@@ -42,6 +42,7 @@ class Placebo:
     noise_per_dof: float = 0.0
     held_out_noise_per_dof: float | None = 0.0
     model_form: float = PLACEBO_FLOOR
+    strain_sd: float | None = None
 
     @classmethod
     def of(cls, verdict: Verdict) -> Placebo:
@@ -56,7 +57,7 @@ class Placebo:
         measured, parts = null.problem.measured, null.problem.split
         return cls(
             left.train_chi2_per_dof, left.smooth_per_dof, left.held_out_chi2_per_dof, best_nats, left.noise_per_dof,
-            left.held_out_noise_per_dof, noise_share(measured, parts.train).floor,
+            left.held_out_noise_per_dof, noise_share(measured, parts.train).floor, left.strain_sd,
         )  # fmt: skip
 
 
@@ -88,17 +89,24 @@ def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: f
         for p in told
         if p.held_out_per_dof is not None and p.held_out_noise_per_dof is not None
     ]
-    every = [p.best_nats for p in placebos]
-    noisy = [p.best_nats for p in placebos if p.noise_per_dof >= _MOSTLY_NOISE]
-    formed = [p.best_nats / np.sqrt(1 - p.noise_per_dof) for p in placebos if p.noise_per_dof < _MOSTLY_NOISE]
+    gains = _by_share([(p.best_nats, p.noise_per_dof) for p in placebos], level)
+    strains = [(p.strain_sd, p.noise_per_dof) for p in placebos if p.strain_sd is not None]
     return Thresholds(
         max(0.0, _limit(chi2, level)), max(0.0, _limit(smooth, level)),
         max(0.0, _limit(held if len(held) >= _FEWEST else chi2, level)),
         # Gains of nothing are often negative: a name needs more than that.
-        max(_UNDER_A_NAME, _limit_above(noisy if len(noisy) >= _FEWEST else every, level)), _SET_NATS,
+        max(_UNDER_A_NAME, gains[0]), _SET_NATS,
         f"{len(placebos)} campaigns without any missing effect, one-sided {level:.0%} prediction limits; {made_by}",
-        unit, max(0.0, _limit_above(formed, level)) if len(formed) >= _FEWEST else 0.0,
+        unit, gains[1], *(_by_share(strains, level) if len(strains) >= _FEWEST else ()),
     )  # fmt: skip
+
+
+def _by_share(seen: Sequence[tuple[float, float]], level: float) -> tuple[float, float]:
+    """Limits of figures that come each with a share of noise: where that is most, and where model form is all."""
+    noisy = [value for value, noise in seen if noise >= _MOSTLY_NOISE]
+    formed = [value / np.sqrt(1 - noise) for value, noise in seen if noise < _MOSTLY_NOISE]
+    of_noise = _limit_above(noisy if len(noisy) >= _FEWEST else [value for value, _ in seen], level)
+    return of_noise, max(0.0, _limit_above(formed, level)) if len(formed) >= _FEWEST else 0.0
 
 
 def _beyond(left: float, noise: float, floors: float) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.data import Measured
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.holdout import Split
+from vgvt.reconcile.strain import strain_sd
 from vgvt.reconcile.thresholds import SMOOTHED, Limits, Thresholds, limits_for, noise_share
 
 Array = NDArray[np.float64]
@@ -26,6 +27,7 @@ class Residual:
     a missing effect raises; ``lag_one`` the correlation of neighbouring lines; ``share_beyond_three`` of lines beyond
     three standard deviations; ``independent`` the number of real values that this correlation leaves. ``noise_per_dof``
     is what noise alone leaves, ``held_out_noise_per_dof`` of held-out data, ``limits`` are those of this campaign.
+    ``strain_sd`` is what it took of the tolerances to leave no more (:mod:`vgvt.reconcile.strain`).
     """
 
     labels: tuple[str, ...]
@@ -45,6 +47,7 @@ class Residual:
     limits: Limits
     noise_per_dof: float
     held_out_noise_per_dof: float | None
+    strain_sd: float
 
 
 def residual(fit: Fit, thresholds: Thresholds) -> Residual:
@@ -55,14 +58,14 @@ def residual(fit: Fit, thresholds: Thresholds) -> Residual:
     train, held = rho[parts.train], rho[parts.held]
     chi2 = float(np.mean(np.abs(train) ** 2))
     held_chi2 = float(np.mean(np.abs(held) ** 2)) if held.size else None
-    smooth = smooth_part(train)
+    smooth, strain = smooth_part(train), strain_sd(fit)
     limits = limits_for(thresholds, measured, parts)
-    reasons = _reasons(chi2, held_chi2, smooth, limits)
+    reasons = _reasons(chi2, held_chi2, smooth, strain, limits)
     return Residual(
         tuple(c.label for c in measured.channels), measured.frequency_hz, rho, bands, _table(rho, measured, bands),
         chi2, held_chi2, smooth, lag_one(train), _between(rho, measured, parts), float(np.mean(np.abs(rho) > 3)),
         independent_values(train), not reasons, reasons, limits, noise_share(measured, parts.train).noise,
-        noise_share(measured, parts.held).noise if held.size else None,
+        noise_share(measured, parts.held).noise if held.size else None, strain,
     )  # fmt: skip
 
 
@@ -118,7 +121,7 @@ def _between(rho: ComplexArray, measured: Measured, parts: Split) -> float:
     return float(np.mean(found)) if found else 0.0
 
 
-def _reasons(chi2: float, held: float | None, smooth: float, t: Limits) -> tuple[str, ...]:
+def _reasons(chi2: float, held: float | None, smooth: float, strain: float, t: Limits) -> tuple[str, ...]:
     found = []
     if chi2 > t.chi2_per_dof:
         found.append(
@@ -131,4 +134,9 @@ def _reasons(chi2: float, held: float | None, smooth: float, t: Limits) -> tuple
         )
     if held is not None and held > t.held_out_per_dof:
         found.append(f"held-out data are missed by {held:.2f} per degree of freedom (at most {t.held_out_per_dof:.2f})")
+    if strain > t.strain_sd:
+        found.append(
+            f"the quantities that are stated with a tolerance lean on it, all together by {strain:.1f} standard "
+            f"deviations more than chance (at most {t.strain_sd:.1f})"
+        )
     return tuple(found)

@@ -31,6 +31,8 @@ class Thresholds:
     of a campaign. ``evidence_nats`` is the largest gain of evidence that an effect that is not there reaches where
     noise is most of what is judged by; ``evidence_form_nats`` where a model-form floor is all, which lasts from line to
     line and from channel to channel; ``set_nats`` is how near candidates count as equal.
+    ``strain_sd`` and ``strain_form_sd`` are the same pair for how far all that is uncertain is taken together
+    (:mod:`vgvt.reconcile.strain`).
     """
 
     chi2_per_dof: float
@@ -41,23 +43,28 @@ class Thresholds:
     provenance: str
     model_form: float = PLACEBO_FLOOR
     evidence_form_nats: float = 0.0
+    strain_sd: float = 4.0
+    strain_form_sd: float = 0.0
 
     def at(self, share: NoiseShare) -> Thresholds:
         """These thresholds with the ``evidence_nats`` of a campaign of that share of noise.
 
         What a model's form has wrong is imitated in proportion to its size, the root of its share.
         """
-        of_form = self.evidence_form_nats * math.sqrt(max(0.0, 1 - share.noise))
-        return replace(self, evidence_nats=max(self.evidence_nats, of_form))
+        return replace(self, evidence_nats=max(self.evidence_nats, self.evidence_form_nats * share.form_size))
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Limits of χ² per degree of freedom for one campaign: of the fit, of its smooth part and of held-out data."""
+    """Limits of χ² per degree of freedom for one campaign: of the fit, of its smooth part and of held-out data.
+
+    And of how far all that is uncertain may be taken together.
+    """
 
     chi2_per_dof: float
     smooth_per_dof: float
     held_out_per_dof: float
+    strain_sd: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +77,11 @@ class NoiseShare:
     noise: float
     values: int
     floor: float
+
+    @property
+    def form_size(self) -> float:
+        """Size of an error of the model's form relative to what a campaign is judged by."""
+        return math.sqrt(max(0.0, 1 - self.noise))
 
     @property
     def worth(self) -> float:
@@ -103,6 +115,7 @@ def limits_for(thresholds: Thresholds, measured: Measured, parts: Split) -> Limi
         # Sums over neighbouring lines: a smooth error counts that many times, noise once.
         _limit(fitted, thresholds.smooth_per_dof, thresholds.model_form, SMOOTHED),
         _limit(held, thresholds.held_out_per_dof, thresholds.model_form, 1),
+        max(thresholds.strain_sd, thresholds.strain_form_sd * fitted.form_size),
     )
 
 

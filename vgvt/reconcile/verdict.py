@@ -51,11 +51,15 @@ class NamedEffect:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:
-    """What a campaign says about a scenario, and everything that the saying rests on."""
+    """What a campaign says about a scenario, and everything that the saying rests on.
+
+    ``leads`` come nearest of the catalogue where nothing has a name; no figure of ``after`` includes them.
+    """
 
     kind: Kind
     reasons: tuple[str, ...]
     effects: tuple[NamedEffect, ...]
+    leads: tuple[NamedEffect, ...]
     unexplained: tuple[str, ...]
     before: Comparison
     after: Comparison
@@ -67,10 +71,12 @@ class Verdict:
 
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""
+        first_round = self.attribution.rounds or self.attribution.leads
         return {
             "verdict": self.kind.value,
             "reasons": list(self.reasons),
             "effects": [_effect_document(e) for e in self.effects],
+            "leads": [_effect_document(e) for e in self.leads],
             "unexplained": list(self.unexplained),
             "before": self.before.document(),
             "after": self.after.document(),
@@ -84,9 +90,7 @@ class Verdict:
             ],
             "candidates": [
                 {"effect": r.hypothesis.label, "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out}
-                for r in (
-                    self.attribution.rounds[0].rivals if self.attribution.rounds else self.attribution.last_rivals
-                )
+                for r in (first_round[0].rivals if first_round else self.attribution.last_rivals)
             ],
             "thresholds": {
                 **asdict(self.attribution.null_residual.limits),
@@ -124,8 +128,19 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
 
 def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
     """The effects of the final model with their posterior."""
-    names, final = [], honest(found.final)
-    for k, addition in enumerate(found.rounds):
+    return _of_rounds(found.rounds, found.final)
+
+
+def leads_of(found: Attribution) -> tuple[NamedEffect, ...]:
+    """What comes nearest where nothing has a name, with its posterior."""
+    return () if found.led is None else _of_rounds(found.leads, found.led)
+
+
+def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...]:
+    if not rounds:
+        return ()
+    names, final = [], honest(fit)
+    for k, addition in enumerate(rounds):
         winner = addition.winner
         others = tuple(dict.fromkeys(r.name for r in addition.equivalent if r.name != winner.name))
         cls = winner.hypothesis.cls
@@ -195,6 +210,11 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if kind is Kind.UNKNOWN:
         said.append("No effect of the catalogue explains it and holds on data that no fit has seen")
         said += [
+            f"{a.winner.hypothesis.label} comes nearest: held-out error goes from {a.held_out_before:.2f} to "
+            f"{a.winner.held_out:.2f}; less than half of what is too much is a lead, not a name"
+            for a in found.leads
+        ]
+        said += [
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
             "explains with it, or another place where it does as well, speak against it"
             for r in found.vetoed[:3]
@@ -253,5 +273,6 @@ def _residual_document(r: Residual) -> dict[str, object]:
         "lag_one": r.lag_one,
         "between_channels": r.between_channels,
         "share_beyond_three": r.share_beyond_three,
+        "strain_sd": r.strain_sd,
         "adequate": r.adequate,
     }

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 Held = Literal["", "channel", "run"]
-Standing = Literal["named", "equivalent", "beaten", "refused by held-out data", "too little evidence"]
+Standing = Literal["named", "lead", "equivalent", "beaten", "refused by held-out data", "too little evidence"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +150,7 @@ class Account:
     """Everything that the page of a reconciliation shows, of C channels, L lines and B bands.
 
     ``measured`` and ``sigma`` (C, L); ``bands_hz`` (B + 1,); ``limits`` are the thresholds by name;
-    ``located`` says at which model the places were found.
+    ``located`` says at which model the places were found; ``leads`` come nearest where nothing has a name.
     """
 
     title: str
@@ -169,6 +169,7 @@ class Account:
     limits: dict[str, float]
     provenance: str
     effects: tuple[EffectRow, ...] = ()
+    leads: tuple[EffectRow, ...] = ()
     candidates: tuple[CandidateRow, ...] = ()
     places: tuple[PlaceRow, ...] = ()
     located: str = ""

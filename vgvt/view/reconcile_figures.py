@@ -20,6 +20,7 @@ _ROW_PX = 15
 _SCALE = [[0.0, "#f4f7fb"], [0.25, "#fbe3c8"], [0.5, "#f2a766"], [0.75, "#c9511f"], [1.0, "#5c1a0b"]]
 _STANDING = {
     "named": (TRUTH_COLOUR, "named"),
+    "lead": (TRUTH_COLOUR, "comes nearest: too little for a name"),
     "equivalent": ("#56B4E9", "equivalent: explains the data as well"),
     "refused by held-out data": ("#D55E00", "refused: held-out data, or the place that is left, speak against it"),
     "beaten": (MEASURED_COLOUR, "beaten"),

@@ -46,7 +46,7 @@ def render_reconcile_page(account: Account) -> str:
     data: dict[str, Any] = {}
     sections = {
         "verdict": ("Verdict", parts.verdict_section(account)),
-        "named": ("What was named", parts.named_section(account)),
+        "named": ("What was named" if account.effects else "What comes nearest", parts.named_section(account)),
         "residual": ("What the model leaves", _residual(account, data)),
         "places": ("Where it comes from", _places(account, data)),
         "candidates": ("Candidates", _candidates(account, data)),

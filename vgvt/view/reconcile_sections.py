@@ -25,6 +25,7 @@ _FIGURES = (
     ("lag_one", "correlation of neighbouring lines"),
     ("between_channels", "correlation between channels of a run"),
     ("share_beyond_three", "share of lines beyond 3 sd"),
+    ("strain_sd", "how far all tolerances are leant on together, sd"),
 )
 _MERITS = (
     ("chi2_per_dof", "χ² per dof", ".2f"),
@@ -49,8 +50,9 @@ def verdict_section(account: Account) -> str:
 
 
 def named_section(account: Account) -> str:
-    """What was named, with its parameters and everything that explains the data as well."""
-    if not account.effects:
+    """What was named, or comes nearest, with its parameters and everything that explains the data as well."""
+    found = account.effects or account.leads
+    if not found:
         return ""
     heads = ("effect", "parameters", "evidence, nats", "held-out χ² before", "after", "explains it as well")
     rows = [
@@ -59,12 +61,17 @@ def named_section(account: Account) -> str:
             _number(e.held_out_before, ".2f"), _number(e.held_out_after, ".2f"),
             escaped(", ".join(e.equivalent) or "nothing else that was tried"),
         )
-        for e in account.effects
+        for e in found
     ]  # fmt: skip
     note = (
         f"Effects within {account.limits['set_nats']:g} nats of the best form a set that this campaign cannot tell "
         "apart. ± is one standard deviation with everything else free."
     )
+    if not account.effects:
+        note = (
+            "No names: held-out data confirm them, and they take less than half of what is too much. Nothing else on "
+            "this page includes them. " + note
+        )
     return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 1, 5))}'
 
 

@@ -50,7 +50,9 @@ def verdict_sentence(account: Account) -> str:
     if account.kind == "partly_explained":
         return f"The scenario lacks {names}, and something else that no effect of the catalogue explains{error}."
     where = f"; the residual points at {account.places[0].label}" if account.places else ""
-    return f"Something is missing that no effect of the catalogue explains{where}{error}."
+    leads = " and ".join(_with_rivals(e) for e in account.leads)
+    nearest = f"; what comes nearest, {leads}, takes less than half of it" if leads else ""
+    return f"Something is missing that no effect of the catalogue explains{where}{nearest}{error}."
 
 
 def next_steps(account: Account) -> tuple[str, ...]:
@@ -62,6 +64,8 @@ def next_steps(account: Account) -> tuple[str, ...]:
             f"{best.test}: {best.nats:.0f} nats between {best.rivals[0]} and {best.rivals[1]} in {best.minutes:.0f} min"
         )
         steps.insert(0, f"Next test: {words}.")
+    if account.leads:
+        steps.insert(1, "What comes nearest is a lead: what is missing may act like it, or sit where it does.")
     return tuple(steps)
 
 

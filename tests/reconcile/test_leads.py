@@ -1,0 +1,84 @@
+"""What is found and takes less than half of what was too much is a lead, and no name."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.leads import as_leads, shares
+from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
+
+
+def fitted(chi2: float, bent: float = 0.0) -> Any:
+    """A fit of 1000 values, with scores of that square sum beyond their number."""
+    scores = np.zeros(4)
+    scores[0] = np.sqrt(4 + bent) if bent else 0.0
+    return SimpleNamespace(
+        chi2=chi2, points=1000, scores=scores, covariance=np.eye(4), converged=True, hypotheses=(),
+        problem=SimpleNamespace(names=("a", "b", "c", "d")),
+    )  # fmt: skip
+
+
+def left(held_out: float | None, adequate: bool = False) -> Any:
+    """What a fit leaves, of which noise leaves 0.7 and a campaign without an effect at most 1."""
+    return SimpleNamespace(
+        held_out_chi2_per_dof=held_out, held_out_noise_per_dof=0.7, noise_per_dof=0.7, adequate=adequate,
+        limits=SimpleNamespace(held_out_per_dof=1.0, chi2_per_dof=1.0),
+    )  # fmt: skip
+
+
+def found(before: tuple[float, float | None], after: tuple[float, float | None], adequate: bool = False) -> Attribution:
+    """One round, by χ² per degree of freedom of the fitted and of the held-out data without and with it."""
+    null, final = fitted(1000 * before[0], bent=50.0), fitted(1000 * after[0])
+    addition: Any = SimpleNamespace(winner=SimpleNamespace(name="added-mass"))
+    return Attribution(
+        null, left(before[1]), (addition,), final, left(after[1], adequate), last_rivals=(), vetoed=()
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("after", "kept"),
+    [
+        ((1.0, 2.0), True),  # 1050 of 1350 too much, 3 of 4.3
+        ((2.0, 2.0), False),  # 50 of 1350 … of the fit, whatever held-out data say
+        ((1.0, 3.5), False),  # 1.5 of 4.3 of held-out data
+        ((1.0, 0.9), True),
+        ((1.0, None), True),
+    ],
+)
+def test_a_name_takes_half_of_the_fit_and_of_held_out_data(after: tuple[float, float | None], kept: bool) -> None:
+    case = found((2.0, 5.0), after)
+    judged = as_leads(case)
+    assert (judged is case) == kept
+    if not kept:
+        assert judged.rounds == ()
+        assert judged.leads == case.rounds
+        assert judged.led is case.final
+        assert (judged.final, judged.final_residual) == (case.null, case.null_residual)
+        assert kind_of(judged) is Kind.UNKNOWN
+
+
+def test_what_leaves_no_more_than_noise_keeps_its_name() -> None:
+    """Where little was too much, half of it is chance."""
+    small = found((0.9, 0.9), (0.88, 0.9), adequate=True)
+    assert as_leads(small) is small
+
+
+def test_what_held_out_data_met_before_they_do_not_ask_for() -> None:
+    """Of data that are met no half has to be taken, even if they were met better without."""
+    assert shares(found((2.0, 0.8), (1.0, 0.9)))[1] == 1.0
+
+
+def test_held_out_data_that_grow_worse_beyond_their_limit_are_no_share() -> None:
+    assert shares(found((2.0, 1.5), (1.0, 1.6)))[1] < 0
+    assert shares(found((2.0, 0.6), (1.0, 1.6)))[1] == 0.0
+
+
+def test_nothing_found_leads_nowhere() -> None:
+    nothing = Attribution(fitted(1e3), left(2.0), (), fitted(1e3), left(2.0), (), ())
+    assert as_leads(nothing) is nothing
+    assert leads_of(nothing) == named_effects(nothing) == ()

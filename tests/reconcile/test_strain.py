@@ -1,0 +1,79 @@
+"""How far all that is uncertain was taken together: chance where the truth keeps its tolerances, far more where not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, small_scenario
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.fit import Fit, calibrate
+from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.residual import residual
+from vgvt.reconcile.strain import strain_sd
+from vgvt.reconcile.thresholds import NoiseShare, stored_thresholds
+
+
+def estimated(g: np.random.Generator, slopes: np.ndarray, lean: float = 0.0) -> Any:
+    """What a linear fit makes of scores that were drawn, all of them displaced by ``lean``, and of unit noise."""
+    count = slopes.shape[1]
+    truth = g.standard_normal(count) + lean
+    data = slopes @ truth + g.standard_normal(slopes.shape[0])
+    covariance = np.linalg.inv(slopes.T @ slopes + np.eye(count))
+    return SimpleNamespace(u=covariance @ slopes.T @ data, covariance=covariance)
+
+
+def test_of_truths_within_their_tolerances_it_is_a_standard_deviate() -> None:
+    """Whatever the data tell of each: some much, some nothing."""
+    g = np.random.default_rng(4)
+    slopes = g.standard_normal((60, 25)) * np.logspace(-3, 1, 25)
+    seen = np.array([strain_sd(estimated(g, slopes)) for _ in range(4000)])
+    assert abs(seen.mean()) < 4 / np.sqrt(seen.size)
+    assert seen.std() == pytest.approx(1.0, abs=0.07)
+
+
+def test_all_that_lean_a_little_stand_out_together() -> None:
+    g = np.random.default_rng(5)
+    slopes = 10 * g.standard_normal((60, 25))
+    leaning = [estimated(g, slopes, lean=1.5) for _ in range(50)]
+    assert np.median([strain_sd(f) for f in leaning]) > 5
+    # None of them by itself.
+    assert np.median([np.abs(f.u).max() for f in leaning]) < 4
+
+
+def test_an_effects_own_parameters_do_not_count_and_nothing_strains_nothing() -> None:
+    free = SimpleNamespace(u=np.array([1.0, -1.0]), covariance=np.diag([0.5, 0.5, 1e-6]))
+    alone = SimpleNamespace(u=np.array([1.0, -1.0]), covariance=np.diag([0.5, 0.5]))
+    assert strain_sd(free) == strain_sd(alone) == pytest.approx(1.0)  # type: ignore[arg-type]
+    assert strain_sd(SimpleNamespace(u=np.zeros(0), covariance=np.zeros((0, 0)))) == 0.0  # type: ignore[arg-type]
+
+
+def calibrated(folder: Path, seed: int, *effects: Any) -> Fit:
+    """The small scenario calibrated to a campaign."""
+    scenario = small_scenario()
+    return calibrate(make_problem(campaign_of(scenario, seed, *effects), scenario, lines=150, cache=folder))
+
+
+def test_what_tolerances_imitate_is_no_longer_adequate(tmp_path: Path) -> None:
+    """Data met by leaning on the tolerances are met at a price; without an effect there is none."""
+    limits = stored_thresholds()
+    sound = residual(calibrated(tmp_path, 11), limits)
+    assert sound.adequate
+    assert sound.strain_sd < sound.limits.strain_sd
+    heavy = available_effects()["added-mass"](mass_kg=0.1, x_m=0.75, y_m=0.9)
+    bent = residual(calibrated(tmp_path, 11, heavy), limits)
+    assert bent.strain_sd > bent.limits.strain_sd
+    assert not bent.adequate
+    assert any("lean on it" in reason for reason in bent.reasons)
+
+
+def test_its_limit_grows_with_the_models_form() -> None:
+    """As the evidence that a name needs does: what the form has wrong is imitated in proportion to its size."""
+    limits = stored_thresholds()
+    assert limits.strain_form_sd > limits.strain_sd > 2.5
+    assert NoiseShare(1.0, 10, 0.004).form_size == 0.0
+    assert NoiseShare(0.19, 10, 0.004).form_size == pytest.approx(0.9)

@@ -1,0 +1,46 @@
+"""A name must account for most of what was too much: what was found and takes less than half of it is a lead.
+
+Where the right effect is not in the catalogue another one nearly always takes something. It is worth looking at, and
+it is no finding: most of what is missing is still unknown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.confirmation import share_taken
+
+_MOST = 0.5
+
+
+def as_leads(found: Attribution) -> Attribution:
+    """The same, with what was named as leads where it takes less than half of what was too much.
+
+    Of the fitted data and what the tolerances had to give, and of held-out data where these are still missed. What
+    leaves no more than campaigns leave in which nothing is missing keeps its name.
+    """
+    if not found.rounds or found.final_residual.adequate or min(shares(found)) >= _MOST:
+        return found
+    return demoted(found)
+
+
+def demoted(found: Attribution) -> Attribution:
+    """The same with every name a lead, and the model without effects at the end."""
+    return replace(
+        found, rounds=(), leads=found.rounds, led=found.final, final=found.null, final_residual=found.null_residual
+    )
+
+
+def shares(found: Attribution) -> tuple[float, float]:
+    """What the final model takes of what was too much without its effects: of the fit, and of held-out data.
+
+    The second is 1 where held-out data are met, or nothing is held out.
+    """
+    before, after = found.null_residual, found.final_residual
+    fitted = share_taken(found.final, found.null, before)
+    left, was = after.held_out_chi2_per_dof, before.held_out_chi2_per_dof
+    if left is None or was is None or left <= after.limits.held_out_per_dof:
+        return fitted, 1.0
+    excess = was - (before.held_out_noise_per_dof or 0.0)
+    return fitted, (was - left) / excess if excess > 0 else 0.0
