@@ -209,11 +209,13 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         said.append("The calibration had not converged: some of what is left may be its own")
     if kind is Kind.UNKNOWN:
         said.append("No effect of the catalogue explains it and holds on data that no fit has seen")
-        said += [
-            f"{a.winner.hypothesis.label} comes nearest: held-out error goes from {a.held_out_before:.2f} to "
-            f"{a.winner.held_out:.2f}; less than half of what is too much is a lead, not a name"
-            for a in found.leads
-        ]
+        if found.leads:
+            labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
+            said.append(
+                f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
+                f"{found.leads[-1].winner.held_out:.2f}; what takes less than half of what is too much is a lead, "
+                "not a name"
+            )
         said += [
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
             "explains with it, or another place where it does as well, speak against it"
