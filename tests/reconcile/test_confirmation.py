@@ -22,8 +22,10 @@ BEFORE: Any = SimpleNamespace(
     held_out_noise_per_dof=1.0,
     train_chi2_per_dof=1.0,
     noise_per_dof=1.0,
-    limits=SimpleNamespace(held_out_per_dof=1.2, chi2_per_dof=1.2),
+    strain_sd=2.0,
+    limits=SimpleNamespace(held_out_per_dof=1.2, chi2_per_dof=1.2, strain_sd=3.0),
 )
+STRAINED: Any = SimpleNamespace(**{**vars(BEFORE), "strain_sd": 60.0})
 NEEDS: Any = SimpleNamespace(evidence_nats=9.0)
 
 
@@ -44,11 +46,15 @@ def white() -> Any:
 def confirmed(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Whether a name is confirmed by what is missed with it, the scores needed without, and what its effect does."""
 
-    def asked(held_out: float, null_scores: float, apart: float = 0.0, felt: float = 1000.0) -> bool:
+    def asked(
+        held_out: float, null_scores: float, apart: float = 0.0, felt: float = 1000.0, enough: bool = False,
+        before: Any = BEFORE,
+    ) -> bool:  # fmt: skip
         own = white()
         monkeypatch.setattr(confirmation, "_felt", lambda found: felt)
+        monkeypatch.setattr(confirmation, "takes_enough", lambda *given: enough)
         null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]), foretold=own.foretold + apart)
-        return confirmed_by_held_out(own, held_out, null, BEFORE, NEEDS)
+        return confirmed_by_held_out(own, held_out, null, before, NEEDS)
 
     return asked
 
@@ -68,7 +74,10 @@ def test_held_out_data_must_speak_for_a_name(confirmed: Any) -> None:
 
 def fitted(left: float, bent: float = 0.0) -> Any:
     """A fit of a hundred values that leaves so much of each, with one of its two scores ``bent``."""
-    return SimpleNamespace(chi2=100 * left, chi2_per_dof=left, points=100, scores=np.array([bent, 1.0]))
+    scores = np.array([bent, 1.0])
+    return SimpleNamespace(
+        chi2=100 * left, chi2_per_dof=left, points=100, scores=scores, u=scores, covariance=np.zeros((2, 2))
+    )
 
 
 @pytest.mark.parametrize(("left", "enough"), [(1.15, True), (28.0, False), (23.5, False), (22.5, True)])
@@ -82,6 +91,29 @@ def test_fitted_data_that_are_still_missed_must_be_met_much_better_too(left: flo
 def test_what_the_tolerances_get_back_counts_as_well(bent: float, enough: bool) -> None:
     """A gain 30 of its deviations off misses nothing: 100 too much in the data beside the 900 that it costs."""
     assert takes_enough(fitted(1.9, bent), fitted(2.0, 30.0), BEFORE) is enough
+
+
+def test_much_of_what_the_data_miss_will_do_whatever_the_tolerances_still_give() -> None:
+    """Of two missing effects one may be in the data alone, and another in the tolerances alone: 900 beside 100."""
+    assert takes_enough(fitted(1.7, 30.0), fitted(2.0, 30.0), BEFORE)
+    assert not takes_enough(fitted(1.8, 30.0), fitted(2.0, 30.0), BEFORE)
+
+
+def test_most_of_what_the_tolerances_gave_will_do_whatever_the_data_still_miss() -> None:
+    """900 of 2900 beyond: a gain bent by thirty of its deviations is set right, and the data are missed as before."""
+    assert takes_enough(fitted(30.0, 5.0), fitted(30.0, 10.0), STRAINED)
+    assert not takes_enough(fitted(30.0, 9.0), fitted(30.0, 10.0), STRAINED)
+    # What is no more than chance has nothing to give back.
+    assert not takes_enough(fitted(30.0, 0.0), fitted(30.0, 2.0), BEFORE)
+
+
+def test_held_out_data_that_miss_another_effect_need_not_be_met_much_better(confirmed: Any) -> None:
+    """A mass that the tolerances had imitated, beside a mount that held-out data feel: they must not speak against."""
+    missed: Any = SimpleNamespace(**{**vars(BEFORE), "held_out_chi2_per_dof": 1.5})
+    assert confirmed(1.49, 5.0, enough=True, before=missed)
+    assert not confirmed(1.49, 5.0, enough=False, before=missed)
+    assert not confirmed(1.6, 5.0, enough=True, before=missed)
+    assert confirmed(1.3, 5.0, enough=False, before=missed)
 
 
 def test_of_what_they_do_not_feel_held_out_data_only_speak_against(confirmed: Any) -> None:

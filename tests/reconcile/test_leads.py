@@ -1,4 +1,4 @@
-"""What is found and takes less than half of what was too much is a lead, and no name."""
+"""What is found and does not halve what was too much with every name is a lead."""
 
 from __future__ import annotations
 
@@ -31,12 +31,14 @@ def left(held_out: float | None, adequate: bool = False) -> Any:
     )  # fmt: skip
 
 
-def found(before: tuple[float, float | None], after: tuple[float, float | None], adequate: bool = False) -> Attribution:
-    """One round, by χ² per degree of freedom of the fitted and of the held-out data without and with it."""
+def found(
+    before: tuple[float, float | None], after: tuple[float, float | None], adequate: bool = False, names: int = 1
+) -> Attribution:
+    """Rounds, by χ² per degree of freedom of the fitted and of the held-out data without and with them."""
     null, final = fitted(1000 * before[0], bent=50.0), fitted(1000 * after[0])
     addition: Any = SimpleNamespace(winner=SimpleNamespace(name="added-mass"))
     return Attribution(
-        null, left(before[1]), (addition,), final, left(after[1], adequate), last_rivals=(), vetoed=()
+        null, left(before[1]), (addition,) * names, final, left(after[1], adequate), last_rivals=(), vetoed=()
     )  # fmt: skip
 
 
@@ -60,6 +62,15 @@ def test_a_name_takes_half_of_the_fit_and_of_held_out_data(after: tuple[float, f
         assert judged.led is case.final
         assert (judged.final, judged.final_residual) == (case.null, case.null_residual)
         assert kind_of(judged) is Kind.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("names", "held_out", "kept"), [(1, 2.8, True), (2, 2.8, False), (2, 1.7, True), (3, 1.7, False), (3, 1.2, True)]
+)
+def test_every_name_halves_what_is_too_much(names: int, held_out: float, kept: bool) -> None:
+    """Of 4.3 that held-out data are missed by too much."""
+    case = found((2.0, 5.0), (0.71, held_out), names=names)
+    assert (as_leads(case) is case) == kept
 
 
 def test_what_leaves_no_more_than_noise_keeps_its_name() -> None:

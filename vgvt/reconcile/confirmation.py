@@ -9,6 +9,7 @@ import numpy as np
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.residual import Residual, independent_values
+from vgvt.reconcile.strain import strain_sd
 from vgvt.reconcile.surrogate import anchor
 from vgvt.reconcile.thresholds import Thresholds, noise_share
 
@@ -16,8 +17,10 @@ from vgvt.reconcile.thresholds import Thresholds, noise_share
 _HELD_OUT_NATS = 1.0
 # Standard deviations within which held-out data are not against a name that they cannot tell.
 _CHANCE = 2.0
-# What 'much better' means where held-out data are still missed: this share of what was too much.
+# What 'much better' means where data are still missed: this share of what was too much.
 _MUCH = 0.25
+# Of how far the tolerances were leant on: what takes this share of it is what they had imitated.
+_MOST = 0.5
 
 
 def confirmed_by_held_out(
@@ -26,8 +29,9 @@ def confirmed_by_held_out(
     """Held-out data must be met better than before; where nothing is held out there is no name.
 
     ``found`` is the fit with the effect, ``missed`` its held-out χ² per degree of freedom, ``current`` the model
-    without it and ``before`` what that leaves. Where held-out data are still missed, they must be met much better: a
-    wrong effect often takes a little of what another one leaves, held-out data or tolerances.
+    without it and ``before`` what that leaves. Where held-out data are still missed, they must be met much better, or
+    fitted data must, or the tolerances be leant on by less than half: a wrong effect often takes a little of what
+    another one leaves, while of two true ones held-out data may miss little of the first.
 
     Two kinds of effect they cannot speak for, only against. Where the unknowns had imitated the effect, far out of
     their tolerances, the data were met already: the tolerances must then speak for the name by as much as a name
@@ -37,7 +41,7 @@ def confirmed_by_held_out(
         return False
     excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
     better = before.held_out_chi2_per_dof - missed
-    if missed > before.limits.held_out_per_dof and better < _MUCH * excess:
+    if missed > before.limits.held_out_per_dof and better < _MUCH * excess and not takes_enough(found, current, before):
         return False
     held, sigma = found.problem.split.held, found.problem.measured.sigma
     worth = _worth(found)
@@ -53,12 +57,20 @@ def confirmed_by_held_out(
 
 
 def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
-    """Whether a fit that has ended meets its own data, or takes much of what was too much in ``current`` without it.
+    """Whether a fit meets its own data, or takes much of what was too much in ``current`` without it.
 
     One held-out channel can miss more than all the others: what it alone gains by is no explanation of them. Too much
     is also what the tolerances had to give: a gain that is wrong by thirty of its deviations leaves no misfit behind.
+    Of several missing effects one may be all in what the data miss and another all in the tolerances: much of either
+    will do.
     """
-    return found.chi2_per_dof <= before.limits.chi2_per_dof or share_taken(found, current, before) >= _MUCH
+    if found.chi2_per_dof <= before.limits.chi2_per_dof or share_taken(found, current, before) >= _MUCH:
+        return True
+    missed = current.chi2 - before.noise_per_dof * current.points
+    if missed > 0 and current.chi2 - found.chi2 >= _MUCH * missed:
+        return True
+    strained = before.strain_sd > before.limits.strain_sd
+    return strained and strain_sd(found) <= (1 - _MOST) * before.strain_sd
 
 
 def share_taken(found: Fit, current: Fit, before: Residual) -> float:

@@ -1,7 +1,7 @@
-"""A name must account for most of what was too much: what was found and takes less than half of it is a lead.
+"""Every name must halve what is too much: what was found and takes less is a lead.
 
-Where the right effect is not in the catalogue another one nearly always takes something. It is worth looking at, and
-it is no finding: most of what is missing is still unknown.
+Where the right effect is not in the catalogue another one nearly always takes something, and two more take something of
+the rest. They are worth looking at, and no finding: what is missing is still unknown.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ from dataclasses import replace
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.confirmation import share_taken
 
-_MOST = 0.5
-
 
 def as_leads(found: Attribution) -> Attribution:
-    """The same, with what was named as leads where it takes less than half of what was too much.
+    """The same, with what was named as leads where it takes too little of what was too much.
 
-    Of the fitted data and what the tolerances had to give, and of held-out data where these are still missed. What
-    leaves no more than campaigns leave in which nothing is missing keeps its name.
+    Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
+    to give, and of held-out data where these are still missed. What leaves no more than campaigns leave in which
+    nothing is missing keeps its name.
     """
-    if not found.rounds or found.final_residual.adequate or min(shares(found)) >= _MOST:
+    enough = 1 - 0.5 ** len(found.rounds)
+    if not found.rounds or found.final_residual.adequate or min(shares(found)) >= enough:
         return found
     return demoted(found)
 

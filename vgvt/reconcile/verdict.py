@@ -213,8 +213,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
             said.append(
                 f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
-                f"{found.leads[-1].winner.held_out:.2f}; what takes less than half of what is too much is a lead, "
-                "not a name"
+                f"{found.leads[-1].winner.held_out:.2f}; what does not halve what is too much with every name is a "
+                "lead"
             )
         said += [
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
