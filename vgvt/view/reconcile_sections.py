@@ -69,7 +69,7 @@ def named_section(account: Account) -> str:
     )
     if not account.effects:
         note = (
-            "No names: held-out data confirm them, but with each of them less than half of what is too much goes. Nothing "
+            "No names: held-out data confirm them, but each of them takes less than half of what is too much. Nothing "
             "else on this page includes them. " + note
         )
     return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 1, 5))}'
