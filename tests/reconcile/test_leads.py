@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -87,6 +88,15 @@ def test_what_held_out_data_met_before_they_do_not_ask_for() -> None:
 def test_held_out_data_that_grow_worse_beyond_their_limit_are_no_share() -> None:
     assert shares(found((2.0, 1.5), (1.0, 1.6)))[1] < 0
     assert shares(found((2.0, 0.6), (1.0, 1.6)))[1] == 0.0
+
+
+def test_where_nothing_was_missing_nothing_comes_nearest() -> None:
+    """A name that makes held-out data worse than they may be, where they were met without it."""
+    case = replace(found((0.9, 0.9), (0.88, 1.6)), null_residual=left(0.9, adequate=True))
+    judged = as_leads(case)
+    assert judged.rounds == judged.leads == ()
+    assert judged.led is None
+    assert judged.final is case.null
 
 
 def test_nothing_found_leads_nowhere() -> None:

@@ -26,10 +26,9 @@ def as_leads(found: Attribution) -> Attribution:
 
 
 def demoted(found: Attribution) -> Attribution:
-    """The same with every name a lead, and the model without effects at the end."""
-    return replace(
-        found, rounds=(), leads=found.rounds, led=found.final, final=found.null, final_residual=found.null_residual
-    )
+    """The same with every name a lead, and the model without effects at the end; no leads where that is adequate."""
+    bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
+    return bare if found.null_residual.adequate else replace(bare, leads=found.rounds, led=found.final)
 
 
 def shares(found: Attribution) -> tuple[float, float]:
