@@ -77,3 +77,15 @@ def test_gains_of_nothing_have_a_limit_for_noise_and_one_for_the_models_form() -
     assert both.evidence_form_nats * 0.9 == pytest.approx(calibrated_thresholds(formed, "a test").evidence_nats)
     assert both.evidence_form_nats > 2 * both.evidence_nats
     assert calibrated_thresholds(noisy, "a test").evidence_form_nats == 0.0
+
+
+def test_strains_have_a_limit_for_noise_and_one_for_the_models_form() -> None:
+    """Where placebos noted them; the stated ones else."""
+    g = np.random.default_rng(9)
+    noisy = [replace(p, noise_per_dof=0.55, strain_sd=float(g.standard_normal())) for p in drawn(60, 1)]
+    formed = [replace(p, noise_per_dof=0.19, strain_sd=float(3 * g.standard_normal())) for p in drawn(60, 2)]
+    both = calibrated_thresholds([*noisy, *formed], "a test")
+    assert both.strain_sd >= max(p.strain_sd or 0.0 for p in noisy)
+    assert both.strain_form_sd * 0.9 >= max(p.strain_sd or 0.0 for p in formed) * (1 - 1e-12)
+    unnoted = calibrated_thresholds(drawn(60, 1), "a test")
+    assert (unnoted.strain_sd, unnoted.strain_form_sd) == (4.0, 0.0)

@@ -126,6 +126,15 @@ def test_where_a_models_form_is_most_of_what_is_judged_by_a_name_needs_more(nois
     assert Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test").at(NoiseShare(0.0, 1000, 0.004)).evidence_nats == 9.0
 
 
+@pytest.mark.parametrize(("noise", "limit"), [(0.1, 3.0), (0.001, 7.0)])
+def test_tolerances_may_be_leant_on_further_where_a_models_form_is_imitated(noise: float, limit: float) -> None:
+    measured, _ = case(noise, 0.004, 0.0, 1)
+    limits = Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test", strain_sd=3.0, strain_form_sd=7.5)
+    found = limits_for(limits, measured, SPLIT).strain_sd
+    assert found == pytest.approx(limit, abs=0.6)
+    assert found == max(3.0, 7.5 * noise_share(measured, SPLIT.train).form_size)
+
+
 def test_the_loop_judges_a_campaign_by_limits_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     """The form's limit is that of the share that the campaign has, not the one in the file."""
     measured, _ = case(0.001, 0.004, 0.002, 1)
