@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vgvt.reconcile import one_level
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.verdict import Kind, kind_of
 
@@ -56,6 +57,20 @@ def test_a_calibration_on_its_way_is_a_doubt_where_something_is_left() -> None:
     moving.final_residual = SimpleNamespace(adequate=False)
     (said,) = doubts(moving)
     assert "had not converged" in said
+
+
+@pytest.mark.parametrize(
+    ("met", "linear", "kind"),
+    [(True, False, Kind.AMBIGUOUS), (False, False, Kind.PARTLY_EXPLAINED), (True, True, Kind.PARTLY_EXPLAINED)],
+)
+def test_data_met_by_leaning_on_tolerances_await_a_second_level_before_anything_else(
+    monkeypatch: pytest.MonkeyPatch, met: bool, linear: bool, kind: Kind
+) -> None:
+    leaning = found(fitted(), fitted())
+    leaning.final_residual = SimpleNamespace(adequate=False, met=met)
+    leaning.rounds[0].winner.hypothesis.linear = linear
+    monkeypatch.setattr(one_level, "several_levels", lambda problem: False)
+    assert kind_of(leaning) is kind
 
 
 def test_without_a_name_there_is_nothing_to_doubt() -> None:

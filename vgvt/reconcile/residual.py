@@ -27,7 +27,8 @@ class Residual:
     a missing effect raises; ``lag_one`` the correlation of neighbouring lines; ``share_beyond_three`` of lines beyond
     three standard deviations; ``independent`` the number of real values that this correlation leaves. ``noise_per_dof``
     is what noise alone leaves, ``held_out_noise_per_dof`` of held-out data, ``limits`` are those of this campaign.
-    ``strain_sd`` is what it took of the tolerances to leave no more (:mod:`vgvt.reconcile.strain`).
+    ``strain_sd`` is what it took of the tolerances to leave no more (:mod:`vgvt.reconcile.strain`); ``met`` says that
+    it leaves no more than noise does, ``adequate`` that it did not lean on them for it either.
     """
 
     labels: tuple[str, ...]
@@ -42,6 +43,7 @@ class Residual:
     between_channels: float
     share_beyond_three: float
     independent: float
+    met: bool
     adequate: bool
     reasons: tuple[str, ...]
     limits: Limits
@@ -60,11 +62,12 @@ def residual(fit: Fit, thresholds: Thresholds) -> Residual:
     held_chi2 = float(np.mean(np.abs(held) ** 2)) if held.size else None
     smooth, strain = smooth_part(train), strain_sd(fit)
     limits = limits_for(thresholds, measured, parts)
-    reasons = _reasons(chi2, held_chi2, smooth, strain, limits)
+    left = _reasons(chi2, held_chi2, smooth, limits)
+    reasons = (*left, *_of_strain(strain, limits))
     return Residual(
         tuple(c.label for c in measured.channels), measured.frequency_hz, rho, bands, _table(rho, measured, bands),
         chi2, held_chi2, smooth, lag_one(train), _between(rho, measured, parts), float(np.mean(np.abs(rho) > 3)),
-        independent_values(train), not reasons, reasons, limits, noise_share(measured, parts.train).noise,
+        independent_values(train), not left, not reasons, reasons, limits, noise_share(measured, parts.train).noise,
         noise_share(measured, parts.held).noise if held.size else None, strain,
     )  # fmt: skip
 
@@ -121,7 +124,7 @@ def _between(rho: ComplexArray, measured: Measured, parts: Split) -> float:
     return float(np.mean(found)) if found else 0.0
 
 
-def _reasons(chi2: float, held: float | None, smooth: float, strain: float, t: Limits) -> tuple[str, ...]:
+def _reasons(chi2: float, held: float | None, smooth: float, t: Limits) -> tuple[str, ...]:
     found = []
     if chi2 > t.chi2_per_dof:
         found.append(
@@ -134,9 +137,13 @@ def _reasons(chi2: float, held: float | None, smooth: float, strain: float, t: L
         )
     if held is not None and held > t.held_out_per_dof:
         found.append(f"held-out data are missed by {held:.2f} per degree of freedom (at most {t.held_out_per_dof:.2f})")
-    if strain > t.strain_sd:
-        found.append(
-            f"the quantities that are stated with a tolerance lean on it, all together by {strain:.1f} standard "
-            f"deviations more than chance (at most {t.strain_sd:.1f})"
-        )
     return tuple(found)
+
+
+def _of_strain(strain: float, t: Limits) -> tuple[str, ...]:
+    if strain <= t.strain_sd:
+        return ()
+    return (
+        f"the quantities that are stated with a tolerance lean on it, all together by {strain:.1f} standard "
+        f"deviations more than chance (at most {t.strain_sd:.1f})",
+    )

@@ -106,7 +106,10 @@ def kind_of(found: Attribution) -> Kind:
         # Data that are met at the price of tolerances far exceeded are not explained by the scenario as stated.
         met = found.null_residual.adequate and not strained_too_much(found.null)
         return Kind.ADEQUATE if met else Kind.UNKNOWN
-    if not found.final_residual.adequate or doubts(found):
+    doubtful = bool(doubts(found))
+    # With data met, what a joint that depends on level makes of the tolerances is for the second level to say.
+    awaits_level = not doubtful and rests_on_one_level(found) and found.final_residual.met
+    if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.equivalent}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
     return Kind.AMBIGUOUS if several or rests_on_one_level(found) else Kind.EXPLAINED
