@@ -12,10 +12,16 @@ from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.fit import Fit, calibrate
-from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.problem import CELLS, make_problem
 from vgvt.reconcile.residual import residual
 from vgvt.reconcile.strain import strain_sd
 from vgvt.reconcile.thresholds import NoiseShare, stored_thresholds
+
+
+def fitted(u: np.ndarray, covariance: np.ndarray, *names: str) -> Any:
+    """A fit of unknowns ``names``, by default of a tolerance each."""
+    problem = SimpleNamespace(names=names or tuple(f"tolerance {k}" for k in range(u.size)))
+    return SimpleNamespace(u=u, covariance=covariance, problem=problem)
 
 
 def estimated(g: np.random.Generator, slopes: np.ndarray, lean: float = 0.0) -> Any:
@@ -24,7 +30,7 @@ def estimated(g: np.random.Generator, slopes: np.ndarray, lean: float = 0.0) -> 
     truth = g.standard_normal(count) + lean
     data = slopes @ truth + g.standard_normal(slopes.shape[0])
     covariance = np.linalg.inv(slopes.T @ slopes + np.eye(count))
-    return SimpleNamespace(u=covariance @ slopes.T @ data, covariance=covariance)
+    return fitted(covariance @ slopes.T @ data, covariance)
 
 
 def test_of_truths_within_their_tolerances_it_is_a_standard_deviate() -> None:
@@ -46,10 +52,16 @@ def test_all_that_lean_a_little_stand_out_together() -> None:
 
 
 def test_an_effects_own_parameters_do_not_count_and_nothing_strains_nothing() -> None:
-    free = SimpleNamespace(u=np.array([1.0, -1.0]), covariance=np.diag([0.5, 0.5, 1e-6]))
-    alone = SimpleNamespace(u=np.array([1.0, -1.0]), covariance=np.diag([0.5, 0.5]))
-    assert strain_sd(free) == strain_sd(alone) == pytest.approx(1.0)  # type: ignore[arg-type]
-    assert strain_sd(SimpleNamespace(u=np.zeros(0), covariance=np.zeros((0, 0)))) == 0.0  # type: ignore[arg-type]
+    free = fitted(np.array([1.0, -1.0]), np.diag([0.5, 0.5, 1e-6]))
+    alone = fitted(np.array([1.0, -1.0]), np.diag([0.5, 0.5]))
+    assert strain_sd(free) == strain_sd(alone) == pytest.approx(1.0)
+    assert strain_sd(fitted(np.zeros(0), np.zeros((0, 0)))) == 0.0
+
+
+def test_the_cells_of_the_chain_are_no_tolerance() -> None:
+    """Records of the scenario's own chain have that at the end of its range: nothing leans."""
+    own = fitted(np.array([1.0, -1.0, -4.6]), np.diag([0.5, 0.5, 0.5]), "EI wing", "GJ wing", CELLS.name)
+    assert strain_sd(own) == pytest.approx(1.0)
 
 
 def calibrated(folder: Path, seed: int, *effects: Any) -> Fit:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vgvt.reconcile.problem import CELLS
+
 if TYPE_CHECKING:
     from vgvt.reconcile.fit import Fit
 
@@ -18,11 +20,12 @@ def strain_sd(found: Fit) -> float:
 
     Truths within the tolerances have scores u ~ N(0, 1), of which a fit recovers û with the covariance I - C, where C
     is that of the posterior: what data do not tell stays where it was stated. The square sum of û has the mean
-    tr(I - C) and the variance 2 tr((I - C)²). An effect's own parameters do not count. Zero without unknowns.
+    tr(I - C) and the variance 2 tr((I - C)²). An effect's own parameters do not count, nor does how coarse a chain the
+    data come from, which no scenario states. Zero without unknowns.
     """
-    count = found.u.size
-    if count == 0:
+    stated = np.array([k for k, name in enumerate(found.problem.names) if name != CELLS.name], dtype=np.intp)
+    if stated.size == 0:
         return 0.0
-    told = np.eye(count) - found.covariance[:count, :count]
+    u, told = found.u[stated], np.eye(stated.size) - found.covariance[np.ix_(stated, stated)]
     spread = np.sqrt(2 * np.sum(told**2))
-    return float((found.u @ found.u - np.trace(told)) / max(spread, np.finfo(float).tiny))
+    return float((u @ u - np.trace(told)) / max(spread, np.finfo(float).tiny))
