@@ -69,6 +69,7 @@ def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypa
     assert any("channel-gain" in row["effect"] for row in document["candidates"])
     told = account_of(found, title="a lead")
     assert not told.changed
+    assert [row.name for row in told.posterior if not row.tolerance] == ["cells"]
     assert [e.name for e in told.leads] == ["channel-gain"]
     assert [c.standing for c in told.candidates].count("lead") == 1
     assert load_scenario(folder / "reconciled.toml").effect == ()

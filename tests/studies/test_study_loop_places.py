@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import loop_truth
 import pytest
 from loop_places import NOWHERE, Where, said_place, where, where_explained
+
+from vgvt.reconcile import Place
 
 
 @pytest.mark.parametrize(
@@ -33,9 +36,9 @@ def test_a_truth_without_a_setting_sits_where_it_is_fixed() -> None:
     assert mount == Where(true.shaker.position_m[:2], force=True)
 
 
-def place(label: str, position_m: tuple[float, float, float] | None = None) -> SimpleNamespace:
+def place(label: str, position_m: tuple[float, float, float] | None = None) -> Place:
     """What the localisation says."""
-    return SimpleNamespace(label=label, position_m=position_m)
+    return Place(label, "structure", position_m, 0.5, "unclear", 0.0, "", None)
 
 
 @pytest.mark.parametrize(
@@ -47,8 +50,8 @@ def place(label: str, position_m: tuple[float, float, float] | None = None) -> S
         (place("force channel"), Where(force=True)),
     ],
 )
-def test_what_explains_a_residual_has_a_place(explained: SimpleNamespace, expected: Where) -> None:
-    assert where_explained(explained) == expected  # type: ignore[arg-type]
+def test_what_explains_a_residual_has_a_place(explained: Place, expected: Where) -> None:
+    assert where_explained(explained) == expected
 
 
 @pytest.mark.parametrize(
@@ -79,8 +82,8 @@ def test_a_verdict_says_where_what_it_names_first_sits_or_else_where_the_residua
     drift = SimpleNamespace(name="run-drift", settings={}, parameters={})
 
     def said(*effects: object, places: object = residual) -> Where:
-        verdict = SimpleNamespace(effects=effects, localisation=places)
-        return said_place(verdict, loop_truth.nominal())  # type: ignore[arg-type]
+        verdict: Any = SimpleNamespace(effects=effects, localisation=places)
+        return said_place(verdict, loop_truth.nominal())
 
     assert said(fixed, freed).point_m == (0.5, 1.0)
     assert said(freed, fixed).point_m == (0.6, -1.0)

@@ -188,6 +188,8 @@ def test_what_is_refuted_names_the_separating_test_and_the_limit() -> None:
 def test_a_warning_for_what_is_further_than_three_standard_deviations(page) -> None:
     assert warnings_of(account()) == ("EI of the wing needs -4.2 stated standard deviations (× 0.66 ± 0.02)",)
     assert "EI of the wing needs -4.2" in page
+    cells = PosteriorRow("cells", "refinement of the beams' cells", -4.6, 0.2, "-0.98", tolerance=False)
+    assert warnings_of(replace(account(), posterior=(cells,))) == ()
 
 
 def test_without_held_out_data_the_page_says_so() -> None:

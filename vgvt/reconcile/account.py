@@ -13,6 +13,7 @@ from vgvt.reconcile.augment import posterior_of
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.mode_errors import mode_rows
+from vgvt.reconcile.problem import CELLS
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.verdict import Kind, NamedEffect, Verdict
 from vgvt.scenario.planform import outlines_m
@@ -196,6 +197,7 @@ def _posterior(fit: Fit) -> tuple[PosteriorRow, ...]:
                 change,
                 stated,
                 calibrated,
+                str(r["name"]) != CELLS.name,
             )
         )
     return tuple(rows)

@@ -71,7 +71,7 @@ class Verdict:
 
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""
-        first_round = self.attribution.rounds or self.attribution.leads
+        rounds = self.attribution.rounds or self.attribution.leads
         return {
             "verdict": self.kind.value,
             "reasons": list(self.reasons),
@@ -90,7 +90,7 @@ class Verdict:
             ],
             "candidates": [
                 {"effect": r.hypothesis.label, "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out}
-                for r in (first_round[0].rivals if first_round else self.attribution.last_rivals)
+                for r in (rounds[0].rivals if rounds else self.attribution.last_rivals)
             ],
             "thresholds": {
                 **asdict(self.attribution.null_residual.limits),

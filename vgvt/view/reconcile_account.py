@@ -85,7 +85,10 @@ class EffectRow:
 
 @dataclass(frozen=True, slots=True)
 class PosteriorRow:
-    """A calibrated quantity: ``score`` ± ``score_std`` prior standard deviations from what the scenario states."""
+    """A calibrated quantity: ``score`` ± ``score_std`` prior standard deviations from what the scenario states.
+
+    ``tolerance`` where the scenario states one: how coarse a chain the data come from is no statement of its.
+    """
 
     name: str
     words: str
@@ -94,6 +97,7 @@ class PosteriorRow:
     change: str
     stated: str = ""
     calibrated: str = ""
+    tolerance: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -183,7 +183,7 @@ def posterior_figure(account: Account) -> Figure | None:
     figure.add_vrect(x0=-1, x1=1, fillcolor="rgba(128,136,148,0.16)", line_width=0, layer="below")
     for at in (-3, 3):
         figure.add_vline(x=at, line={"color": POSITIVE_COLOUR, "dash": "dash", "width": 1.2})
-    beyond = [abs(r.score) > 3 for r in rows]
+    beyond = [r.tolerance and abs(r.score) > 3 for r in rows]
     figure.add_scatter(
         x=[r.score for r in rows], y=names, mode="markers", showlegend=False,
         error_x={

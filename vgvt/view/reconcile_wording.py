@@ -97,7 +97,7 @@ def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
     return tuple(
         f"{r.words} needs {r.score:+.1f} stated standard deviations ({r.change})"
         for r in account.posterior
-        if abs(r.score) > sd
+        if r.tolerance and abs(r.score) > sd
     )
 
 
