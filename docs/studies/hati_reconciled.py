@@ -5,8 +5,9 @@
 Stages, each kept under docs/_build/hati-reconciled and not done again: null (the nominal model as it stands and
 calibrated, no effect added), main (the whole catalogue), first (the same, at most one effect: a quicker look),
 fine-floor (a model-form error of 0.4 %), without (the catalogue without what was named), shuffled (channel labels
-permuted), wrong-place (what was named, offered elsewhere), splits (six more hold-outs). Afterwards the page's tables
-and figures are written. All of it is derived from records under the MIT licence (PAAW/mAEWing1).
+permuted), wrong-place (what was named, offered elsewhere), splits (six more hold-outs). Where nothing has a name, the
+leads, which come nearest, stand for it in the controls. Afterwards the page's tables and figures are written. All of it
+is derived from records under the MIT licence (PAAW/mAEWing1).
 """
 
 from __future__ import annotations
@@ -40,7 +41,6 @@ from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.residual import residual
 from vgvt.reconcile.rivals import Rival
 from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.verdict import Verdict
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.streams import named_stream
 
@@ -77,20 +77,22 @@ def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any
 
     verdict = reconcile(campaign, scenario, folder=FOLDER / stage, workers=WORKERS, progress=tell, **choices)
     found = verdict.attribution
+    nearest = found.final if found.led is None else found.led
     document = verdict.document() | {
         "core": CORE,
         "wall_s": time.perf_counter() - wall,
         "processor_s": time.process_time() - own + sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]),
         "load": os.getloadavg()[0],
-        "converged": {"before": found.null.converged, "after": found.final.converged},
+        "converged": {"before": found.null.converged, "after": nearest.converged},
         "posterior_before": posterior_of(found.null),
-        "posterior": posterior_of(found.final),
-        "rounds": [[_rival(r) for r in addition.rivals] for addition in found.rounds],
+        "posterior": posterior_of(nearest),
+        "with_leads": None if found.led is None else _compared(found.led),
+        "rounds": [[_rival(r) for r in addition.rivals] for addition in found.rounds or found.leads],
         "last_rivals": [_rival(r) for r in found.last_rivals],
         "vetoed": [_rival(r) for r in found.vetoed],
-        "scores": {"before": found.null.u.tolist(), "after": found.final.u.tolist(), "effects": found.final.e.tolist()},
+        "scores": {"before": found.null.u.tolist(), "after": nearest.u.tolist(), "effects": nearest.e.tolist()},
     }
-    _keep_arrays(stage, verdict)
+    _keep_arrays(stage, found.null, nearest)
     return document
 
 
@@ -104,16 +106,19 @@ def _rival(r: Rival) -> Document:
     }
 
 
-def _keep_arrays(stage: str, verdict: Verdict) -> None:
-    found = verdict.attribution
-    measured = found.null.problem.measured
+def _compared(found: Fit) -> Document:
+    return compare(found.foretold, found.problem.measured, found.problem.split).document()
+
+
+def _keep_arrays(stage: str, before: Fit, after: Fit) -> None:
+    measured, limits = before.problem.measured, stored_thresholds()
+    left = residual(before, limits)
     np.savez(
         FOLDER / f"{stage}.npz",
         frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
-        before=found.null.foretold, after=found.final.foretold, train=found.null.problem.split.train,
+        before=before.foretold, after=after.foretold, train=before.problem.split.train,
         run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
-        table_before=found.null_residual.table, table_after=found.final_residual.table,
-        bands_hz=found.null_residual.bands_hz,
+        table_before=left.table, table_after=residual(after, limits).table, bands_hz=left.bands_hz,
     )  # fmt: skip
 
 
@@ -134,9 +139,9 @@ def shuffled(campaign: Campaign, seed: int) -> Campaign:
 
 
 def named(document: Document) -> list[tuple[Hypothesis, dict[str, float]]]:
-    """The effects that a stage named, as hypotheses with their fitted values."""
+    """The effects that a stage named, or its leads, as hypotheses with their fitted values."""
     found = []
-    for effect in document["effects"]:
+    for effect in document["effects"] or document["leads"]:
         hypothesis = Hypothesis(available_effects()[effect["name"]], effect["settings"])
         found.append((hypothesis, {k: v["value"] for k, v in effect["parameters"].items()}))
     return found
@@ -252,8 +257,8 @@ def run_null() -> Document:
 
 
 def without(main: Document) -> dict[str, type]:
-    """The catalogue without what was named, and without what explains the data as well."""
-    gone = {n for e in main["effects"] for n in (e["name"], *e["equivalent"])}
+    """The catalogue without what was named, or came nearest, and without what explains the data as well."""
+    gone = {n for e in main["effects"] or main["leads"] for n in (e["name"], *e["equivalent"])}
     return {k: v for k, v in available_effects().items() if k not in gone}
 
 

@@ -11,7 +11,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.candidates import candidates, places
+from vgvt.reconcile.candidates import candidates, freed, places
 from vgvt.reconcile.problem import make_problem
 from vgvt.scenario import load_scenario
 from vgvt.scenario.axis import beam_axis
@@ -31,6 +31,26 @@ def test_every_part_of_a_beam_is_near_a_place(name: str) -> None:
         chord = max(beam.stations.aft_edge_m or (0.0,)) + max(beam.stations.forward_edge_m or (0.0,))
         apart = np.linalg.norm(along[:, None] - known, axis=2).min(axis=1)
         assert apart.max() < 0.1 * length + chord / 2
+
+
+def test_places_reach_as_far_as_the_aircraft() -> None:
+    """One four times as large as what the catalogue has in mind: a mass at its wing's end can be said to be there."""
+    scenario = load_scenario("hati-unsymmetric")
+    (wing,) = scenario.airframe.beam
+    points = tuple(tuple(4 * v for v in p) for p in wing.stations.position_m)
+    wing = wing.model_copy(update={"stations": wing.stations.model_copy(update={"position_m": points})})
+    large = scenario.model_copy(update={"airframe": scenario.airframe.model_copy(update={"beam": (wing,)})})
+    for aircraft, farthest in ((large, 5.0), (scenario, 1.3)):
+        problem: Any = SimpleNamespace(scenario=aircraft)
+        variants = candidates(problem, {n: available_effects()[n] for n in ("added-mass", "cable-bundle")})
+        masses = [h for h in variants if h.name == "added-mass"]
+        tip = max((h.settings for h in masses), key=lambda s: float(s["y_m"]))
+        assert tip["y_m"] > farthest
+        mass = freed(masses[0])
+        there = mass.scores({"mass_kg": 0.1, **{k: tip[k] for k in ("x_m", "y_m")}})
+        assert np.abs(there).max() < 2.1
+        assert mass.values(there)["y_m"] == pytest.approx(tip["y_m"])
+        assert next(p for p in freed(variants[-1]).parameters if p.name == "other_y_m").high >= farthest
 
 
 def test_what_one_run_alone_shows_of_a_point_cannot_have_drifted(tmp_path: Path) -> None:

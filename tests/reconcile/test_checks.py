@@ -52,6 +52,10 @@ def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
     )
     assert shown(case, "weigh an accelerometer", "roving-sensor-mass", mass_kg=0.004) == pytest.approx([0.004])
     assert shown(case, "weigh the force transducer", "transducer-mass", mass_kg=0.02) == pytest.approx([0.02])
+    felt = shown(case, "off the force transducer's axis", "base-strain", apparent_force_per_moment_per_m=3.0)
+    assert felt == pytest.approx([3.0])
+    stiff = shown(case, "off the force transducer's axis", "stinger-moment", rotational_stiffness_n_m_per_rad=9.0)
+    assert stiff == pytest.approx([0.0])
     assert shown(case, "weigh the aircraft", "added-mass", mass_kg=0.05) == pytest.approx([0.05, 0.05])
     warming = shown(case, "log the temperature", "temperature-change", warming_k=3.0)
     assert warming == pytest.approx(np.linspace(0, 3.0, len(runs)))
@@ -98,6 +102,11 @@ def test_a_split_signal_shows_converters_and_a_reference_sensor_shows_all(case: 
         (("hook-offset", {"aft_m": 0.04}, {}), ("stinger-moment", {}, {}), "where the hook is"),
         (("run-drift", {"drift": -0.01}, {}), ("temperature-change", {"warming_k": 8.0}, {}), "temperature"),
         (("anti-alias-delay", {"delay_s": 5e-4}, {}), ("channel-delay", {"delay_s": 5e-4}, {}), "split one noise"),
+        (
+            ("base-strain", {"apparent_force_per_moment_per_m": 8.0, "rotational_stiffness_n_m_per_rad": 10.0}, {}),
+            ("stinger-moment", {"rotational_stiffness_n_m_per_rad": 5.0}, {}),
+            "off the force transducer's axis",
+        ),
     ],
 )  # fmt: skip
 def test_an_instrument_tells_what_no_other_sweep_does(case: Problem, true: Any, other: Any, words: str) -> None:

@@ -1,4 +1,4 @@
-"""What is found and does not halve what was too much with every name is a lead."""
+"""What is found and does not halve what was too much with every name, or is no plausible thing, is a lead."""
 
 from __future__ import annotations
 
@@ -9,18 +9,27 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vgvt.reconcile import leads
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.leads import as_leads, shares
 from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
 
+THRESHOLDS: Any = SimpleNamespace()
 
-def fitted(chi2: float, bent: float = 0.0) -> Any:
+
+@pytest.fixture(autouse=True)
+def plausible_things(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a test says nothing else."""
+    monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: ())
+
+
+def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[str, ...] = ()) -> Any:
     """A fit of 1000 values, with scores of that square sum beyond their number."""
     scores = np.zeros(4)
     scores[0] = np.sqrt(4 + bent) if bent else 0.0
     return SimpleNamespace(
-        chi2=chi2, points=1000, scores=scores, covariance=np.eye(4), converged=True, hypotheses=(),
-        problem=SimpleNamespace(names=("a", "b", "c", "d")),
+        chi2=chi2, points=1000, scores=scores, covariance=np.eye(4), converged=True,
+        hypotheses=hypotheses, problem=SimpleNamespace(names=("a", "b", "c", "d")),
     )  # fmt: skip
 
 
@@ -43,6 +52,18 @@ def found(
     )  # fmt: skip
 
 
+def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], names: tuple[str, ...]) -> Attribution:
+    """Rounds that meet the data, each with a fit of all that has a name by then; those of ``strange`` are no things."""
+    monkeypatch.setattr(
+        leads, "implausible", lambda fit, index=-1: ("far off",) if fit.hypotheses[index] in strange else ()
+    )
+    monkeypatch.setattr(leads, "residual", lambda fit, thresholds: left(0.9 if len(fit.hypotheses) > 1 else 1.6))
+    fits = [fitted(800.0, hypotheses=names[: k + 1]) for k in range(len(names))]
+    winners = [SimpleNamespace(name=n, fit=f) for n, f in zip(names, fits, strict=True)]
+    rounds: Any = tuple(SimpleNamespace(winner=w) for w in winners)
+    return Attribution(fitted(2000.0, bent=50.0), left(5.0), rounds, fits[-1], left(0.9, True), (), ())
+
+
 @pytest.mark.parametrize(
     ("after", "kept"),
     [
@@ -55,7 +76,7 @@ def found(
 )
 def test_a_name_takes_half_of_the_fit_and_of_held_out_data(after: tuple[float, float | None], kept: bool) -> None:
     case = found((2.0, 5.0), after)
-    judged = as_leads(case)
+    judged = as_leads(case, THRESHOLDS)
     assert (judged is case) == kept
     if not kept:
         assert judged.rounds == ()
@@ -71,13 +92,13 @@ def test_a_name_takes_half_of_the_fit_and_of_held_out_data(after: tuple[float, f
 def test_every_name_halves_what_is_too_much(names: int, held_out: float, kept: bool) -> None:
     """Of 4.3 that held-out data are missed by too much."""
     case = found((2.0, 5.0), (0.71, held_out), names=names)
-    assert (as_leads(case) is case) == kept
+    assert (as_leads(case, THRESHOLDS) is case) == kept
 
 
 def test_what_leaves_no_more_than_noise_keeps_its_name() -> None:
     """Where little was too much, half of it is chance."""
     small = found((0.9, 0.9), (0.88, 0.9), adequate=True)
-    assert as_leads(small) is small
+    assert as_leads(small, THRESHOLDS) is small
 
 
 def test_what_held_out_data_met_before_they_do_not_ask_for() -> None:
@@ -93,7 +114,7 @@ def test_held_out_data_that_grow_worse_beyond_their_limit_are_no_share() -> None
 def test_where_nothing_was_missing_nothing_comes_nearest() -> None:
     """A name that makes held-out data worse than they may be, where they were met without it."""
     case = replace(found((0.9, 0.9), (0.88, 1.6)), null_residual=left(0.9, adequate=True))
-    judged = as_leads(case)
+    judged = as_leads(case, THRESHOLDS)
     assert judged.rounds == judged.leads == ()
     assert judged.led is None
     assert judged.final is case.null
@@ -101,5 +122,40 @@ def test_where_nothing_was_missing_nothing_comes_nearest() -> None:
 
 def test_nothing_found_leads_nowhere() -> None:
     nothing = Attribution(fitted(1e3), left(2.0), (), fitted(1e3), left(2.0), (), ())
-    assert as_leads(nothing) is nothing
+    assert as_leads(nothing, THRESHOLDS) is nothing
     assert leads_of(nothing) == named_effects(nothing) == ()
+
+
+@pytest.mark.parametrize(
+    ("strange", "kept"),
+    [
+        ((), ("one", "two")),
+        # What was named before what cannot be does without it.
+        (("two",), ("one",)),
+        # What was named beside what cannot be rests on it.
+        (("one",), ()),
+        (("one", "two"), ()),
+    ],
+)
+def test_what_is_no_plausible_thing_keeps_no_name(
+    monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], kept: tuple[str, ...]
+) -> None:
+    """Even where data are met with it."""
+    case = with_strange(monkeypatch, strange, ("one", "two"))
+    judged = as_leads(case, THRESHOLDS)
+    assert tuple(r.winner.name for r in judged.rounds) == kept
+    if kept == ("one",):
+        assert judged.final is case.rounds[0].winner.fit
+        assert judged.final_residual.held_out_chi2_per_dof == 1.6
+        assert [r.name for r in judged.vetoed] == ["two"]
+    if not kept:
+        assert (judged.leads, judged.led) == (case.rounds, case.final)
+        assert kind_of(judged) is Kind.UNKNOWN
+
+
+def test_what_is_left_of_two_names_must_take_half_on_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = with_strange(monkeypatch, ("two",), ("one", "two"))
+    monkeypatch.setattr(leads, "residual", lambda fit, thresholds: left(4.0))
+    judged = as_leads(case, THRESHOLDS)
+    assert judged.rounds == ()
+    assert [r.winner.name for r in judged.leads] == ["one"]

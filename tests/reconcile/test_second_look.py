@@ -97,6 +97,7 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)
     monkeypatch.setattr(rounds, "ended", lambda *given: (rival(ended),))
     monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
+    monkeypatch.setattr(rounds, "likelier", lambda confirmed, within_nats: list(confirmed))
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     monkeypatch.setattr(rounds, "_taking_it_away", lambda current, confirmed, before: confirmed)
@@ -135,14 +136,26 @@ def test_a_name_beside_which_tolerances_are_far_exceeded_is_not_the_last(
 
 
 @pytest.mark.parametrize(
-    ("left", "gain_nats", "held_out", "ahead"),
-    [(0.8, 37.0, 0.85, True), (0.8, 37.0, 0.95, False), (0.8, 24.0, 0.85, False), (13.0, 37.0, 0.85, False)],
+    ("left", "gain_nats", "held_out", "strange", "ahead"),
+    [
+        (0.8, 37.0, 0.85, (), True),
+        (0.8, 37.0, 0.95, (), False),
+        (0.8, 24.0, 0.85, (), False),
+        (13.0, 37.0, 0.85, (), False),
+        (0.8, 37.0, 0.85, ("off the aircraft",), False),
+    ],
 )
 def test_what_is_ahead_by_all_data_is_named_beside_the_confirmed(
-    monkeypatch: pytest.MonkeyPatch, left: float, gain_nats: float, held_out: float, ahead: bool
+    monkeypatch: pytest.MonkeyPatch,
+    left: float,
+    gain_nats: float,
+    held_out: float,
+    strange: tuple[str, ...],
+    ahead: bool,
 ) -> None:
     """Where little is left: 12 nats more on fitted data against 10 or 30 less on those held out."""
     monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 200 * better)
+    monkeypatch.setattr(rounds, "implausible", lambda fit: strange)
     fit: Any = SimpleNamespace(chi2_per_dof=left)
     winner: Any = SimpleNamespace(name="confirmed", gain_nats=25.0, held_out=0.8, fit=fit)
     other: Any = SimpleNamespace(name="refused", gain_nats=gain_nats, held_out=held_out, fit=fit)

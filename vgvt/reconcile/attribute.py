@@ -21,6 +21,7 @@ from vgvt.reconcile.last_steps import ended
 from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.place_control import controlled
+from vgvt.reconcile.plausible import implausible, likelier
 from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual, residual
 from vgvt.reconcile.rivals import Rival, against
@@ -134,7 +135,8 @@ def _selected(
                 r for r in rivals
                 if _passed(r, current, before, thresholds) and takes_enough(r.fit, current, before)
             ]  # fmt: skip
-        confirmed = _taking_it_away(current, straightened(confirmed, thresholds.set_nats), before)
+        straight_ones = straightened(confirmed, thresholds.set_nats)
+        confirmed = _taking_it_away(current, likelier(straight_ones, thresholds.set_nats), before)
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
@@ -220,7 +222,8 @@ def _ahead_in_all(winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Ri
     """
     if winner.fit.chi2_per_dof >= BIASED or winner.held_out is None:
         return []
-    others = [(r, r.held_out) for r in rivals if r not in confirmed and r.name != winner.name]
+    unconfirmed = [r for r in rivals if r not in confirmed and r.name != winner.name]
+    others = [(r, r.held_out) for r in unconfirmed if not implausible(r.fit)]
     better = [(r, winner.held_out - missed) for r, missed in others if missed is not None]
     return [r for r, held in better if r.gain_nats + held_out_nats(winner.fit, held) > winner.gain_nats]
 

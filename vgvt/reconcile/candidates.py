@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.effects.beams import plain_name
 from vgvt.effects.parameter import parameters_of
@@ -20,6 +21,7 @@ from vgvt.effects.registry import available_effects
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
 from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.placement import aircraft_box_m
 from vgvt.scenario.planform import edge_lines_m
 
 _FROM_RUNS = 4
@@ -30,15 +32,18 @@ _MOST = 64
 def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
     """All variants, each with its share of its effect's prior; ``effects`` by name (default: all installed ones).
 
-    Places (``x_m``, ``y_m``) are settings here: a fit may free them.
+    Places (``x_m``, ``y_m``) are settings here: a fit may free them. They reach as far as the aircraft does, if that is
+    larger than those that the catalogue has in mind.
     """
     found: list[Hypothesis] = []
+    box = aircraft_box_m(problem.scenario.airframe)
     declared = {table.name for table in problem.scenario.effect}
     for name, cls in (available_effects() if effects is None else effects).items():
         if name in declared:
             continue
         variants = list(itertools.islice(_variants(problem, cls), _MOST))
-        found += [Hypothesis(cls, settings, 1.0 / len(variants)) for settings in variants]
+        spans = _spans(cls, box)
+        found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
     return tuple(found)
 
 
@@ -65,6 +70,16 @@ def places(problem: Problem) -> tuple[tuple[float, float], ...]:
             share = min(float(share), 0.97)
             points.append((float(np.interp(share, arc, middle[:, 0])), float(np.interp(share, arc, middle[:, 1]))))
     return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
+
+
+def _spans(cls: type, box: NDArray[np.float64]) -> dict[str, tuple[float, float]]:
+    """Ranges of an effect's places that hold the whole aircraft, by parameter; ``box`` is (2, 3), its corners."""
+    axes = {name: k for prefix in ("", "other_") for k, name in enumerate((f"{prefix}x_m", f"{prefix}y_m"))}
+    return {
+        p.name: (min(p.low, float(box[0, axes[p.name]])), max(p.high, float(box[1, axes[p.name]])))
+        for p in parameters_of(cls)
+        if p.name in axes
+    }
 
 
 def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:

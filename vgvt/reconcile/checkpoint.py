@@ -86,7 +86,10 @@ def _round(addition: Addition) -> dict[str, Any]:
 
 def _rival(r: Rival) -> dict[str, Any]:
     return {
-        "effects": [{"name": h.name, "settings": dict(h.settings), "share": h.share} for h in r.fit.hypotheses],
+        "effects": [
+            {"name": h.name, "settings": dict(h.settings), "share": h.share, "spans": dict(h.spans)}
+            for h in r.fit.hypotheses
+        ],
         "u": r.fit.u.tolist(), "e": r.fit.e.tolist(), "converged": r.fit.converged,
         "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out,
     }  # fmt: skip
@@ -95,7 +98,12 @@ def _rival(r: Rival) -> dict[str, Any]:
 def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any]) -> Addition:
     rivals = []
     for r in row["rivals"]:
-        hypotheses = tuple(Hypothesis(known[h["name"]], h["settings"], h["share"]) for h in r["effects"])
+        hypotheses = tuple(
+            Hypothesis(
+                known[h["name"]], h["settings"], h["share"], {k: (v[0], v[1]) for k, v in h.get("spans", {}).items()}
+            )
+            for h in r["effects"]
+        )
         found = fit(problem, hypotheses, np.array(r["u"]), np.array(r["e"]), ())
         found = replace(found, converged=r["converged"])
         rivals.append(Rival(found, r["gain_nats"], r["raw_nats"], r["held_out"]))

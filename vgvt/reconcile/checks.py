@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import Channel, ChannelRole, Direction, Dof, Quantity
 from vgvt.effects.action import Action, ChannelFilter
+from vgvt.effects.elements import RotationSpring
 from vgvt.effects.protocol import Effect, Family
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import NoStructureError, effects_at, run_actions
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 # Standard deviations of careful readings: engineering judgement, each about a division of the instrument.
 _TAPE_M, _LEVEL_RAD, _THERMOMETER_K = 0.002, 0.009, 0.1
 _SCALE_KG, _BALANCE_KG, _SPRING = 0.003, 0.0003, 0.01
+# N per N m: half a per cent of the force of a mass 5 cm off the gauge's axis, on one side and on the other.
+_MOMENT_PER_M = 0.005 / (2**0.5 * 0.05)
 # Relative: a sensor beside another, and one signal split between two channels.
 _REFERENCE, _SPLIT = 0.01, 0.002
 _HIGHEST_HZ = 5000.0
@@ -96,6 +99,8 @@ def checks(problem: Problem) -> tuple[Check, ...]:
             Check("hold a level to the stinger", 5.0, _push_leans, _alike(_LEVEL_RAD)),
             Check("weigh the force transducer with its mount", 15.0,
                   lambda r: np.array([r[0].scenario.transducer.end_mass_kg]), _alike(_BALANCE_KG)),
+            Check("shake a mass off the force transducer's axis, on one side and the other", 20.0,
+                  _moments_read, _alike(_MOMENT_PER_M)),
         ]  # fmt: skip
     if scenario.suspension.stiffness_n_per_m > 0:
         found.append(
@@ -217,6 +222,13 @@ def _sensor_leans(runs: Sequence[Seen]) -> Array:
 
 def _push_leans(runs: Sequence[Seen]) -> Array:
     return np.concatenate([_lean(runs[0], shaker.node) for shaker in runs[0].scenario.shakers])
+
+
+def _moments_read(runs: Sequence[Seen]) -> Array:
+    """What the force gauge of every shaker reads of a moment, N per N m."""
+    springs = [e for a in runs[0].actions for e in a.elements if isinstance(e, RotationSpring)]
+    count = len(runs[0].scenario.shakers)
+    return np.array([sum(e.gauge_per_m for e in springs if e.exciter == k) for k in range(count)], dtype=np.float64)
 
 
 def _lean(one: Seen, node: int) -> Array:

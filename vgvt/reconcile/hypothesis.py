@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -28,11 +28,13 @@ class Hypothesis:
     Log-normal where the parameter's scale is 'log', normal otherwise, with the plausible range as ±2 standard
     deviations around its middle, or around the neutral value where that lies inside.
     ``share`` is the prior probability that this variant gets of its effect's (the look-elsewhere factor).
+    ``spans`` are plausible ranges of this aircraft by parameter, where they are not those of the catalogue: its places.
     """
 
     cls: type
     settings: Mapping[str, Any] = field(default_factory=dict)
     share: float = 1.0
+    spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -52,7 +54,9 @@ class Hypothesis:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The parameters to fit, in the order of their scores."""
-        return tuple(p for p in parameters_of(self.cls) if p.name not in self.settings)
+        free = (p for p in parameters_of(self.cls) if p.name not in self.settings)
+        spans = self.spans
+        return tuple(replace(p, low=spans[p.name][0], high=spans[p.name][1]) if p.name in spans else p for p in free)
 
     @property
     def size(self) -> Parameter | None:

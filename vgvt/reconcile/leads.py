@@ -1,4 +1,4 @@
-"""Every name must halve what is too much: what was found and takes less is a lead.
+"""Every name must halve what is too much, and be a thing that could be: what was found and does not is a lead.
 
 Where the right effect is not in the catalogue another one nearly always takes something, and two more take something of
 the rest. They are worth looking at, and no finding: what is missing is still unknown.
@@ -10,17 +10,35 @@ from dataclasses import replace
 
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.confirmation import share_taken
+from vgvt.reconcile.plausible import implausible
+from vgvt.reconcile.residual import residual
+from vgvt.reconcile.thresholds import Thresholds
 
 
-def as_leads(found: Attribution) -> Attribution:
-    """The same, with what was named as leads where it takes too little of what was too much.
+def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
+    """The same, with what was named as leads where it takes too little of what was too much, or is no plausible thing.
 
     Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
     to give, and of held-out data where these are still missed. What leaves no more than campaigns leave in which
-    nothing is missing keeps its name.
+    nothing is missing keeps its name. What is no plausible thing keeps none, whatever it leaves; what was named before
+    it does without it.
     """
+    if not found.rounds:
+        return found
+    rounds, final = found.rounds, found.final
+    while len(rounds) > 1 and implausible(final):
+        rounds = rounds[:-1]
+        final = rounds[-1].winner.fit
+    if any(implausible(final, k) for k in range(len(final.hypotheses))):
+        return demoted(found)
+    if len(rounds) < len(found.rounds):
+        dropped = tuple(r.winner for r in found.rounds[len(rounds) :])
+        found = replace(
+            found, rounds=rounds, final=final, final_residual=residual(final, thresholds),
+            vetoed=(*found.vetoed, *dropped),
+        )  # fmt: skip
     enough = 1 - 0.5 ** len(found.rounds)
-    if not found.rounds or found.final_residual.adequate or min(shares(found)) >= enough:
+    if found.final_residual.adequate or min(shares(found)) >= enough:
         return found
     return demoted(found)
 

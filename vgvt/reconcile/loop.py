@@ -78,7 +78,7 @@ def reconcile(
         again = attributed(calibrate(other, found.null.u, stages=FAR), "rounds-turned.json", _ATTRIBUTED, _TURNED)
         if again.rounds and (not found.rounds or again.final_residual.adequate):
             found, said = again, (words_of_turn(found, other),)
-    found = as_leads(found)
+    found = as_leads(found, limits)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)
     places = None

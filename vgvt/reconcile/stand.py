@@ -342,4 +342,4 @@ def step_from_neutral(p: Parameter) -> float:
 
 def _with_values(hypothesis: Hypothesis, values: dict[str, float]) -> Hypothesis:
     """The variant with every value a setting: nothing left to fit."""
-    return Hypothesis(hypothesis.cls, {**hypothesis.settings, **values}, hypothesis.share)
+    return replace(hypothesis, settings={**hypothesis.settings, **values})

@@ -14,6 +14,7 @@ from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, Place
 from vgvt.reconcile.one_level import rests_on_one_level
 from vgvt.reconcile.place_control import distinct_places
+from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.shortlist import BIASED
@@ -216,12 +217,11 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
             said.append(
                 f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
-                f"{found.leads[-1].winner.held_out:.2f}; what does not halve what is too much with every name is a "
-                "lead"
+                f"{found.leads[-1].winner.held_out:.2f}; {_why_no_name(found)}"
             )
         said += [
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
-            "explains with it, or another place where it does as well, speak against it"
+            "explains with it, another place where it does as well, or values that no such thing has speak against it"
             for r in found.vetoed[:3]
         ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(found.null.problem):
@@ -238,6 +238,14 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             + _looks_like(best)
         )
     return tuple(said)
+
+
+def _why_no_name(found: Attribution) -> str:
+    """Why leads are no names."""
+    strange = [w for k in range(len(found.leads)) for w in implausible(found.led, k)] if found.led else []
+    if strange:
+        return f"it is no plausible thing ({'; '.join(strange)}): it imitates something that is not in the catalogue"
+    return "what does not halve what is too much with every name is a lead"
 
 
 def _other_places(addition: Addition) -> tuple[tuple[float, float], ...]:
