@@ -10,6 +10,7 @@ import pytest
 
 from vgvt.reconcile import one_level
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
+from vgvt.reconcile.problem import CELLS
 from vgvt.reconcile.verdict import Kind, kind_of
 
 NAMES = tuple(f"unknown {k}" for k in range(30))
@@ -90,7 +91,14 @@ def test_many_far_scores_are_counted_rather_than_listed() -> None:
 @pytest.mark.parametrize(("score", "kind"), [(3.0, Kind.ADEQUATE), (16.0, Kind.UNKNOWN)])
 def test_data_met_far_outside_the_tolerances_are_not_explained(score: float, kind: Kind) -> None:
     """A body's inertia sixteen standard deviations off may stand for something that the catalogue lacks."""
-    found: Any = SimpleNamespace(
-        rounds=(), null_residual=SimpleNamespace(adequate=True), null=SimpleNamespace(scores=np.array([0.5, score]))
-    )
+    found: Any = SimpleNamespace(rounds=(), null_residual=SimpleNamespace(adequate=True), null=fitted(0.5, score))
     assert kind_of(found) is kind
+
+
+def test_how_coarse_a_chain_the_data_come_from_is_no_tolerance() -> None:
+    """Records of the scenario's own chain push it to the end of its range."""
+    coarse = fitted(0.5, -9.0)
+    coarse.problem.names = ("mass body", CELLS.name, *NAMES[2:])
+    assert not strained_too_much(coarse)
+    assert far_scores(coarse) == ""
+    assert strained_too_much(fitted(0.5, -9.0))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.reconcile.problem import CELLS
+
 if TYPE_CHECKING:
     from vgvt.reconcile.attribute import Attribution
     from vgvt.reconcile.fit import Fit
@@ -40,15 +42,22 @@ def doubts(found: Attribution) -> tuple[str, ...]:
 
 def strained_too_much(fit: Fit) -> bool:
     """Whether more scores than chance explains, or one by far, left their tolerances."""
-    size = np.abs(fit.scores)
+    size = np.abs(_stated(fit))
     return bool((size > _FAR).sum() > _MOST_FAR or (size > _VERY_FAR).any())
 
 
 def far_scores(fit: Fit) -> str:
     """``EI wing at +5.2 sd``, … of the scores beyond four standard deviations, the farthest first; empty without."""
-    scores: NDArray[np.float64] = fit.scores
+    scores = _stated(fit)
     far = [int(k) for k in np.argsort(-np.abs(scores)) if abs(scores[k]) > _FAR]
     names = (*fit.problem.names, *(f"{h.name} {p.name}" for h in fit.hypotheses for p in h.parameters))
     words = [f"{names[k]} at {scores[k]:+.1f} sd" for k in far[:_SHOWN]]
     more = len(far) - len(words)
     return ", ".join(words) + (f" and {more} more beyond {_FAR:.0f} sd" if more > 0 else "")
+
+
+def _stated(fit: Fit) -> NDArray[np.float64]:
+    """Scores, with a zero for how coarse a chain the data come from: no scenario states a tolerance for it."""
+    scores = np.array(fit.scores, dtype=float)
+    scores[[k for k, name in enumerate(fit.problem.names) if name == CELLS.name]] = 0.0
+    return scores

@@ -173,7 +173,9 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"campaigns like it without any missing effect ({before.limits.chi2_per_dof:.2f}; noise alone "
             f"{before.noise_per_dof:.2f})"
         )
-        said.append(f"No effect of the catalogue gains {limits.evidence_nats:.0f} nats of evidence on held-out data")
+        said.append(
+            f"No plausible effect of the catalogue gains {limits.evidence_nats:.0f} nats of evidence on held-out data"
+        )
     else:
         said += [f"Without another effect {text}" for text in before.reasons]
     for addition in found.rounds:
