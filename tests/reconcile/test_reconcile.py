@@ -55,7 +55,7 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
 
 
 def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop, "as_leads", demoted)
+    monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: demoted(found))
     found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))
     assert found.kind is Kind.UNKNOWN
     assert found.effects == ()
