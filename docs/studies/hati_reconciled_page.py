@@ -78,8 +78,9 @@ def _verdict(d: Document, title: str) -> str:
             m = d[label][key]
             if m is not None:
                 rows.append((f"{name}, {label}", *_errors(m)))
-        if d["with_leads"] is not None and d["with_leads"][key] is not None:
-            rows.append((f"{name}, with the leads", *_errors(d["with_leads"][key])))
+        led = (d.get("with_leads") or {}).get(key)
+        if led is not None:
+            rows.append((f"{name}, with the leads", *_errors(led)))
     state = d["converged"]
     facts = (
         f"{d['wall_s']:.0f} s ({d['processor_s']:.0f} s of processor time, load {d['load']:.0f} on two cores); "

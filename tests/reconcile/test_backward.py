@@ -46,7 +46,8 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
 ) -> None:
     """Nor does what was named before it, where that has none either; what is left is what there was without them."""
     null: Any = SimpleNamespace(chi2_per_dof=20.0)
-    winners = [SimpleNamespace(fit=SimpleNamespace(number=k), name=str(k)) for k in range(2)]
+    things = tuple(SimpleNamespace(name=str(k)) for k in range(2))
+    winners = [SimpleNamespace(fit=SimpleNamespace(hypotheses=things[: k + 1]), name=str(k)) for k in range(2)]
     begun = tuple(SimpleNamespace(winner=w, rivals=()) for w in winners)
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: SimpleNamespace(adequate=adequate, of=fit))
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))

@@ -52,10 +52,13 @@ def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
     )
     assert shown(case, "weigh an accelerometer", "roving-sensor-mass", mass_kg=0.004) == pytest.approx([0.004])
     assert shown(case, "weigh the force transducer", "transducer-mass", mass_kg=0.02) == pytest.approx([0.02])
-    felt = shown(case, "off the force transducer's axis", "base-strain", apparent_force_per_moment_per_m=3.0)
-    assert felt == pytest.approx([3.0])
+    for axis, reads in (("roll", [3.0, 0.0]), ("pitch", [0.0, 3.0])):
+        felt = shown(
+            case, "off the force transducer's axis", "base-strain", apparent_force_per_moment_per_m=3.0, axis=axis
+        )
+        assert felt == pytest.approx(reads)
     stiff = shown(case, "off the force transducer's axis", "stinger-moment", rotational_stiffness_n_m_per_rad=9.0)
-    assert stiff == pytest.approx([0.0])
+    assert stiff == pytest.approx([0.0, 0.0])
     assert shown(case, "weigh the aircraft", "added-mass", mass_kg=0.05) == pytest.approx([0.05, 0.05])
     warming = shown(case, "log the temperature", "temperature-change", warming_k=3.0)
     assert warming == pytest.approx(np.linspace(0, 3.0, len(runs)))

@@ -23,7 +23,7 @@ def plausible_things(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: ())
 
 
-def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[str, ...] = ()) -> Any:
+def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[Any, ...] = ()) -> Any:
     """A fit of 1000 values, with scores of that square sum beyond their number."""
     scores = np.zeros(4)
     scores[0] = np.sqrt(4 + bent) if bent else 0.0
@@ -55,12 +55,14 @@ def found(
 def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], names: tuple[str, ...]) -> Attribution:
     """Rounds that meet the data, each with a fit of all that has a name by then; those of ``strange`` are no things."""
     monkeypatch.setattr(
-        leads, "implausible", lambda fit, index=-1: ("far off",) if fit.hypotheses[index] in strange else ()
+        leads, "implausible", lambda fit, index=-1: ("far off",) if fit.hypotheses[index].name in strange else ()
     )
     monkeypatch.setattr(leads, "residual", lambda fit, thresholds: left(0.9 if len(fit.hypotheses) > 1 else 1.6))
-    fits = [fitted(800.0, hypotheses=names[: k + 1]) for k in range(len(names))]
+    things = tuple(SimpleNamespace(name=n) for n in names)
+    fits = [fitted(800.0, hypotheses=things[: k + 1]) for k in range(len(names))]
     winners = [SimpleNamespace(name=n, fit=f) for n, f in zip(names, fits, strict=True)]
-    rounds: Any = tuple(SimpleNamespace(winner=w) for w in winners)
+    tried = ("tried at first",), ("tried beside one",)
+    rounds: Any = tuple(SimpleNamespace(winner=w, rivals=r) for w, r in zip(winners, tried, strict=True))
     return Attribution(fitted(2000.0, bent=50.0), left(5.0), rounds, fits[-1], left(0.9, True), (), ())
 
 
@@ -113,7 +115,7 @@ def test_held_out_data_that_grow_worse_beyond_their_limit_are_no_share() -> None
 
 def test_where_nothing_was_missing_nothing_comes_nearest() -> None:
     """A name that makes held-out data worse than they may be, where they were met without it."""
-    case = replace(found((0.9, 0.9), (0.88, 1.6)), null_residual=left(0.9, adequate=True))
+    case = replace(found((0.9, 0.9), (0.88, 1.6)), null=fitted(900.0), null_residual=left(0.9, adequate=True))
     judged = as_leads(case, THRESHOLDS)
     assert judged.rounds == judged.leads == ()
     assert judged.led is None
@@ -146,11 +148,31 @@ def test_what_is_no_plausible_thing_keeps_no_name(
     assert tuple(r.winner.name for r in judged.rounds) == kept
     if kept == ("one",):
         assert judged.final is case.rounds[0].winner.fit
+        assert [str(r) for r in judged.last_rivals] == ["tried beside one"]
         assert judged.final_residual.held_out_chi2_per_dof == 1.6
         assert [r.name for r in judged.vetoed] == ["two"]
     if not kept:
         assert (judged.leads, judged.led) == (case.rounds, case.final)
         assert kind_of(judged) is Kind.UNKNOWN
+
+
+def test_nothing_is_left_where_no_fit_is_there_of_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An effect that the later two had made needless is in the fit of the one before the last."""
+    case = with_strange(monkeypatch, ("three",), ("two", "three"))
+    before_the_last: Any = case.rounds[0].winner.fit
+    before_the_last.hypotheses = (SimpleNamespace(name="one"), SimpleNamespace(name="two"))
+    judged = as_leads(case, THRESHOLDS)
+    assert judged.rounds == ()
+    assert [r.winner.name for r in judged.leads] == ["two", "three"]
+
+
+def test_what_tolerances_imitate_far_out_has_its_lead(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Data that are met by tolerances far exceeded are not explained: what comes nearest is told."""
+    case = with_strange(monkeypatch, ("one",), ("one", "two"))
+    strained = replace(case, null=fitted(900.0, bent=90.0), null_residual=left(0.9, adequate=True))
+    assert as_leads(strained, THRESHOLDS).leads == case.rounds
+    met = replace(case, null=fitted(900.0), null_residual=left(0.9, adequate=True))
+    assert as_leads(met, THRESHOLDS).leads == ()
 
 
 def test_what_is_left_of_two_names_must_take_half_on_its_own(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -169,9 +169,7 @@ def test_every_verdict_has_its_sentence_steps_and_refutation(kind) -> None:
 
 def test_what_comes_nearest_is_shown_and_called_no_name() -> None:
     told = replace(account("unknown", named=False), leads=account().effects)
-    assert "what comes nearest, added-mass or local-absorber, takes too little of it for a name" in verdict_sentence(
-        told
-    )
+    assert "what comes nearest, added-mass or local-absorber, is a lead and no name" in verdict_sentence(told)
     assert any("is a lead" in step for step in next_steps(told))
     body = visible(render_reconcile_page(told))
     assert "What comes nearest" in body and "What was named" not in body

@@ -13,6 +13,7 @@ from vgvt.reconcile.augment import posterior_of
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.mode_errors import mode_rows
+from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.problem import CELLS
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.verdict import Kind, NamedEffect, Verdict
@@ -174,6 +175,8 @@ def _standing(rival: Rival, addition: Addition | None, found: Attribution, neede
     if addition is not None and any(rival is r for r in addition.equivalent):
         return "equivalent"
     if any(rival is r for r in found.vetoed):
+        if implausible(rival.fit):
+            return "no plausible thing"
         return "refused by held-out data"
     return "too little evidence" if rival.gain_nats < needed else "beaten"
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from vgvt.reconcile.backward import needed, nowhere
+from vgvt.reconcile.backward import needed, nowhere, without_last
 from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
@@ -52,7 +52,8 @@ class Addition:
 class Attribution:
     """The model without effects, the rounds that added one, the fit at the end, and what each of both ends leaves.
 
-    ``leads`` are rounds that take too little to give a name, ``led`` the fit with them (:mod:`vgvt.reconcile.leads`).
+    ``leads`` are rounds that take too little to give a name, or are no plausible thing, ``led`` the fit with them
+    (:mod:`vgvt.reconcile.leads`).
     """
 
     null: Fit
@@ -135,8 +136,10 @@ def _selected(
                 r for r in rivals
                 if _passed(r, current, before, thresholds) and takes_enough(r.fit, current, before)
             ]  # fmt: skip
-        straight_ones = straightened(confirmed, thresholds.set_nats)
-        confirmed = _taking_it_away(current, likelier(straight_ones, thresholds.set_nats), before)
+        confirmed = straightened(confirmed, thresholds.set_nats)
+        if confirmed:
+            confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
+        confirmed = _taking_it_away(current, confirmed, before)
         vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
         if not confirmed:
             break
@@ -149,8 +152,8 @@ def _selected(
             keep(start, rounds)
     rounds, current = needed(rounds, current, thresholds)
     while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
-        vetoed.append(rounds.pop().winner)
-        current = rounds[-1].winner.fit if rounds else start
+        rounds, current, refused = without_last(rounds, start)
+        vetoed += refused
     return Attribution(
         start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
     )

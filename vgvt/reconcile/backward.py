@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from vgvt.reconcile.thresholds import Thresholds
 
 if TYPE_CHECKING:
     from vgvt.reconcile.attribute import Addition
+    from vgvt.reconcile.rivals import Rival
 
 
 def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tuple[list[Addition], Fit]:
@@ -31,6 +33,20 @@ def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tupl
         if current.evidence_nats - without.evidence_nats < thresholds.evidence_nats:
             return [r for i, r in enumerate(rounds) if i != k], without
     return rounds, current
+
+
+def without_last(rounds: Sequence[Addition], start: Fit) -> tuple[list[Addition], Fit, list[Rival]]:
+    """Rounds without the last one, the model that they leave (``start`` without any), and the winners that are gone.
+
+    All of them where an earlier effect had been left out as needless beside the last one: no fit is there of the rest.
+    """
+    kept = list(rounds[:-1])
+    if not kept:
+        return [], start, [r.winner for r in rounds]
+    found = kept[-1].winner.fit
+    if [h.name for h in found.hypotheses] == [r.winner.name for r in kept]:
+        return kept, found, [rounds[-1].winner]
+    return [], start, [r.winner for r in rounds[::-1]]
 
 
 def nowhere(addition: Addition) -> bool:

@@ -13,12 +13,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vgvt.effects.beams import plain_name
 from vgvt.effects.parameter import parameters_of
 from vgvt.effects.registry import available_effects
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.plausible import reach
 from vgvt.reconcile.problem import Problem
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.placement import aircraft_box_m
@@ -42,7 +42,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
         if name in declared:
             continue
         variants = list(itertools.islice(_variants(problem, cls), _MOST))
-        spans = _spans(cls, box)
+        spans = reach(parameters_of(cls), box)
         found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
     return tuple(found)
 
@@ -70,16 +70,6 @@ def places(problem: Problem) -> tuple[tuple[float, float], ...]:
             share = min(float(share), 0.97)
             points.append((float(np.interp(share, arc, middle[:, 0])), float(np.interp(share, arc, middle[:, 1]))))
     return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
-
-
-def _spans(cls: type, box: NDArray[np.float64]) -> dict[str, tuple[float, float]]:
-    """Ranges of an effect's places that hold the whole aircraft, by parameter; ``box`` is (2, 3), its corners."""
-    axes = {name: k for prefix in ("", "other_") for k, name in enumerate((f"{prefix}x_m", f"{prefix}y_m"))}
-    return {
-        p.name: (min(p.low, float(box[0, axes[p.name]])), max(p.high, float(box[1, axes[p.name]])))
-        for p in parameters_of(cls)
-        if p.name in axes
-    }
 
 
 def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:

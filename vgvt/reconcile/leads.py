@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.backward import without_last
 from vgvt.reconcile.confirmation import share_taken
+from vgvt.reconcile.doubts import strained_too_much
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.residual import residual
 from vgvt.reconcile.thresholds import Thresholds
@@ -25,17 +27,16 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
     """
     if not found.rounds:
         return found
-    rounds, final = found.rounds, found.final
-    while len(rounds) > 1 and implausible(final):
-        rounds = rounds[:-1]
-        final = rounds[-1].winner.fit
-    if any(implausible(final, k) for k in range(len(final.hypotheses))):
+    rounds, final = list(found.rounds), found.final
+    while rounds and implausible(final):
+        rounds, final, _ = without_last(rounds, found.null)
+    if not rounds or any(implausible(final, k) for k in range(len(rounds))):
         return demoted(found)
     if len(rounds) < len(found.rounds):
-        dropped = tuple(r.winner for r in found.rounds[len(rounds) :])
+        dropped = found.rounds[len(rounds) :]
         found = replace(
-            found, rounds=rounds, final=final, final_residual=residual(final, thresholds),
-            vetoed=(*found.vetoed, *dropped),
+            found, rounds=tuple(rounds), final=final, final_residual=residual(final, thresholds),
+            last_rivals=dropped[0].rivals, vetoed=(*(r.winner for r in dropped), *found.vetoed),
         )  # fmt: skip
     enough = 1 - 0.5 ** len(found.rounds)
     if found.final_residual.adequate or min(shares(found)) >= enough:
@@ -44,9 +45,10 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
 
 
 def demoted(found: Attribution) -> Attribution:
-    """The same with every name a lead, and the model without effects at the end; no leads where that is adequate."""
+    """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
     bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
-    return bare if found.null_residual.adequate else replace(bare, leads=found.rounds, led=found.final)
+    met = found.null_residual.adequate and not strained_too_much(found.null)
+    return bare if met else replace(bare, leads=found.rounds, led=found.final)
 
 
 def shares(found: Attribution) -> tuple[float, float]:

@@ -70,15 +70,16 @@ def reconcile(
             keep=None if kept is None else kept.keep,
         )  # fmt: skip
 
-    found = attributed(null, "rounds.json", _CALIBRATED, _ATTRIBUTED)
+    first = attributed(null, "rounds.json", _CALIBRATED, _ATTRIBUTED)
+    found = as_leads(first, limits)
     said: tuple[str, ...] = ()
-    other = turned(found)
+    other = turned(first)
     if other is not None:
         tell(_ATTRIBUTED, "another hold-out")
-        again = attributed(calibrate(other, found.null.u, stages=FAR), "rounds-turned.json", _ATTRIBUTED, _TURNED)
+        again = attributed(calibrate(other, first.null.u, stages=FAR), "rounds-turned.json", _ATTRIBUTED, _TURNED)
+        again = as_leads(again, limits)
         if again.rounds and (not found.rounds or again.final_residual.adequate):
-            found, said = again, (words_of_turn(found, other),)
-    found = as_leads(found, limits)
+            found, said = again, (words_of_turn(first, other),)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)
     places = None

@@ -1,4 +1,4 @@
-"""Could there be such a thing? A name whose place or resonance lies beyond what its effect plausibly has is none.
+"""Could there be such a thing? A name for what is off the aircraft, or swings where nothing like it does, is none.
 
 Data outweigh any prior: where the right effect is not in the catalogue, another one is bent until it does the same. A
 gram half a metre behind the aircraft is an inertia, an absorber far above the band a mass.
@@ -6,55 +6,75 @@ gram half a metre behind the aircraft is an inertia, an absorber far above the b
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.posterior import honest
+from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.placement import LEAST_BOX_MARGIN_M, aircraft_box_m
 
 if TYPE_CHECKING:
     from vgvt.reconcile.fit import Fit
     from vgvt.reconcile.rivals import Rival
 
-# The plausible range is two standard deviations of the prior; beyond it by one more, and surely beyond it.
-_RANGE, _BEYOND, _SURE = 2.0, 3.0, 2.0
+AXES = {f"{prefix}{axis}_m": k for prefix in ("", "other_") for k, axis in enumerate("xy")}
+"""What effects call their places, with the axis (0 aft, 1 right)."""
+# The plausible range of a frequency ends at a score of two. Data that say little of it leave it well within.
+_BEYOND = 3.0
+# Of the aircraft's side in that direction: what surfaces and brackets reach beyond its box; and by so many deviations.
+_OFF, _SURE = 0.25, 2.0
 
 
 def implausible(fit: Fit, index: int = -1) -> tuple[str, ...]:
-    """What of a hypothesis of a fit lies surely beyond its plausible range, in words; empty where nothing does.
+    """What of a hypothesis of a fit lies surely beyond what there can be, in words; empty where nothing does.
 
-    How large an effect is, is for the data to say: sizes, which have a neutral value, are not asked; nor are angles
-    all round, which come back to where they were.
+    Places, against the aircraft, and frequencies, against the catalogue's range. How much there is of a thing, how
+    stiff or how damped it is, is for the data to say.
     """
     index %= len(fit.hypotheses)
     parameters = fit.hypotheses[index].parameters
     start = fit.u.size + sum(len(h.parameters) for h in fit.hypotheses[:index])
-    scores = np.abs(fit.scores[start : start + len(parameters)])
-    asked = [k for k, p in enumerate(parameters) if p.neutral is None and not _all_round(p) and scores[k] > _BEYOND]
+    scores, values = np.abs(fit.scores[start : start + len(parameters)]), fit.values(index)
+    sides = {p.name: on_the_aircraft(fit.problem.scenario.airframe, p.name) for p in parameters if p.name in AXES}
+    off = {name: max(low - values[name][0], values[name][0] - high) for name, (low, high) in sides.items()}
+    far = {p.name for p, score in zip(parameters, scores, strict=True) if p.unit == "Hz" and score > _BEYOND}
+    asked = [p for p in parameters if off.get(p.name, 0.0) > 0 or (p.name in far and p.neutral is None)]
     if not asked:
         return ()
-    known = honest(fit)
-    sd = np.sqrt(np.diag(known.covariance)[start : start + len(parameters)])
-    values = known.values(index)
+    wide = honest(fit).values(index)
     return tuple(
-        _words(parameters[k], values[parameters[k].name][0]) for k in asked if scores[k] - _SURE * sd[k] > _RANGE
+        _words(p, values[p.name][0], *sides.get(p.name, (p.low, p.high)))
+        for p in asked
+        if off.get(p.name, np.inf) > _SURE * wide[p.name][1]
     )
 
 
-def likelier(confirmed: Sequence[Rival], within_nats: float) -> list[Rival]:
-    """Rivals without those that are no plausible thing, where a plausible one is within reach of the best of all."""
+def on_the_aircraft(airframe: Airframe, name: str) -> tuple[float, float]:
+    """From where to where a place by its parameter's name is on an aircraft, or near it, in m."""
+    low, high = aircraft_box_m(airframe)[:, AXES[name]]
+    margin = max(_OFF * (high - low), LEAST_BOX_MARGIN_M)
+    return float(low - margin), float(high + margin)
+
+
+def reach(cls_parameters: Sequence[Parameter], box_m: NDArray[np.float64]) -> dict[str, tuple[float, float]]:
+    """Ranges of an effect's places that hold the whole aircraft, by parameter; ``box_m`` is (2, 3), its corners."""
+    return {
+        p.name: (min(p.low, float(box_m[0, AXES[p.name]])), max(p.high, float(box_m[1, AXES[p.name]])))
+        for p in cls_parameters
+        if p.name in AXES
+    }
+
+
+def likelier(confirmed: Sequence[Rival], equal: Sequence[Rival]) -> list[Rival]:
+    """Rivals without those that are no plausible thing, where a plausible one is among the ``equal`` of the best."""
     kept = [r for r in confirmed if not implausible(r.fit)]
-    best = max((r.gain_nats for r in confirmed), default=0.0)
-    return kept if any(r.gain_nats > best - within_nats for r in kept) else list(confirmed)
+    return kept if any(r is e for r in kept for e in equal) else list(confirmed)
 
 
-def _all_round(p: Parameter) -> bool:
-    return p.unit == "rad" and p.high - p.low >= 2 * math.pi
-
-
-def _words(p: Parameter, value: float) -> str:
+def _words(p: Parameter, value: float, low: float, high: float) -> str:
     unit = f" {p.unit}" if p.unit else ""
-    return f"{p.name} of {value:.3g}{unit}, where {p.low:g} to {p.high:g}{unit} is plausible"
+    return f"{p.name} of {value:.3g}{unit}, where {low:.3g} to {high:.3g}{unit} is plausible"

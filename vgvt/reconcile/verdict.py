@@ -214,7 +214,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if kind is Kind.UNKNOWN and not found.null.converged:
         said.append("The calibration had not converged: some of what is left may be its own")
     if kind is Kind.UNKNOWN:
-        said.append("No effect of the catalogue explains it and holds on data that no fit has seen")
+        said.append("No plausible effect of the catalogue explains it and holds on data that no fit has seen")
         if found.leads:
             labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
             said.append(
@@ -223,9 +223,15 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             )
         said += [
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
-            "explains with it, another place where it does as well, or values that no such thing has speak against it"
+            "explains with it, or another place where it does as well, speak against it"
             for r in found.vetoed[:3]
+            if not implausible(r.fit)
         ]
+    said += [
+        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but it is no plausible thing ({'; '.join(strange)})"
+        for r in found.vetoed[:3]
+        if (strange := implausible(r.fit))
+    ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(found.null.problem):
         said.append(
             "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
@@ -244,9 +250,10 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
 
 def _why_no_name(found: Attribution) -> str:
     """Why leads are no names."""
-    strange = [w for k in range(len(found.leads)) for w in implausible(found.led, k)] if found.led else []
+    led = found.led
+    strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
     if strange:
-        return f"it is no plausible thing ({'; '.join(strange)}): it imitates something that is not in the catalogue"
+        return f"no plausible thing is {'; '.join(strange)}: it imitates something that is not in the catalogue"
     return "what does not halve what is too much with every name is a lead"
 
 

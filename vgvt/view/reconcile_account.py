@@ -14,7 +14,9 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 Held = Literal["", "channel", "run"]
-Standing = Literal["named", "lead", "equivalent", "beaten", "refused by held-out data", "too little evidence"]
+Standing = Literal[
+    "named", "lead", "equivalent", "beaten", "refused by held-out data", "no plausible thing", "too little evidence"
+]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,9 +20,10 @@ _ROW_PX = 15
 _SCALE = [[0.0, "#f4f7fb"], [0.25, "#fbe3c8"], [0.5, "#f2a766"], [0.75, "#c9511f"], [1.0, "#5c1a0b"]]
 _STANDING = {
     "named": (TRUTH_COLOUR, "named"),
-    "lead": (TRUTH_COLOUR, "comes nearest: too little for a name"),
+    "lead": (TRUTH_COLOUR, "comes nearest: a lead and no name"),
     "equivalent": ("#56B4E9", "equivalent: explains the data as well"),
     "refused by held-out data": ("#D55E00", "refused: held-out data, or the place that is left, speak against it"),
+    "no plausible thing": ("#D55E00", "no plausible thing: off the aircraft, or of a frequency that it does not have"),
     "beaten": (MEASURED_COLOUR, "beaten"),
     "too little evidence": ("#c3c8cf", "too little evidence"),
 }

@@ -51,7 +51,7 @@ def verdict_sentence(account: Account) -> str:
         return f"The scenario lacks {names}, and something else that no effect of the catalogue explains{error}."
     where = f"; the residual points at {account.places[0].label}" if account.places else ""
     leads = " and ".join(_with_rivals(e) for e in account.leads)
-    nearest = f"; what comes nearest, {leads}, takes too little of it for a name" if leads else ""
+    nearest = f"; what comes nearest, {leads}, is a lead and no name" if leads else ""
     return f"Something is missing that no effect of the catalogue explains{where}{nearest}{error}."
 
 
