@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import hati_identified
 import hati_reconciled
@@ -41,23 +42,27 @@ def test_the_two_ways_of_a_hold_out_share_nothing_and_leave_nothing_out(pair: tu
     assert np.array_equal(one, ~other)
 
 
-def test_what_a_stage_named_comes_back_with_its_values() -> None:
-    document = {
-        "effects": [
+@pytest.mark.parametrize("where", ["effects", "leads"])
+def test_what_a_stage_named_comes_back_with_its_values(where: str) -> None:
+    """Or what came nearest, where it named nothing."""
+    document: dict[str, Any] = {
+        "effects": [],
+        "leads": [],
+        where: [
             {
                 "name": "local-absorber",
                 "settings": {},
-                "equivalent": [],
+                "equivalent": ["suspension-surge"],
                 "parameters": {"mass_kg": {"value": 0.05, "std": 0.001, "unit": "kg"}},
             }
-        ]
+        ],
     }
     ((hypothesis, values),) = hati_reconciled.named(document)
     assert (hypothesis.name, values) == ("local-absorber", {"mass_kg": 0.05})
     k = [p.name for p in hypothesis.parameters].index("mass_kg")
     assert hypothesis.values(hypothesis.scores(values))["mass_kg"] == pytest.approx(0.05)
     assert hypothesis.scores(values)[k] != 0
-    assert "local-absorber" not in hati_reconciled.without(document)
+    assert not {"local-absorber", "suspension-surge"} & set(hati_reconciled.without(document))
 
 
 def test_runs_are_tried_together_and_one_by_one() -> None:
