@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,9 +14,11 @@ from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile import Kind, plausible, reconcile
+from vgvt.reconcile.account import _standing
 from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.plausible import implausible
+from vgvt.reconcile.verdict import reasons_of
 from vgvt.scenario import load_scenario
 
 # The package's lazy name of the same spelling is the function.
@@ -66,6 +69,18 @@ def test_what_lies_surely_beyond_is_said(changed: dict[str, float], sd: float, w
     found = implausible(fit_of(sd, **changed), 0)
     assert tuple(words.split(" of ")[0] for words in found) == what
     assert implausible(fit_of(sd, **changed)) == ()
+
+
+def test_it_is_asked_of_the_effect_that_was_added_last() -> None:
+    fit = fit_of(frequency_hz=120.0)
+    split = fit.u.size + len(ABSORBER.parameters)
+    fit.scores = np.concatenate([fit.u, fit.scores[split:], fit.scores[fit.u.size : split]])
+    turned_round: Any = SimpleNamespace(
+        u=fit.u, scores=fit.scores, hypotheses=HYPOTHESES[::-1], values=lambda index: fit.values(1 - index),
+        problem=fit.problem,
+    )  # fmt: skip
+    assert len(implausible(turned_round)) == 1
+    assert implausible(turned_round, 0) == ()
 
 
 def test_a_frequency_that_data_may_set_to_any_size_is_not_asked() -> None:
@@ -147,3 +162,10 @@ def test_a_mass_is_no_absorber_far_above_the_band(tmp_path: Path, monkeypatch: p
     (lead,) = found.leads
     assert lead.parameters["mass_kg"][0] == pytest.approx(0.15, rel=0.1)
     assert any("no plausible thing is local-absorber with frequency_hz of" in reason for reason in found.reasons)
+    # Beside an earlier name that stays, or a rival that could be, it is told as refused.
+    (addition,) = found.attribution.leads
+    beside = replace(found.attribution, leads=(), led=None, vetoed=(addition.winner,))
+    said = reasons_of(found.kind, beside, found.thresholds, None)
+    assert sum("but it is no plausible thing (frequency_hz of" in reason for reason in said) == 1
+    assert not any("speak against it" in reason for reason in said)
+    assert _standing(addition.winner, None, beside, 9.0, "lead") == "no plausible thing"

@@ -5,16 +5,19 @@ from __future__ import annotations
 import dataclasses
 import functools
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import Effect, available_effects, make_effect
-from vgvt.reconcile import Verdict, reconcile
+from vgvt.reconcile import Verdict, loop, reconcile
 from vgvt.reconcile.data import Measured, measured_frfs
 from vgvt.reconcile.holdout import Split, split
-from vgvt.reconcile.turned import missed_channels, turned
+from vgvt.reconcile.leads import demoted
+from vgvt.reconcile.turned import counts_instead, missed_channels, turned
 
 LINES = 120
 CATALOGUE = ("channel-gain",)
@@ -70,6 +73,27 @@ def test_a_held_out_channel_that_reads_too_much_has_a_name(loud: tuple[Verdict, 
     assert problem.split.train[labels == held_out_label()].all() and problem.split.held.any()
     assert verdict.reasons[0].startswith("Of the data held out at first")
     assert held_out_label() in verdict.reasons[0].split("were missed")[0]
+
+
+def test_a_name_that_does_not_keep_is_none_to_turn_for(
+    loud: tuple[Verdict, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the other hold-out's name loses it loses before it is asked whether that hold-out counts."""
+    _, folder = loud
+    monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: demoted(found) if found.rounds else found)
+    verdict = judged(folder, make_effect("channel-gain", "test", gain_error=0.1, channels=held_out_label()))
+    assert verdict.kind == "unknown" and verdict.leads == ()
+    assert (verdict.attribution.null.problem.split.held == drawn().held).all()
+
+
+@pytest.mark.parametrize(
+    ("named", "again", "adequate", "counts"),
+    [(0, 1, False, True), (1, 1, False, False), (1, 1, True, True), (1, 0, True, False), (0, 0, True, False)],
+)
+def test_a_name_or_data_met_by_it_count_instead(named: int, again: int, adequate: bool, counts: bool) -> None:
+    first: Any = SimpleNamespace(rounds=(None,) * named)
+    other: Any = SimpleNamespace(rounds=(None,) * again, final_residual=SimpleNamespace(adequate=adequate))
+    assert counts_instead(first, other) is counts
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from vgvt.reconcile.localise import localise
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
-from vgvt.reconcile.turned import turned, words_of_turn
+from vgvt.reconcile.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of, undecided
 from vgvt.scenario.model import Scenario
 
@@ -76,9 +76,9 @@ def reconcile(
     other = turned(first)
     if other is not None:
         tell(_ATTRIBUTED, "another hold-out")
-        again = attributed(calibrate(other, first.null.u, stages=FAR), "rounds-turned.json", _ATTRIBUTED, _TURNED)
-        again = as_leads(again, limits)
-        if again.rounds and (not found.rounds or again.final_residual.adequate):
+        start = calibrate(other, first.null.u, stages=FAR)
+        again = as_leads(attributed(start, "rounds-turned.json", _ATTRIBUTED, _TURNED), limits)
+        if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)

@@ -33,6 +33,15 @@ def turned(found: Attribution) -> Problem | None:
     return replace(problem, split=chosen) if chosen.held.any() and (missed & chosen.train).any() else None
 
 
+def counts_instead(found: Attribution, again: Attribution) -> bool:
+    """Whether what another hold-out says counts instead of the first: a name where there was none, or data met by it.
+
+    Both are asked for what keeps its name (:func:`~vgvt.reconcile.leads.as_leads`): a name that the turn would lose is
+    none to go by.
+    """
+    return bool(again.rounds) and (not found.rounds or again.final_residual.adequate)
+
+
 def missed_channels(found: Attribution) -> NDArray[np.bool_]:
     """Which held-out channels, (C,), the final model misses by more than held-out data may be missed by."""
     after = found.final_residual
