@@ -161,7 +161,10 @@ def test_a_mass_is_no_absorber_far_above_the_band(tmp_path: Path, monkeypatch: p
     assert found.kind is Kind.UNKNOWN, found.reasons
     (lead,) = found.leads
     assert lead.parameters["mass_kg"][0] == pytest.approx(0.15, rel=0.1)
-    assert any("no plausible thing is local-absorber with frequency_hz of" in reason for reason in found.reasons)
+    assert any(
+        "; local-absorber with frequency_hz of" in reason and "is no plausible thing, and" in reason
+        for reason in found.reasons
+    )
     # Beside an earlier name that stays, or a rival that could be, it is told as refused.
     (addition,) = found.attribution.leads
     beside = replace(found.attribution, leads=(), led=None, vetoed=(addition.winner,))

@@ -253,7 +253,7 @@ def _why_no_name(found: Attribution) -> str:
     led = found.led
     strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
     if strange:
-        return f"no plausible thing is {'; '.join(strange)}: it imitates something that is not in the catalogue"
+        return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
     return "what does not halve what is too much with every name is a lead"
 
 
