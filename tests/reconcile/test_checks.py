@@ -60,7 +60,7 @@ def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
     stiff = shown(case, "off the force transducer's axis", "stinger-moment", rotational_stiffness_n_m_per_rad=9.0)
     assert stiff == pytest.approx([0.0, 0.0])
     assert shown(case, "weigh the aircraft", "added-mass", mass_kg=0.05) == pytest.approx([0.05, 0.05])
-    warming = shown(case, "log the temperature", "temperature-change", warming_k=3.0)
+    warming = shown(case, "log the temperature of the structure", "temperature-change", warming_k=3.0)
     assert warming == pytest.approx(np.linspace(0, 3.0, len(runs)))
     moved = shown(case, "tape where every sensor", "sensor-position-error", dx_m=0.03, node=first[1]).reshape(-1, 2)
     assert [tuple(m) for m in moved if m.any()] == [pytest.approx((0.03, 0.0))] * sum(first[1] in r for r in runs)

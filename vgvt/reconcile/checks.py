@@ -1,4 +1,4 @@
-"""What hand instruments read off the rig without another sweep: a tape, a scale, a level, a thermometer, a calibrator.
+"""What hand instruments read off the rig without another sweep: a tape, a scale, a level, a thermistor, a calibrator.
 
 The reading of a check is foretold from what effects do to a run, as the simulation is: an installed effect needs no
 line of code about it here.
@@ -29,7 +29,9 @@ from vgvt.simulation.channel_effects import selects
 Array = NDArray[np.float64]
 
 # Standard deviations of careful readings: engineering judgement, each about a division of the instrument.
-_TAPE_M, _LEVEL_RAD, _THERMOMETER_K = 0.002, 0.009, 0.1
+_TAPE_M, _LEVEL_RAD = 0.002, 0.009
+# A thermistor keeps to millikelvins over a day; so well does one point of it stand for how the structure has warmed.
+_THERMISTOR_K = 0.02
 _SCALE_KG, _BALANCE_KG, _SPRING = 0.003, 0.0003, 0.01
 # N per N m: half a per cent of the force of a mass 5 cm off the gauge's axis, on one side and on the other.
 _MOMENT_PER_M = 0.005 / (2**0.5 * 0.05)
@@ -90,8 +92,8 @@ def checks(problem: Problem) -> tuple[Check, ...]:
               lambda r: _filters(r, band, tuple(Family)), _calibrated(_REFERENCE, gains)),
     ]  # fmt: skip
     if runs > 1:
-        words = "log the temperature beside the runs"
-        found.append(Check(words, 5.0 * runs, lambda r: np.array([_warming_k(s) for s in r]), _alike(_THERMOMETER_K)))
+        words = "log the temperature of the structure beside the runs, with a thermistor"
+        found.append(Check(words, 5.0 * runs, lambda r: np.array([_warming_k(s) for s in r]), _alike(_THERMISTOR_K)))
     if scenario.hammer is None:
         found += [
             Check("measure with a tape where the shaker pushes", 5.0,
