@@ -11,7 +11,7 @@ import pytest
 
 from vgvt.reconcile import leads
 from vgvt.reconcile.attribute import Attribution
-from vgvt.reconcile.leads import as_leads, shares
+from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names
 from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
 
 THRESHOLDS: Any = SimpleNamespace()
@@ -181,3 +181,22 @@ def test_what_is_left_of_two_names_must_take_half_on_its_own(monkeypatch: pytest
     judged = as_leads(case, THRESHOLDS)
     assert judged.rounds == ()
     assert [r.winner.name for r in judged.leads] == ["one"]
+
+
+@pytest.mark.parametrize(
+    ("nats", "names", "strange", "does"),
+    [(-3.0, 1, (), True), (30.0, 2, (), True), (-6.0, 1, (), False), (30.0, 0, (), False), (30.0, 2, ("one",), False)],
+)
+def test_what_does_as_well_without_what_cannot_be_counts(
+    monkeypatch: pytest.MonkeyPatch, nats: float, names: int, strange: tuple[str, ...], does: bool
+) -> None:
+    """By the evidence of the whole models, and if it is all plausible itself."""
+    case = with_strange(monkeypatch, ("far off", *strange), ("far off", "two"))
+    other = with_strange(monkeypatch, ("far off", *strange), ("one", "two"))
+    first, second = (replace(c, final=fitted(800.0, hypotheses=c.final.hypotheses)) for c in (case, other))
+    first_fit: Any = first.final
+    second_fit: Any = second.final
+    first_fit.evidence_nats, second_fit.evidence_nats = 100.0, 100.0 + nats
+    second_fit.hypotheses = second_fit.hypotheses[:names]
+    assert strange_names(first) == {"far off"}
+    assert does_without(first, replace(second, rounds=second.rounds[:names]), 5.0) is does

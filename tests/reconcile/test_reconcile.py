@@ -76,6 +76,23 @@ def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypa
     assert "a lead, not switched on here: channel-gain" in (folder / "reconciled.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("as_good", [True, False])
+def test_the_search_is_made_again_without_what_is_no_plausible_thing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, as_good: bool
+) -> None:
+    """And counts where what it names does as well."""
+
+    def strange(found: Any) -> frozenset[str]:
+        return frozenset(h.name for h in found.final.hypotheses if h.name == "channel-gain")
+
+    monkeypatch.setattr(loop, "strange_names", strange)
+    monkeypatch.setattr(loop, "does_without", lambda found, without, within_nats: as_good)
+    found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))
+    asked = {r.name for r in found.attribution.last_rivals}
+    assert ("channel-gain" in asked) is not as_good
+    assert [e.name for e in found.effects] == ([] if as_good else ["channel-gain"])
+
+
 @pytest.mark.slow
 def test_the_same_call_gives_the_same_verdict(folder: Path) -> None:
     first, second = (verdict(folder, 11, ("channel-delay",)) for _ in range(2))

@@ -44,6 +44,22 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
     return demoted(found)
 
 
+def strange_names(found: Attribution) -> frozenset[str]:
+    """Effects that are no plausible thing in the final model."""
+    final = found.final
+    return frozenset(h.name for k, h in enumerate(final.hypotheses) if implausible(final, k))
+
+
+def does_without(found: Attribution, without: Attribution, within_nats: float) -> bool:
+    """Whether a search ``without`` what was no plausible thing names plausible ones that explain the data as well.
+
+    Beside a second effect an absorber far above the band may gain more than the mass that is there: only the two
+    together show that the mass does as well.
+    """
+    reached = without.final.evidence_nats > found.final.evidence_nats - within_nats
+    return bool(without.rounds) and reached and not strange_names(without)
+
+
 def demoted(found: Attribution) -> Attribution:
     """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
     bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)

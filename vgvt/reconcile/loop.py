@@ -13,7 +13,7 @@ from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.figures_of_merit import compare
 from vgvt.reconcile.fit import FAR, Fit, calibrate
-from vgvt.reconcile.leads import as_leads
+from vgvt.reconcile.leads import as_leads, does_without, strange_names
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
@@ -24,6 +24,8 @@ from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
 _CALIBRATED, _ATTRIBUTED, _TURNED, _LOCALISED = 0.15, 0.80, 0.90, 0.95
+# Of a search, what is kept for another one where it ends at what is no plausible thing.
+_SEARCHED = 0.9
 
 
 def reconcile(
@@ -61,23 +63,34 @@ def reconcile(
     hypotheses = candidates(problem, effects)
     origin = provenance_of(campaign, scenario, {h.name for h in hypotheses}, limits, lines)
 
-    def attributed(start: Fit, file: str, begins: float, ends: float) -> Attribution:
-        kept = None if folder is None else Checkpoint.of(folder / file, origin, floor, most)
+    def searched(start: Fit, file: str, span: tuple[float, float], without: frozenset[str]) -> Attribution:
+        asked = [h for h in hypotheses if h.name not in without]
+        kept = None if folder is None else Checkpoint.of(folder / file, origin, floor, most, sorted(without))
         return attribute(
-            start, hypotheses, limits, most=most, workers=workers,
-            progress=lambda f, m: tell(begins + (ends - begins) * f, m),
-            begun=None if kept is None else kept.begun(start.problem, hypotheses),
+            start, asked, limits, most=most, workers=workers,
+            progress=lambda f, m: tell(span[0] + (span[1] - span[0]) * f, m),
+            begun=None if kept is None else kept.begun(start.problem, asked),
             keep=None if kept is None else kept.keep,
         )  # fmt: skip
 
-    first = attributed(null, "rounds.json", _CALIBRATED, _ATTRIBUTED)
+    def attributed(start: Fit, name: str, begins: float, ends: float) -> Attribution:
+        middle = begins + _SEARCHED * (ends - begins)
+        found = searched(start, f"{name}.json", (begins, middle), frozenset())
+        strange = strange_names(found)
+        if not strange:
+            return found
+        tell(middle, f"again without {', '.join(sorted(strange))}")
+        without = searched(start, f"{name}-plausible.json", (middle, ends), strange)
+        return without if does_without(found, without, limits.set_nats) else found
+
+    first = attributed(null, "rounds", _CALIBRATED, _ATTRIBUTED)
     found = as_leads(first, limits)
     said: tuple[str, ...] = ()
     other = turned(first)
     if other is not None:
         tell(_ATTRIBUTED, "another hold-out")
         start = calibrate(other, first.null.u, stages=FAR)
-        again = as_leads(attributed(start, "rounds-turned.json", _ATTRIBUTED, _TURNED), limits)
+        again = as_leads(attributed(start, "rounds-turned", _ATTRIBUTED, _TURNED), limits)
         if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
     measured, parts = problem.measured, found.null.problem.split
