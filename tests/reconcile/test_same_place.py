@@ -58,7 +58,7 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is refused for it is kept among the refused, and the verdict has no name."""
     null: Any = SimpleNamespace(chi2_per_dof=1.0, problem=None)
     joint = SimpleNamespace(linear=False)
-    fit = SimpleNamespace(converged=True)
+    fit = SimpleNamespace(converged=True, chi2_per_dof=20.0)
     beside: Any = SimpleNamespace(fit=fit, name="beside", gain_nats=90.0, held_out=40.0, hypothesis=joint)
     limits = SimpleNamespace(held_out_per_dof=1.0)
     left = SimpleNamespace(
@@ -73,6 +73,7 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)
     monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
     monkeypatch.setattr(rounds, "ended", lambda current, rivals, *given: rivals)
+    monkeypatch.setattr(rounds, "likelier", lambda confirmed, equal: list(confirmed))
     needs: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
     found = rounds.attribute(null, (), needs)
     assert found.rounds == () and found.vetoed == (beside,)
