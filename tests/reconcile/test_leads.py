@@ -11,7 +11,7 @@ import pytest
 
 from vgvt.reconcile import leads
 from vgvt.reconcile.attribute import Attribution
-from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names
+from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names, telling
 from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
 
 THRESHOLDS: Any = SimpleNamespace()
@@ -200,3 +200,12 @@ def test_what_does_as_well_without_what_cannot_be_counts(
     second_fit.hypotheses = second_fit.hypotheses[:names]
     assert strange_names(first) == {"far off"}
     assert does_without(first, replace(second, rounds=second.rounds[:names]), 5.0) is does
+
+
+def test_what_the_second_search_went_without_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before what that one refused itself, of which a verdict tells the first."""
+    case, other = (with_strange(monkeypatch, ("far off",), names) for names in (("one", "far off"), ("one", "two")))
+    refused: Any = SimpleNamespace(name="refused")
+    told = telling(case, replace(other, vetoed=(refused,)))
+    assert [r.name for r in told.vetoed] == ["far off", "refused"]
+    assert (told.rounds, told.final) == (other.rounds, other.final)

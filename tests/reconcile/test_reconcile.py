@@ -85,12 +85,20 @@ def test_the_search_is_made_again_without_what_is_no_plausible_thing(
     def strange(found: Any) -> frozenset[str]:
         return frozenset(h.name for h in found.final.hypotheses if h.name == "channel-gain")
 
+    told: list[Any] = []
+
+    def telling(found: Any, without: Any) -> Any:
+        told.append(without)
+        return without
+
+    monkeypatch.setattr(loop, "telling", telling)
     monkeypatch.setattr(loop, "strange_names", strange)
     monkeypatch.setattr(loop, "does_without", lambda found, without, within_nats: as_good)
     found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))
     asked = {r.name for r in found.attribution.last_rivals}
     assert ("channel-gain" in asked) is not as_good
     assert [e.name for e in found.effects] == ([] if as_good else ["channel-gain"])
+    assert told == ([found.attribution] if as_good else [])
 
 
 @pytest.mark.slow

@@ -60,6 +60,12 @@ def does_without(found: Attribution, without: Attribution, within_nats: float) -
     return bool(without.rounds) and reached and not strange_names(without)
 
 
+def telling(found: Attribution, without: Attribution) -> Attribution:
+    """The search ``without`` what was no plausible thing, with that among what was refused: it is not to be hidden."""
+    strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
+    return replace(without, vetoed=(*strange, *without.vetoed))
+
+
 def demoted(found: Attribution) -> Attribution:
     """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
     bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)

@@ -13,7 +13,7 @@ from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.figures_of_merit import compare
 from vgvt.reconcile.fit import FAR, Fit, calibrate
-from vgvt.reconcile.leads import as_leads, does_without, strange_names
+from vgvt.reconcile.leads import as_leads, does_without, strange_names, telling
 from vgvt.reconcile.localise import localise
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
@@ -81,7 +81,7 @@ def reconcile(
             return found
         tell(middle, f"again without {', '.join(sorted(strange))}")
         without = searched(start, f"{name}-plausible.json", (middle, ends), strange)
-        return without if does_without(found, without, limits.set_nats) else found
+        return telling(found, without) if does_without(found, without, limits.set_nats) else found
 
     first = attributed(null, "rounds", _CALIBRATED, _ATTRIBUTED)
     found = as_leads(first, limits)

@@ -60,11 +60,11 @@ def on_the_aircraft(airframe: Airframe, name: str) -> tuple[float, float]:
     return float(low - margin), float(high + margin)
 
 
-def reach(cls_parameters: Sequence[Parameter], box_m: NDArray[np.float64]) -> dict[str, tuple[float, float]]:
+def reach(parameters: Sequence[Parameter], box_m: NDArray[np.float64]) -> dict[str, tuple[float, float]]:
     """Ranges of an effect's places that hold the whole aircraft, by parameter; ``box_m`` is (2, 3), its corners."""
     return {
         p.name: (min(p.low, float(box_m[0, AXES[p.name]])), max(p.high, float(box_m[1, AXES[p.name]])))
-        for p in cls_parameters
+        for p in parameters
         if p.name in AXES
     }
 
