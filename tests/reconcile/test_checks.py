@@ -69,6 +69,12 @@ def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
     assert np.any(apart[0]) and apart[0] == pytest.approx(-apart[1])
     lean = shown(case, "level to every sensor", "sensor-tilt", angle_rad=0.05, azimuth_rad=0.0).reshape(-1, 3)
     assert lean == pytest.approx(np.tile([np.sin(0.05), 0.0, np.cos(0.05) - 1], (len(lean), 1)))
+    assert not shown(case, "level to every sensor", "transverse-sensitivity", fraction=0.05).any()
+    across = shown(
+        case, "across its axis", "transverse-sensitivity", fraction=0.05, azimuth_rad=0.0, sensors="sensor-2"
+    )
+    assert across.reshape(-1, 3) == pytest.approx(np.outer(np.arange(5) == 1, [0.05, 0.0, 0.0]))
+    assert not shown(case, "across its axis", "sensor-tilt", angle_rad=0.05).any()
     push = shown(case, "level to the stinger", "lateral-force", angle_rad=0.05, azimuth_rad=0.0)
     assert push[0] == pytest.approx(np.sin(0.05))
 
@@ -139,6 +145,24 @@ def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_
     for away in (0.0, 1.0, -2.0):
         reading = law[0] + away * np.sqrt(np.diag(law[1]))
         assert reading_density(found, scale, reading) == pytest.approx(log_density(reading, *law), abs=0.15)
+
+
+def test_a_level_and_a_calibrator_tell_a_sensor_that_leans_from_one_that_feels_across() -> None:
+    """To a campaign they are one; but the housing of the one is level, and the other is true on a calibrator."""
+    leaning = available_effects()["sensor-tilt"](angle_rad=0.087, azimuth_rad=0.5)
+    leant = make_problem(campaign_of(roving_scenario(), 1, leaning), roving_scenario(), lines=60)
+    started = (
+        ("sensor-tilt", {"angle_rad": 0.087, "azimuth_rad": 0.5}),
+        ("transverse-sensitivity", {"fraction": 0.087, "azimuth_rad": 0.5}),
+    )
+    fits = []
+    for name, values in started:
+        hypothesis = Hypothesis(available_effects()[name], {"sensors": "response"})
+        fits.append(fit(leant, (hypothesis,), np.zeros(leant.size), hypothesis.scores(values), TO_THE_END))
+    assert fits[0].chi2 == pytest.approx(fits[1].chi2, abs=10)
+    for words in ("level to every sensor", "across its axis"):
+        nats = [reading_nats(a, b, check(leant, words)) for a, b in (fits, fits[::-1])]
+        assert min(n for n in nats if n is not None) > stored_thresholds().set_nats
 
 
 def test_what_nothing_moves_is_known_as_well_as_it_is_read(case: Problem) -> None:

@@ -14,7 +14,8 @@ class PointError:
     """The accelerometer of a node sits elsewhere, or senses along another axis, than its label says.
 
     It sits at the place of ``at_node`` (swapped sensors) and ``shift_m`` from there, in aircraft axes.
-    It reads motion . (direction + ``lean``), both fixed to the part. Several errors of one node add up.
+    It reads motion . (direction + ``lean`` + ``cross_sensitivity``), all fixed to the part: the housing leans, while
+    what a sensor feels across its axis is its own and is seen on no housing. Several errors of one node add up.
     For the shaker's node only ``lean`` counts: the push turns to the unit vector along direction + lean.
     Geometry and truth of the sensors keep to the labels; that of the force is where it acts.
     """
@@ -23,6 +24,7 @@ class PointError:
     at_node: int | None = None
     shift_m: Vector = (0.0, 0.0, 0.0)
     lean: Vector = (0.0, 0.0, 0.0)
+    cross_sensitivity: Vector = (0.0, 0.0, 0.0)
 
 
 def across(direction: Direction, azimuth_rad: float) -> Vector:

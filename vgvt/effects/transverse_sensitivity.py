@@ -46,8 +46,10 @@ class TransverseSensitivity:
         if self.fraction == 0:
             return NOTHING
         where = chosen_sensors(scenario, run, self.sensors, self.name)
-        return Action(points=tuple(PointError(p.dof.node, lean=self._lean(p.dof.direction)) for p in where))
+        return Action(
+            points=tuple(PointError(p.dof.node, cross_sensitivity=self._across(p.dof.direction)) for p in where)
+        )
 
-    def _lean(self, direction: Direction) -> Vector:
+    def _across(self, direction: Direction) -> Vector:
         x, y, z = across(direction, self.azimuth_rad)
         return (self.fraction * x, self.fraction * y, self.fraction * z)

@@ -37,6 +37,8 @@ _SCALE_KG, _BALANCE_KG, _SPRING = 0.003, 0.0003, 0.01
 _MOMENT_PER_M = 0.005 / (2**0.5 * 0.05)
 # Relative: a sensor beside another, and one signal split between two channels.
 _REFERENCE, _SPLIT = 0.01, 0.002
+# Of the sensitivity along: what ISO 16063-31 can tell of that across with an ordinary exciter.
+_ACROSS = 0.005
 _HIGHEST_HZ = 5000.0
 _FREQUENCIES = 10
 _STEP = 0.01
@@ -82,6 +84,8 @@ def checks(problem: Problem) -> tuple[Check, ...]:
               _alike(_TAPE_M)),
         Check("measure with a tape where every sensor sits", float(points), _sensor_places, _alike(_TAPE_M)),
         Check("hold a level to every sensor", float(points), _sensor_leans, _alike(_LEVEL_RAD)),
+        Check("shake every accelerometer across its axis, on a calibrator", 10.0 * max(map(len, problem.measured.runs)),
+              _cross_sensitivities, _alike(_ACROSS)),
         Check("weigh the aircraft before and after", 30.0,
               lambda r: np.array([_aircraft_kg(r[0]), _aircraft_kg(r[-1])]), _alike(_SCALE_KG)),
         Check("weigh an accelerometer with what moves of its cable", 10.0,
@@ -220,6 +224,18 @@ def _sensor_leans(runs: Sequence[Seen]) -> Array:
     """How the sensors of all runs lean, as unit vectors' changes in aircraft axes."""
     nodes = [(one, node) for one in runs for node in one.scenario.acquisition.run_nodes[one.run]]
     return np.concatenate([_lean(one, node) for one, node in nodes])
+
+
+def _cross_sensitivities(runs: Sequence[Seen]) -> Array:
+    """What every accelerometer feels across its axis by itself, of what it feels along, as the mean over its runs."""
+    found: list[list[Array]] = [
+        [] for _ in range(max(len(one.scenario.acquisition.run_nodes[one.run]) for one in runs))
+    ]
+    for one in runs:
+        for sensor, node in enumerate(one.scenario.acquisition.run_nodes[one.run]):
+            felt = [np.array(p.cross_sensitivity) for a in one.actions for p in a.points if p.node == node]
+            found[sensor].append(np.sum([np.zeros(3), *felt], axis=0))
+    return np.concatenate([np.mean(of_one, axis=0) for of_one in found])
 
 
 def _push_leans(runs: Sequence[Seen]) -> Array:

@@ -116,7 +116,7 @@ class Plan:
             seat.part,
             position,
             self.parts.carrier(seat.part, position),
-            seat.axis + np.sum([e.lean for e in errors], axis=0),
+            seat.axis + np.sum([(e.lean, e.cross_sensitivity) for e in errors], axis=(0, 1)),
         )
 
 
