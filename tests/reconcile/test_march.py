@@ -10,9 +10,11 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from vgvt.reconcile.describing import Law
-from vgvt.reconcile.levels import Joints, Pushes, level_accelerances, shown_stiffness
+from vgvt.reconcile.joints import Joints
+from vgvt.reconcile.levels import level_accelerances
 from vgvt.reconcile.march import Memory, marched
 from vgvt.reconcile.response import Matrices, accelerances
+from vgvt.reconcile.run_march import Push, marched_run
 
 INERTIA, STIFFNESS, DAMPING = 0.3, 2000.0, 0.8
 # Den Hartog has no damping but friction: little enough for that, enough to come to rest within twice the record.
@@ -110,9 +112,10 @@ def test_a_stuck_joint_does_not_move() -> None:
     assert np.abs(plain - linear_motion(reaction))[1000:].max() < 0.02 * np.abs(plain).max()
 
 
-def test_joints_yield_to_each_other() -> None:
-    """Without modes, by their flexibilities alone: g = k (free - Y g), of two joints at once."""
-    yields, stiffness = np.array([[1e-4, 4e-5], [4e-5, 2e-4]]), np.array([1000.0, 1500.0])
+@pytest.mark.parametrize(("between", "stiffer"), [(4e-5, 1.0), (1.3e-4, 100.0)])
+def test_joints_yield_to_each_other(between: float, stiffer: float) -> None:
+    """Without modes, by their flexibilities alone: g = k (free - Y g), of two joints at once, however stiff."""
+    yields, stiffness = np.array([[1e-4, between], [between, 2e-4]]), stiffer * np.array([1000.0, 1500.0])
     still = Memory(np.array([-1.0 + 1.0j]), np.zeros((2, 1)), np.zeros((1, 2), dtype=complex), yields)
     free = np.array([[[1e-3], [2e-3]]]) * np.minimum(1, np.arange(400) / 200)
     found = marched(free, still, [[Law(k) for k in stiffness]], 1 / RATE)
@@ -148,11 +151,13 @@ def test_a_joint_that_the_model_has_too_soft_shows_the_difference_at_every_level
     """A linear law stiffer than the model's: κ is the difference, whatever the force."""
     rows = np.array([[0.3, -0.2, 0.5, 0.1]])
     law = Law(1500.0, modelled=1000.0)
-    joints = Joints(((law,), (law,)), rows, np.zeros(1), np.zeros((4, 1)), np.zeros((1, 1)))
+    joints = Joints(((law,),), rows, np.zeros(1), np.zeros((4, 1)), np.zeros((1, 1)))
     time = np.arange(round(10 * RATE)) / RATE
     force = sweep(1.0, time)
-    pushes = Pushes(np.array([force, 4 * force]), RATE, np.arange(65, 195, 10), 20.0)
-    np.testing.assert_allclose(shown_stiffness(structure(damping=30.0), joints, pushes), 500.0, rtol=0.02)
+    for level in (1, 4):
+        push = Push(level * force, RATE, np.arange(65, 195, 10), 20.0)
+        shown, _ = marched_run(structure(damping=30.0), joints, (law,), push)
+        np.testing.assert_allclose(shown, 500.0, rtol=0.02)
 
 
 @pytest.mark.parametrize(("kg", "most"), [(0.0, 1e-5), (2.0, 1e-3)])

@@ -47,7 +47,7 @@ class Measured:
     ``frequency_hz`` (L,); ``values`` (C, L); ``noise`` (C, L) is the variance E|G - EG|² of the measurement, by
     local rational models; ``variances`` holds it and cruder ones to compare with; ``sigma`` (C, L) is the standard
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
-    indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record.
+    indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record, no taper on it.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
     ``endings`` are those of the runs' records, by which these leave something out.
     """
@@ -181,6 +181,7 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
     for r, run in enumerate(runs):
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
         signals -= signals.mean(axis=1, keepdims=True)
+        pushed[r, : signals.shape[1]] = signals[0]
         window = _window(signals, rate)
         if window is not None:
             said = f"its last {_TAPER_S:g} s are tapered, which predictions know"
@@ -191,7 +192,6 @@ def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[
         else:
             ends.append(_End(signals[0], 0))
             touched.append(np.zeros(samples // 2 + 1, dtype=complex))
-        pushed[r, : signals.shape[1]] = signals[0]
         spectrum = np.fft.rfft(signals, samples, axis=1)
         force.append(spectrum[0])
         response.extend(spectrum[1:])

@@ -46,13 +46,15 @@ _STEP = 1e-6
 class Ending:
     """The end of one run's record: its force ``past`` (N,) until the taper starts, latest first, every ``step_s``.
 
-    ``last`` (samples,) is the force under the taper as it was, every ``sample_s``. At the lines ``frequency_hz`` (L,)
+    ``last`` (samples,) is the force under the taper as it was, every ``sample_s``, after ``begun`` samples. At the
+    lines ``frequency_hz`` (L,)
     ``turned`` (2, L) are transforms of the latter with half a period of the taper added and taken off, and ``whole``
     (L,) is FT[w f], N s, times counting from the taper's start.
     """
 
     past: Array
     step_s: float
+    begun: int
     last: Array
     sample_s: float
     frequency_hz: Array
@@ -75,7 +77,22 @@ class Ending:
         turns = _turns(tapered * step) if tapered else ()
         turned = np.array([np.exp(np.outer(1j * (w - omega), t)) @ (step * last) for w in turns])
         whole = spectrum * step * np.exp(1j * omega * (begun - 0.5) * step)
-        return cls(past, thinned * step, last, step, frequency_hz, turned, whole)
+        return cls(past, thinned * step, begun, last, step, frequency_hz, turned, whole)
+
+    @property
+    def samples(self) -> int:
+        """Length of the record."""
+        return self.begun + int(self.last.size)
+
+    def weight(self, time_s: Array) -> Array:
+        """The taper w at times of any shape, s, from the first sample on: a half cosine, and nothing afterwards."""
+        length = max(self.last.size * self.sample_s, 1e-9 * self.sample_s)
+        gone = np.clip((time_s - (self.begun - 0.5) * self.sample_s) / length, 0.0, 1.0)
+        return np.asarray(0.5 * (1 + np.cos(np.pi * gone)))
+
+    def under(self, force: Array, spectrum: ComplexArray) -> Ending:
+        """The same end for another force (N,) that acts meanwhile, as a share of the tapered first one's DFT (L,)."""
+        return Ending.of(force, 1 / self.sample_s, self.last.size, self.frequency_hz, spectrum)
 
     def ringing(self, poles: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """Answers z, N s, of decaying poles (P,), 1/s, to the force since it began: where the taper starts and ends."""
@@ -142,11 +159,25 @@ def left_out(
     """What endings add to the accelerances (C, L) of :func:`vgvt.reconcile.response.accelerances`, run by run."""
     out = np.zeros((matrices.axis.shape[0], omega.size), dtype=complex)
     for rows, _, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
-        here, pole = rung.all, rung.all.poles[rung.at]
-        pushed = (here.left @ matrices.drive)[rung.at]
-        axis, tilt = matrices.axis[rows] @ here.vectors[:, rung.at], matrices.tilt[rows] @ here.vectors[:, rung.at]
-        out[rows] = ((axis * pole**2 + tilt) * pushed) @ rung.share
+        out[rows] = _added(rung, matrices.drive, matrices.axis[rows], matrices.tilt[rows])
     return out
+
+
+def added_by(ending: Ending, poles: Poles, drive: Array, axis: Array, tilt: Array, omega: Array) -> ComplexArray:
+    """What an ending adds to the accelerances (C, L) of rows ``axis``, ``tilt`` (C, m) by an input ``drive`` (m,).
+
+    ``poles`` are those of the structure with all it carries, for lines ``omega`` (L,), rad/s.
+    """
+    rung = _rung(poles, omega, ending)
+    if rung is None:
+        return np.zeros((axis.shape[0], omega.size), dtype=complex)
+    return _added(rung, drive, axis, tilt)
+
+
+def _added(rung: _Rung, drive: Array, axis: Array, tilt: Array) -> ComplexArray:
+    pole, vectors = rung.all.poles[rung.at], rung.all.vectors[:, rung.at]
+    pushed = (rung.all.left @ drive)[rung.at]
+    return np.asarray((((axis @ vectors) * pole**2 + tilt @ vectors) * pushed) @ rung.share)
 
 
 def left_out_slopes(
@@ -207,7 +238,7 @@ def _ringing_runs(
         # Sensors hardly change how long something rings: most often nothing does, and that is seen without them.
         if not ending.heard(ending.ringing(poles), _HARDLY).any():
             continue
-        rung = _rung(_loaded(matrices, rows, mass), omega, ending)
+        rung = _rung(poles_of(loaded_by(matrices, rows, mass), omega), omega, ending)
         if rung is not None:
             yield rows, mass, rung
 
@@ -218,15 +249,14 @@ def _in_reach(poles: ComplexArray, omega: Array, images: bool = False) -> Comple
     return np.asarray(poles[turning & (np.abs(poles.imag) < _ABOVE_BAND * omega[-1]) & (poles.real < 0)])
 
 
-def _loaded(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices:
-    """The structure with the point masses (rows,) of a run."""
+def loaded_by(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices:
+    """The structure with the point masses (rows,) of a run, kg."""
     axis = matrices.axis[rows]
     return replace(matrices, mass=matrices.mass + (axis.T * mass) @ axis) if mass.any() else matrices
 
 
-def _rung(loaded: Matrices, omega: Array, ending: Ending) -> _Rung | None:
+def _rung(here: Poles, omega: Array, ending: Ending) -> _Rung | None:
     """What rings at a run's end; None where nothing does."""
-    here = poles_of(loaded, omega)
     poles = here.poles
     # Of a pole's mirror image a smooth taper leaves nothing at the lines, and a fall at once does.
     at = np.flatnonzero(np.isin(poles, _in_reach(poles, omega, images=ending.last.size == 0)))

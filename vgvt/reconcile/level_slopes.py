@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.levels import Joints, missed
+from vgvt.reconcile.joints import Joints, missed
 from vgvt.reconcile.response import Matrices, Slopes, poles_of
 
 Array = NDArray[np.float64]

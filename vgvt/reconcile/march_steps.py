@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+# How often joints are gone through within a step at most, and what is left of their forces' change then.
+_SWEEPS, _SETTLED = 30, 1e-9
+
 
 @numba.njit(cache=True, error_model="numpy")
 def stepped(
@@ -31,6 +34,7 @@ def stepped(
     for r in range(runs):
         state = np.zeros(modes, dtype=np.complex128)
         x, g, spring, free = np.zeros(joints), np.zeros(joints), np.zeros(joints), np.zeros(joints)
+        alone, needed, rubbed = np.zeros(joints), np.zeros(joints), np.zeros(joints)
         for n in range(1, count):
             for m in range(modes):
                 push = 0j
@@ -41,23 +45,31 @@ def stepped(
                 there = moved[r, j, n]
                 for m in range(modes):
                     there -= state[m].real * out[j, m].real - state[m].imag * out[j, m].imag
-                for i in range(joints):
-                    if i != j:
-                        there -= yields[j, i] * g[i]
-                free[j] = there
+                alone[j] = there
+            # Joints that yield to each other within the step: in turn, until none moves another (Gauss and Seidel).
+            for _ in range(_SWEEPS if joints > 1 else 1):
+                change, size = 0.0, 0.0
+                for j in range(joints):
+                    law, free[j] = laws[:, r, j], alone[j]
+                    for i in range(joints):
+                        if i != j:
+                            free[j] -= yields[j, i] * g[i]
+                    before = g[j]
+                    if rubbing:
+                        # Sticking first: what would it take to hold the joint where it was?
+                        needed[j] = (free[j] - x[j]) / yields[j, j] - spring[j]
+                        rubbed[j] = min(max(needed[j], -law[4]), law[4])
+                        spring[j] = _spring(free[j] - yields[j, j] * rubbed[j], law, yields[j, j])
+                        g[j] = rubbed[j] + spring[j]
+                    else:
+                        g[j] = _spring(free[j], law, yields[j, j])
+                    change, size = max(change, abs(g[j] - before)), max(size, abs(g[j]))
+                if change <= _SETTLED * size:
+                    break
             whole = True
             for j in range(joints):
-                law = laws[:, r, j]
-                if rubbing:
-                    # Sticking first: what would it take to hold the joint where it was?
-                    needed = (free[j] - x[j]) / yields[j, j] - spring[j]
-                    rubbed = min(max(needed, -law[4]), law[4])
-                    spring[j] = _spring(free[j] - yields[j, j] * rubbed, law, yields[j, j])
-                    g[j] = rubbed + spring[j]
-                    if rubbed != needed:
-                        x[j] = free[j] - yields[j, j] * g[j]
-                else:
-                    g[j] = _spring(free[j], law, yields[j, j])
+                if rubbing and rubbed[j] != needed[j]:
+                    x[j] = free[j] - yields[j, j] * g[j]
                 whole = whole and np.isfinite(g[j])
                 reaction[r, j, n] = g[j]
             if not whole:

@@ -110,16 +110,15 @@ class Anchor:
                 else np.zeros(rows.size)
                 for rows in group.runs
             )
+            of = (matrices, omega, group.runs, masses)
             if group.levels is None:
-                of = (matrices, omega, group.runs, masses)
                 out[group.channels] = accelerances(*of)
-                if problem.measured.endings:
-                    out[group.channels] += left_out(*of, self._endings(group))
             else:
-                shown = group.levels.moved(x[count:])
-                out[group.channels] = level_accelerances(
-                    matrices, group.levels.joints, shown, omega, group.runs, masses
-                )
+                shown, rung = group.levels.moved(x[count:])
+                joints = group.levels.joints
+                out[group.channels] = level_accelerances(matrices, joints, shown, omega, group.runs, masses) + rung
+            if problem.measured.endings:
+                out[group.channels] += left_out(*of, self._endings(group))
         return out
 
     def slopes(self) -> ComplexArray:
@@ -138,17 +137,18 @@ class Anchor:
                 if index is not None:
                     mass_slopes[index] = problem.scenario.accelerometers.mass_kg * rate[index]
             changes = Slopes(**{n: by_rate(rate, group.slopes[n]) for n in MATRICES}, masses_kg=mass_slopes)
+            of = (group.matrices, omega, group.runs, masses)
             if group.levels is None:
-                of = (group.matrices, omega, group.runs, masses)
                 out[:, group.channels] = accelerance_slopes(*of, changes)
-                if problem.measured.endings:
-                    out[:, group.channels] += left_out_slopes(*of, self._endings(group), changes)
             else:
-                # What a joint shows is held in the unknowns.
+                # What a joint shows and sets ringing is held in the unknowns.
                 shown = np.concatenate([np.zeros((len(known), *group.levels.shown.shape)), group.levels.slopes])
                 out[:, group.channels] = level_accelerance_slopes(
                     group.matrices, group.levels.joints, group.levels.shown, shown, omega, group.runs, masses, changes
                 )
+                out[len(known) :, group.channels] += group.levels.left_out_slopes
+            if problem.measured.endings:
+                out[:, group.channels] += left_out_slopes(*of, self._endings(group), changes)
         return out
 
     def _endings(self, group: Reduced) -> tuple[Ending, ...]:
@@ -231,7 +231,7 @@ def _reduced(
     missing = spare_flexibility(problem, cells_at(problem, u), s, group.rows)
     matrices = replace(matrices, spare=matrices.spare + missing)
     slopes: dict[str, Array] = {}
-    levels = levels_of(problem.measured, group, basis, matrices)
+    levels = levels_of(problem.measured, group, basis, matrices, roving=roving)
     if sides is None:
         none = np.zeros((0, 0))
         return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, none, roving, levels)
@@ -242,18 +242,17 @@ def _reduced(
     grid_rows = local.rows([s.places[r] for r in group.rows])
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
-    shown: list[ComplexArray] = []
+    beside: list[tuple[Levels, Levels, float] | None] = []
     for j, side in enumerate(sides):
         ends = [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)]
         extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in MATRICES})
         mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
         if levels is not None:
             pair = zip((side.here[index], side.there[index]), ends, strict=True)
-            near, far = (levels if g is group else levels_of(problem.measured, g, basis, m) for g, m in pair)
-            there = np.zeros_like(levels.shown)
-            if near is not None and far is not None:
-                there = (far.shown - near.shown) / side.step
-            shown.append(there)
+            near, far = (
+                levels if g is group else levels_of(problem.measured, g, basis, m, roving=roving) for g, m in pair
+            )
+            beside.append(None if near is None or far is None else (near, far, side.step))
     pulls = [
         (k, [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)], side.step) for k, side in pulled
     ]
@@ -277,7 +276,7 @@ def _reduced(
             added = np.zeros((effects, *rows.shape[1:]))
         slopes[name] = np.concatenate([rows, added])
     assert slopes["mass"].shape[0] == count + effects
-    sloped = None if levels is None else levels.sloped(shown)
+    sloped = None if levels is None else levels.sloped(beside)
     return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped)
 
 

@@ -1,0 +1,116 @@
+"""A run with a nonlinear joint whose record ends ringing, against the whole system stepped by Runge and Kutta."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile.describing import Law
+from vgvt.reconcile.ending import Ending, left_out, loaded_by
+from vgvt.reconcile.joints import Joints
+from vgvt.reconcile.levels import level_accelerances
+from vgvt.reconcile.response import Matrices
+from vgvt.reconcile.run_march import Push, marched_run
+
+Array = np.ndarray
+RATE_HZ, LENGTH_S, TAPER_S = 250.0, 10.0, 1.0
+SAMPLES, TAPERED = round(RATE_HZ * LENGTH_S), round(RATE_HZ * TAPER_S)
+LINES = np.arange(36, 110, 4)
+HZ = LINES * RATE_HZ / SAMPLES
+JOINT, SENSOR_KG = np.array([[0.8, -0.5, 0.3]]), 0.05
+CUBIC = Law(60.0, cubic=4e6, modelled=60.0)
+PLAY = Law(400.0, play=8e-4, rest=-1.2e-3, modelled=400.0)
+
+
+def structure() -> Matrices:
+    """Modes at 5, 8.4 and 12 Hz with 0.4 to 1 % of damping; two sensors and a drive."""
+    g = np.random.default_rng(4)
+    back = np.linalg.inv(np.eye(3) + 0.3 * g.standard_normal((3, 3)))
+    omega, ratio = 2 * np.pi * np.array([5.0, 8.4, 12.0]), np.array([0.01, 0.004, 0.01])
+    axis = g.standard_normal((2, 3))
+    return Matrices(
+        back.T @ back, back.T @ np.diag(2 * ratio * omega) @ back, back.T @ np.diag(omega**2) @ back,
+        g.standard_normal(3), axis, g.standard_normal((2, 3)), np.zeros(2),
+    )  # fmt: skip
+
+
+def sweep(size: float) -> Array:
+    """From 3 to 12 Hz in 9.6 s, then nothing: too short a rest for anything to die out."""
+    t = np.arange(SAMPLES) / RATE_HZ
+    phase = 2 * np.pi * (3 * t + 0.5 * 9 / 9.6 * t**2)
+    return np.asarray(size * np.sin(phase) * np.sin(np.pi / 2 * np.clip(np.minimum(t, 9.6 - t) / 0.3, 0, 1)) ** 2)
+
+
+def recorded(m: Matrices, law: Law, force: Array, finer: int = 16) -> Array:
+    """Readings (2, samples) of the structure with sensors on it and the joint's law, from the equations of motion."""
+    heavy = m.mass + SENSOR_KG * m.axis.T @ m.axis
+    fine = np.fft.irfft(np.pad(np.fft.rfft(force), (0, (finer - 1) * force.size // 2)), finer * force.size) * finer
+    h = 2 / (finer * RATE_HZ)
+    inverse = np.linalg.inv(heavy)
+
+    def rate(state: Array, push: float) -> Array:
+        q, v = state[:3], state[3:]
+        x = float(JOINT[0] @ q)
+        extra = float(law.elastic(np.array(law.rest + x))) - law.load - law.modelled * x
+        return np.concatenate([v, inverse @ (m.drive * push - m.damping @ v - m.stiffness @ q - JOINT[0] * extra)])
+
+    state, out = np.zeros(6), []
+    for k in range(0, fine.size - 2, 2):
+        if k % finer == 0:
+            out.append(m.axis @ rate(state, fine[k])[3:] + m.tilt @ state[:3])
+        a = rate(state, fine[k])
+        b = rate(state + h / 2 * a, fine[k + 1])
+        c = rate(state + h / 2 * b, fine[k + 1])
+        d = rate(state + h * c, fine[k + 2])
+        state = state + h / 6 * (a + 2 * b + 2 * c + d)
+    return np.array(out).T
+
+
+def window(tapered: int) -> Array:
+    out = np.ones(SAMPLES)
+    out[SAMPLES - tapered :] = 0.5 * (1 + np.cos(np.pi * (np.arange(tapered) + 0.5) / max(tapered, 1)))
+    return out
+
+
+@pytest.mark.parametrize("tapered", [TAPERED, 0])
+@pytest.mark.parametrize(("law", "size"), [(CUBIC, 1.0), (PLAY, 1.0)])
+def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, size: float, tapered: int) -> None:
+    """As the quotient of tapered spectra has it: with the sensors on, and with what it leaves ringing."""
+    m, force = structure(), sweep(size)
+    spectra = [np.fft.rfft(x * window(tapered))[..., LINES] for x in (recorded(m, law, force), force)]
+    read = spectra[0] / spectra[1]
+    ending = Ending.of(force, RATE_HZ, tapered, HZ, spectra[1])
+    joints = Joints(((law,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
+    run, masses = (np.arange(2),), (np.full(2, SENSOR_KG),)
+
+    def foretold(loaded: Matrices, ending: Ending | None) -> Array:
+        shown, rung = marched_run(loaded, joints, (law,), Push(force, RATE_HZ, LINES, 12.0, ending))
+        return np.asarray(level_accelerances(m, joints, shown[None], 2 * np.pi * HZ, run, masses) + rung)
+
+    heavy, omega = loaded_by(m, run[0], masses[0]), 2 * np.pi * HZ
+    found = foretold(heavy, ending) + left_out(m, omega, run, masses, (ending,))
+    linear = level_accelerances(m, joints, np.zeros((1, 1, HZ.size), dtype=complex), omega, run, masses)
+    # Where the taper touches the force the analysis looks at nothing.
+    clear = HZ < 10.5
+    size_of = np.abs(read[:, clear]).max()
+
+    def off(a: Array) -> float:
+        return float(np.abs(a - read)[:, clear].max() / size_of)
+
+    assert off(linear) > 0.1
+    assert off(found) < 2e-3
+    # Neither the ends nor the sensors are of no account.
+    plain = left_out(m, omega, run, masses, (ending,))
+    assert off(foretold(heavy, None) + plain) > 0.05
+    assert off(foretold(m, ending) + plain) > 0.05
+
+
+def test_a_joint_that_runs_away_is_no_number() -> None:
+    """Softer than what holds it: its motion grows without end."""
+    m = structure()
+    mad = replace(CUBIC, stiffness=1.0, cubic=0.0, modelled=1e5)
+    joints = Joints(((mad,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
+    shown, _ = marched_run(m, joints, (mad,), Push(sweep(1.0), RATE_HZ, LINES, 12.0))
+    assert not np.isfinite(shown).any()
