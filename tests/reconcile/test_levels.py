@@ -45,7 +45,8 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 def truth(case: Problem) -> NDArray[np.float64]:
     """Scores of the scenario as stated, cells included."""
     scores = np.zeros(case.size)
-    scores[case.unknowns.index(CELLS)] = -1 / CELLS.sd
+    # A bounded amount comes to its end slowly.
+    scores[case.unknowns.index(CELLS)] = -10 / CELLS.sd
     return scores
 
 
@@ -156,11 +157,16 @@ def test_only_what_the_prediction_knows_is_looked_for_on_a_grid(case: Problem) -
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("hypothesis", "volt", "most"), [(CUBIC, 1.0, 0.05), (FRICTION, 0.25, 0.1), (FRICTION, 1.0, 0.1), (PLAY, 4.0, 0.1)]
+    ("hypothesis", "volt", "most"),
+    [(CUBIC, 1.0, 0.008), (FRICTION, 0.25, 0.08), (FRICTION, 1.0, 0.03), (PLAY, 2.5, 0.02)],
 )
 def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, volt: float, most: float) -> None:
-    """The response to a fast sweep, whose amplitudes no steady state has: far nearer than the linear joint's."""
-    scenario = driven(SCENARIO, volt)
+    """The response to a fast sweep, whose amplitudes no steady state has: far nearer than the linear joint's.
+
+    Of four sensors, whose weight hardly bends the wings. At 2.5 V finite rotations are 1.2 % without any joint.
+    """
+    four = SCENARIO.acquisition.model_copy(update={"runs": ((1, 5, 9, 13),)})
+    scenario = driven(SCENARIO, volt).model_copy(update={"acquisition": four})
     effect = hypothesis.cls(**hypothesis.settings)
     campaign = simulate(with_effect(scenario, effect), engine="mujoco").campaign
     case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
