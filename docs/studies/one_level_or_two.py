@@ -56,7 +56,7 @@ class Truth:
 TRUTHS = (
     Truth("cubic-root-stiffness", {"cubic_n_m_per_rad3": 2e7, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
     Truth("root-friction", {"friction_n_m": 0.3, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
-    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 0.625, 2.5),
+    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 1.0, 4.0),
     Truth("run-drift", {"drift": 0.02}, 0.25, 1.0),
     Truth("root-compliance", {"bending": 0.2, "torsion": 0.0}, 0.25, 1.0),
 )

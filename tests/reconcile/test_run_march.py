@@ -114,3 +114,20 @@ def test_a_joint_that_runs_away_is_no_number() -> None:
     joints = Joints(((mad,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
     shown, _ = marched_run(m, joints, (mad,), Push(sweep(1.0), RATE_HZ, LINES, 12.0))
     assert not np.isfinite(shown).any()
+
+
+def test_a_pole_above_the_band_that_is_driven_does_not_grow() -> None:
+    """As one with damping: within the band it is nothing."""
+    m = structure()
+    whole = [np.block([[x, np.zeros((3, 1))], [np.zeros((1, 3)), np.eye(1)]]) for x in (m.mass, m.damping, m.stiffness)]
+    omega = 2 * np.pi * 30.0
+    shown = []
+    for ratio in (-0.01, 0.01):
+        mass, damping, stiffness = (x.copy() for x in whole)
+        damping[3, 3], stiffness[3, 3] = 2 * ratio * omega, omega**2
+        wide = [np.hstack([x, np.full((len(x), 1), 0.1)]) for x in (m.axis, m.tilt, JOINT)]
+        high = Matrices(mass, damping, stiffness, np.append(m.drive, 0.1), wide[0], wide[1], np.zeros(2))
+        joints = Joints(((PLAY,),), wide[2], np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
+        shown.append(marched_run(high, joints, (PLAY,), Push(sweep(1.0), RATE_HZ, LINES, 12.0))[0])
+    assert np.abs(shown[1]).max() > 10
+    np.testing.assert_allclose(shown[0], shown[1], rtol=1e-6)

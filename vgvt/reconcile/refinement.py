@@ -92,13 +92,13 @@ def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz:
 def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, share: float = 1.0) -> Refinement:
     """What gives a structure the modes of the same aircraft cut into other cells, up to a limit that both chains have.
 
-    Stiffness Σ M φ (ω² of the other chain - own ω²) φᵀ M, damping that keeps every mode's ratio, and rows
+    Stiffness Σ M φ (ω² of the other chain - own ω²) φᵀ M, damping alike at equal modal damping, and rows
     Σ (other chain's shape - own) φᵀ M: sensors and drive ride on straight links, and the beam between is curved.
     """
     layout = layouts.plan(other)
     target = structure(layout, layout.grid, None)
     squares, shapes, seen = _modes(own)
-    squares_there, _, seen_there = _modes(target)
+    squares_there, shapes_there, seen_there = _modes(target)
     within = int(np.searchsorted(squares, (2 * np.pi * limit_hz) ** 2))
     within_there = int(np.searchsorted(squares_there, (2 * np.pi * 1.5 * limit_hz) ** 2))
     likeness = modal_assurance(seen[:within], seen_there[:within_there])
@@ -110,10 +110,9 @@ def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, 
         if likeness[k, match] <= _SAME_SHAPE or int(np.argmax(likeness[:, match])) != k:
             continue
         high[k] = high_there[match] = False
-        shape = shapes[:, k]
+        shape, shape_there = shapes[:, k], shapes_there[:, match]
         weight = own.mass @ shape
-        # Ratios stay: above the limit of the stated damping they are what a chain's step allows, and no property.
-        lost = float(shape @ own.damping @ shape) * (np.sqrt(squares_there[match] / square) - 1)
+        lost = float(shape_there @ target.damping @ shape_there - shape @ own.damping @ shape)
         moved = np.sign(seen[k] @ seen_there[match]) * seen_there[match] - seen[k]
         stiffness += share * (squares_there[match] - square) * np.outer(weight, weight)
         damping += share * lost * np.outer(weight, weight)

@@ -24,6 +24,8 @@ _STEPS_PER_PERIOD, _STEPS_OF_FRICTION = 16.0, 40.0
 _MARCHED_BANDS = 3.0
 # What no joint's reaction is times that of a linear one, and a motion, rad or m, below which nobody asks.
 _RUN_AWAY, _STILL_RAD = 1e6, 1e-9
+# Damping ratio that every pole above the band has at least.
+_LEAST_RATIO = 0.01
 # Share of a pole's ringing after twice the record that nobody sees at its beginning.
 _GONE = 1e-5
 
@@ -67,7 +69,7 @@ def marched_run(
     # Twice the record: what rings on comes round to its beginning as free decay, which is known.
     top = int(_MARCHED_BANDS * push.top_hz * 2 * duration)
     spectrum = scipy.fft.rfft(push.samples, 2 * count)[: min(top, count)]
-    poles = poles_of(loaded, 2 * np.pi * np.arange(spectrum.size) / (2 * duration))
+    poles = _calmed(poles_of(loaded, 2 * np.pi * np.arange(spectrum.size) / (2 * duration)), push.top_hz)
     answered = poles.modal(loaded.drive[None])[0] @ (joints.rows @ poles.vectors).T + joints.to_drive
     moved = scipy.fft.irfft(spectrum * answered.T, 2 * steps, axis=1)[:, :steps] * (steps / count)
     time = np.arange(steps) * (duration / steps)
@@ -91,6 +93,22 @@ def marched_run(
         return shown, np.zeros((loaded.axis.shape[0], push.lines.size), dtype=complex)
     sampled = CubicSpline(time, reaction, axis=1)(np.arange(push.ending.samples) / rate)
     return shown, _rung_by_joints(loaded, here, joints, sampled, pushed, push)
+
+
+def _calmed(poles: Poles, top_hz: float) -> Poles:
+    """Poles above the band with some damping at least: in time one that is driven swamps everything.
+
+    What makes up for a chain's cells takes damping off them, as a finer chain has less there; where a root is soft,
+    more than they have. Within the band that is nothing.
+    """
+    pole = poles.poles
+    size = np.abs(pole)
+    wild = (size > 2 * np.pi * top_hz) & (pole.real > -_LEAST_RATIO * size)
+    if not wild.any():
+        return poles
+    turning = np.where(pole.imag < 0, -1j, 1j) * np.sqrt(1 - _LEAST_RATIO**2)
+    calm = np.where(wild, size * (turning - _LEAST_RATIO), pole)
+    return replace(poles, poles=calm, reciprocal=1.0 / (1.0 / poles.reciprocal + pole - calm))
 
 
 def _come_round(poles: Poles, spectrum: ComplexArray, rows: Array, drive: Array, time: Array) -> Array:
