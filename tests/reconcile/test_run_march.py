@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -113,6 +114,17 @@ def test_a_joint_that_runs_away_is_no_number() -> None:
     mad = replace(CUBIC, stiffness=1.0, cubic=0.0, modelled=1e5)
     joints = Joints(((mad,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
     shown, _ = marched_run(m, joints, (mad,), Push(sweep(1.0), RATE_HZ, LINES, 12.0))
+    assert not np.isfinite(shown).any()
+
+
+def test_a_mode_of_the_band_that_is_driven_is_no_number() -> None:
+    """Without a warning on the way: a trial step of a fit may come by there."""
+    m = structure()
+    driven = replace(m, damping=m.damping - 80.0 * m.mass)
+    joints = Joints(((PLAY,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        shown, _ = marched_run(driven, joints, (PLAY,), Push(sweep(1.0), RATE_HZ, LINES, 12.0))
     assert not np.isfinite(shown).any()
 
 

@@ -47,9 +47,8 @@ class Ending:
     """The end of one run's record: its force ``past`` (N,) until the taper starts, latest first, every ``step_s``.
 
     ``last`` (samples,) is the force under the taper as it was, every ``sample_s``, after ``begun`` samples. At the
-    lines ``frequency_hz`` (L,)
-    ``turned`` (2, L) are transforms of the latter with half a period of the taper added and taken off, and ``whole``
-    (L,) is FT[w f], N s, times counting from the taper's start.
+    lines ``frequency_hz`` (L,) ``turned`` (2, L) are its transforms with half a period of the taper added and taken
+    off, and ``whole`` (L,) is FT[w f], N s, times counting from the taper's start.
     """
 
     past: Array

@@ -76,9 +76,9 @@ def marched_run(
     moved -= _come_round(poles, spectrum / (2 * count), joints.rows, loaded.drive, time)
     limit = 2 * np.pi * _MARCHED_BANDS * push.top_hz
     reaction = marched(moved[None], _memory(poles, joints, limit), [laws], duration / steps)[0]
-    if not np.abs(reaction).max() < _RUN_AWAY * max(law.stiffness for law in laws) * max(
-        np.abs(moved).max(), _STILL_RAD
-    ):
+    size = max(law.stiffness for law in laws) * max(np.abs(moved).max(), _STILL_RAD)
+    driven = duration * poles.poles.real.max() > -np.log(_GONE)
+    if driven or not np.abs(reaction).max() < _RUN_AWAY * size:
         reaction = np.full_like(reaction, np.nan)
     force = scipy.fft.rfft(reaction * push.weight(time), axis=1)[:, push.lines] * (count / steps)
     pushed = scipy.fft.rfft(push.samples * push.weight(np.arange(count) / rate))[push.lines]
@@ -117,13 +117,15 @@ def _come_round(poles: Poles, spectrum: ComplexArray, rows: Array, drive: Array,
     ``spectrum`` (L,) are the Fourier coefficients of the force at the lines of the ``poles``, its mean first. Every
     pole begins with what the last period has left of it.
     """
-    lasting = np.flatnonzero((poles.poles.imag >= 0) & (np.exp(2 * time[-1] * poles.poles.real) > _GONE))
+    lasting = np.flatnonzero((poles.poles.imag >= 0) & (2 * time[-1] * poles.poles.real > np.log(_GONE)))
     omega, pole = (1.0 / poles.reciprocal + poles.poles).imag[:, 0], poles.poles[lasting]
     against = np.conj(spectrum[1:, None]) / (-1j * omega[1:, None] - pole)
     begun = spectrum @ poles.reciprocal[:, lasting] + against.sum(axis=0)
     pair = np.where(pole.imag > 0, 2.0, 1.0)
     given = begun * pair * (poles.left @ drive)[lasting]
-    return np.asarray((((rows @ poles.vectors[:, lasting]) * given) @ np.exp(np.outer(pole, time))).real)
+    # Beyond all numbers where a pole is driven.
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray((((rows @ poles.vectors[:, lasting]) * given) @ np.exp(np.outer(pole, time))).real)
 
 
 def flexibility(poles: Poles, seen: Array, acting: Array, spare: Array | float) -> ComplexArray:
