@@ -26,7 +26,8 @@ _MARCHED_BANDS = 3.0
 _RUN_AWAY, _STILL_RAD = 1e6, 1e-9
 # Damping ratio that every pole above the band has at least.
 _LEAST_RATIO = 0.01
-# Share of a pole's ringing after twice the record that nobody sees at its beginning.
+# Share of a pole's ringing after twice the record that nobody sees at its beginning; what grows by as much as that
+# shrinks within one has no answer.
 _GONE = 1e-5
 
 
