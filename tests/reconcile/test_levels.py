@@ -108,7 +108,7 @@ def test_slopes_are_those_of_the_prediction(case: Problem) -> None:
     for k in range(2):
         sides = [e + s * 0.02 * np.eye(2)[k] for s in (1, -1)]
         far, near = (anchor(case, u, (free,), x, slopes=False).mechanical(u, x) for x in sides)
-        assert distance(slopes[k], (far - near) / 0.04) < 0.1
+        assert distance(slopes[k], (far - near) / 0.04) < 0.01
 
 
 def test_slopes_in_the_unknowns_hold_what_a_joint_shows(case: Problem) -> None:
@@ -131,7 +131,7 @@ def in_runs(*runs: tuple[int, ...]) -> Scenario:
 
 
 def test_a_joint_that_stays_shut_rings_on_at_the_end_of_a_record(tmp_path: Path) -> None:
-    """As the linear engine has it but for what sensors weigh on a soft root: the sweep ends while the first mode rings."""
+    """As the linear engine has it, but for what sensors weigh on a soft root: the sweep ends while a mode rings."""
     scenario = in_runs((1, 5, 9, 13), (2, 6, 10, 14))
     campaign = simulate(with_effect(scenario, PLAY.cls(**PLAY.settings)), engine="linear").campaign
     case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
@@ -151,7 +151,7 @@ def test_a_run_among_others_has_its_own_sensors_on(tmp_path: Path) -> None:
     both = sorted(found[0].keys() & found[1].keys())
     among, alone = (np.array([f[line] for line in both]).T for f in found)
     assert len(both) > 30
-    assert distance(among, alone) < 2e-3
+    assert distance(among, alone) < 5e-4
 
 
 def test_levels_are_seen_in_the_force(case: Problem) -> None:
@@ -185,10 +185,14 @@ def test_only_what_the_prediction_knows_is_looked_for_on_a_grid(case: Problem) -
     assert all(p.low < v[p.name] < p.high and q.low < v[q.name] < q.high for v in grid)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hypothesis", "volt", "most"),
-    [(CUBIC, 1.0, 0.008), (FRICTION, 0.25, 0.08), (FRICTION, 1.0, 0.03), (PLAY, 2.5, 0.02)],
+    [
+        (CUBIC, 1.0, 0.006),
+        pytest.param(FRICTION, 0.25, 0.08, marks=pytest.mark.slow),
+        pytest.param(FRICTION, 1.0, 0.03, marks=pytest.mark.slow),
+        pytest.param(PLAY, 2.5, 0.02, marks=pytest.mark.slow),
+    ],
 )
 def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, volt: float, most: float) -> None:
     """The response to a fast sweep, whose amplitudes no steady state has: far nearer than the linear joint's.

@@ -120,7 +120,8 @@ def test_joints_yield_to_each_other(between: float, stiffer: float) -> None:
     free = np.array([[[1e-3], [2e-3]]]) * np.minimum(1, np.arange(400) / 200)
     found = marched(free, still, [[Law(k) for k in stiffness]], 1 / RATE)
     wanted = np.linalg.solve(np.eye(2) + stiffness[:, None] * yields, stiffness * free[0, :, -1])
-    np.testing.assert_allclose(found[0, :, -1], wanted, rtol=1e-6)
+    # At every step of the rise, after thirty turns: what lags would be right only once it is over.
+    np.testing.assert_allclose(found[0, :, 1:], wanted[:, None] * np.minimum(1, np.arange(1, 400) / 200), rtol=1e-3)
 
 
 def structure(extra: Array | None = None, damping: float = 0.5) -> Matrices:

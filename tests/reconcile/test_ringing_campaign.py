@@ -44,6 +44,13 @@ def test_records_that_end_ringing_are_foretold(ringing: Problem) -> None:
     assert forgotten > 10 * known
 
 
+def test_what_pushed_is_kept_as_it_was(ringing: Problem) -> None:
+    """What is marched through the record feels no taper."""
+    for pushed, end in zip(ringing.measured.pushed, ringing.measured.endings, strict=True):
+        np.testing.assert_array_equal(pushed[end.begun : end.samples], end.last)
+        assert not pushed[end.samples :].any()
+
+
 def test_their_slopes_are_those_of_differences(ringing: Problem) -> None:
     u, step = drawn_scores(ringing, 1), 1e-3
     known = anchor(ringing, u, (SURGE,), E).slopes()

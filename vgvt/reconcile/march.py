@@ -88,6 +88,7 @@ def law_table(laws: Sequence[Sequence[Law]], own: Array) -> Array:
 
     cubic, soft, rest = column("cubic"), 1 - own * column("modelled"), column("rest")
     firm, bent = soft + own * column("stiffness"), own * cubic
-    reach = 2 * np.sqrt(firm / (3 * np.where(bent > 0, bent, 1.0)))
+    # Of a negative one no number comes, as the step is divided by it.
+    reach = 2 * np.sqrt(np.maximum(firm, 0.0) / (3 * np.where(bent > 0, bent, 1.0)))
     offset = own * column("load") + soft * rest
     return np.array([rest, offset, soft, soft * column("play"), column("friction"), firm, cubic, reach])
