@@ -110,13 +110,14 @@ def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     monkeypatch.setattr(shortlist, "_forgiving", lambda at: at)
     monkeypatch.setattr(shortlist, "localise", lambda at: SimpleNamespace(places=()))
     monkeypatch.setattr(shortlist, "from_stated", lambda at, left, tell: (large,))
+    monkeypatch.setattr(shortlist, "beside_likeness", lambda at, joints, linear, tell: ())
     before: Any = SimpleNamespace(train_chi2_per_dof=30.0)
     chosen = shortlist.shortened(current, (soft, stiffening), before, 9.0, silent)
     assert (large in chosen) == asked
     wanted = [soft.name] if far_off > 10 else [soft.name, stiffening.name]
     assert screened == [wanted, wanted]
     screened.clear()
-    assert (large in shortlist.second_list(current, (soft, stiffening), 9.0, silent)) == asked
+    assert (large in shortlist.second_list(current, (soft, stiffening), (), 9.0, silent)) == asked
     assert screened == [wanted]
 
 

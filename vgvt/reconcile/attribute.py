@@ -126,7 +126,7 @@ def _selected(
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
-            later = second_list(current, twins, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
+            later = second_list(current, twins, straight, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
             more = _fit_all(current, later, before, twins, part(here, 0.85, 0.9), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
             confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]

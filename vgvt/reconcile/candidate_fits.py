@@ -58,7 +58,8 @@ def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:
     hypothesis, u, start = _start(current, s)
     hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
     found: list[Fit] = []
-    for overlapping, stages in ((False, FAR[:1]), (True, _OVERLAPPING)):
+    coarse = ((False, FAR[:1]), (True, _OVERLAPPING))
+    for overlapping, stages in ((False, ()),) if s.arrived else coarse:
         try:
             at, e = rough_start(current.problem, hypotheses, start) if overlapping else (u, start)
             found.append(fit(current.problem, hypotheses, at, e, stages, tell, judged=FAR[0][0]))
@@ -106,6 +107,7 @@ def fitted_from(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...]
     hypothesis, u, start = _start(current, s)
     little = _start(current, replace(s, values=parted(s, _LITTLE), start=None))[1:]
     hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
+    stages = NEAR if s.arrived else stages
     if stages is NEAR:
         u, start = min((u, start), little, key=lambda where: cost_at(current.problem, hypotheses, *where))
     try:

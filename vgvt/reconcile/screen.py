@@ -41,7 +41,8 @@ class Screened:
 
     ``remaining`` is the χ² that it would leave, ``start`` (scores,) those of the stand that it was screened at: of the
     unknowns and of the effects that are there already. ``tuned`` names the parameter that was scanned, as it moves a
-    resonance: with a part of it the resonance is elsewhere, so it is no size.
+    resonance: with a part of it the resonance is elsewhere, so it is no size. What has ``arrived`` is at the bottom of
+    a fit already: coarse steps would lead away.
     """
 
     hypothesis: Hypothesis
@@ -51,6 +52,7 @@ class Screened:
     remaining: float = math.inf
     start: Array | None = None
     tuned: str = ""
+    arrived: bool = False
 
     @property
     def sizes(self) -> dict[str, float]:

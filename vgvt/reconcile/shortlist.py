@@ -13,6 +13,7 @@ from vgvt.reconcile.from_stated import bent, from_stated
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level
+from vgvt.reconcile.likeness import beside_likeness
 from vgvt.reconcile.localise import Place, localise
 from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual
@@ -52,7 +53,7 @@ def shortened(
     if not swallowed(current, before):
         found = _in_sight(current, left, _OPEN * needed, tell)
         return short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
-    straight, large = _asked(current, left)
+    straight, large = _asked(current, left, left)
     looks: list[Task] = [(_far, (current, straight)), (_near, (current, straight)), *large]
     far, near, *others = team.work_off(looks, part(tell, 0.0, 0.9))
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
@@ -121,24 +122,35 @@ def short_list(
 
 
 def second_list(
-    current: Fit, left: Sequence[Hypothesis], needed: float, tell: Progress, team: Team = ALONE
+    current: Fit,
+    left: Sequence[Hypothesis],
+    first: Sequence[Hypothesis],
+    needed: float,
+    tell: Progress,
+    team: Team = ALONE,
 ) -> tuple[Screened, ...]:
-    """Of what is asked for after the others, the few that promise most where the calibration stands, or far from it."""
-    straight, large = _asked(current, left)
+    """Of what is asked for after the ``first``, the few that promise most where the calibration stands, or far off."""
+    straight, large = _asked(current, left, first)
     near, *others = team.work_off([(_in_sight, (current, straight, _OPEN * needed)), *large], tell)
     return (*(s for found in others for s in found), *short_list(near, _SHORT_LIST // 2, needed=needed))
 
 
-def _asked(current: Fit, left: Sequence[Hypothesis]) -> tuple[list[Hypothesis], list[Task]]:
-    """What tangents are asked of, and the task that looks for large effects, where a calibration is bent.
+def _asked(
+    current: Fit, left: Sequence[Hypothesis], known: Sequence[Hypothesis]
+) -> tuple[list[Hypothesis], list[Task]]:
+    """What tangents are asked of, and the tasks that look for large effects, where a calibration is bent.
 
-    What a joint whose stiffness depends on level does beside unknowns that imitate it says nothing; and what is as
-    large as that stands out before anything has a name.
+    What a joint whose stiffness depends on level does beside unknowns that imitate it says nothing: it is begun beside
+    what of the ``known`` resembles it. And what is as large as that stands out before anything has a name.
     """
     if not bent(current):
         return list(left), []
-    straight = [h for h in left if not depends_on_level(current.problem, h)]
-    return straight, [] if current.hypotheses else [(from_stated, (current, left))]
+    joints = [h for h in left if depends_on_level(current.problem, h)]
+    straight = [h for h in left if h not in joints]
+    if current.hypotheses:
+        return straight, []
+    beside: list[Task] = [(beside_likeness, (current, joints, known))] if joints else []
+    return straight, [(from_stated, (current, left)), *beside]
 
 
 def _in_sight(current: Fit, left: Sequence[Hypothesis], least_nats: float, tell: Progress) -> tuple[Screened, ...]:

@@ -1,0 +1,110 @@
+"""A joint that depends on level, found from the stated values beside the linear effect that it resembles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reconciled_case import small_scenario, without_instrument_noise
+from test_levels import PLAY, ROOT, driven, predicted, truth
+
+from vgvt.effects import available_effects
+from vgvt.reconcile import shortlist
+from vgvt.reconcile.candidate_fits import finalists, fitted_from
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import FAR, Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.likeness import beside_likeness
+from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.progress import Progress, silent
+from vgvt.reconcile.screen import Screened
+from vgvt.simulation import simulate
+
+NAMES = ("root-compliance", "root-freeplay", "cubic-root-stiffness")
+WIDE = 4.0
+
+
+@pytest.fixture(scope="module")
+def stated(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """The model as stated beside what a joint whose play is shaken open would give it."""
+    scenario = driven(without_instrument_noise(small_scenario()), 1.0)
+    campaign = simulate(scenario, engine="linear").campaign
+    case = make_problem(campaign, scenario, lines=120, cache=tmp_path_factory.mktemp("cache"))
+    values = predicted(case, (PLAY,), WIDE)
+    size = np.abs(values)
+    sigma = 0.01 * np.hypot(size, np.median(size, axis=1, keepdims=True))
+    measured = replace(case.measured, pushed=WIDE * case.measured.pushed, values=values, sigma=sigma)
+    case = replace(case, measured=measured)
+    return fit(case, (), truth(case), np.zeros(0), ())
+
+
+@pytest.fixture(scope="module")
+def offered(stated: Fit) -> tuple[Hypothesis, ...]:
+    return candidates(stated.problem, {n: available_effects()[n] for n in NAMES})
+
+
+@pytest.fixture(scope="module")
+def found(stated: Fit, offered: tuple[Hypothesis, ...]) -> tuple[Screened, ...]:
+    joints = [h for h in offered if not h.linear]
+    return beside_likeness(stated, joints, offered, silent)
+
+
+def test_a_joint_with_play_is_found_beside_a_soft_root(stated: Fit, found: tuple[Screened, ...]) -> None:
+    """Its size and stiffness, with unknowns within their tolerances; from the stated values nothing overlaps."""
+    first, second = found
+    assert first.hypothesis.name == PLAY.name
+    assert first.hypothesis.settings == {"kind": "bending", "side": "both"}
+    assert first.values["gap_rad"] == pytest.approx(PLAY.settings["gap_rad"], rel=0.05)
+    assert first.values["root_stiffness_n_m_per_rad"] == pytest.approx(ROOT["root_stiffness_n_m_per_rad"], rel=0.05)
+    assert first.start is not None
+    assert np.abs(first.start).max() < 4
+    assert first.remaining < stated.points < 0.001 * stated.chi2
+    # Another law is no match for it.
+    assert second.hypothesis.name == "cubic-root-stiffness"
+    assert second.remaining > 20 * first.remaining
+
+
+def test_where_a_joint_has_arrived_coarse_steps_leave_it(stated: Fit, found: tuple[Screened, ...]) -> None:
+    """They would lead away from what is as sharp as that, and what is begun again from there ends no higher."""
+    kept = next(s for s in finalists(stated, found, silent) if s.hypothesis == found[0].hypothesis)
+    assert kept.values == pytest.approx(found[0].values, rel=1e-12)
+    assert kept.start is not None and found[0].start is not None
+    assert np.array_equal(kept.start, found[0].start)
+    ended = fitted_from(stated, kept, FAR, silent)
+    assert ended is not None
+    assert ended.chi2 <= found[0].remaining * (1 + 1e-9)
+    away = fitted_from(stated, replace(kept, arrived=False), ((0.6, 2),), silent)
+    assert away is not None
+    assert away.chi2 > 2 * ended.chi2
+
+
+def test_nothing_without_a_linear_effect_that_resembles_it(stated: Fit, offered: tuple[Hypothesis, ...]) -> None:
+    joints = [h for h in offered if not h.linear]
+    assert beside_likeness(stated, joints, joints, silent) == ()
+
+
+@pytest.mark.parametrize(("named", "asked"), [(False, True), (True, False)])
+def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
+    stated: Fit, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch, named: bool, asked: bool
+) -> None:
+    """Of joints alone, beside all that is known: what is asked for second at one level is begun beside the first."""
+    joints = [h for h in offered if not h.linear]
+    soft = [h for h in offered if h.linear]
+    u = stated.u.copy()
+    u[0] = 20.0
+    current = replace(stated, u=u, hypotheses=(soft[0],) if named else ())
+    large = Screened(joints[0], {}, 1.0, arrived=True)
+    calls = list[tuple[list[Hypothesis], list[Hypothesis]]]()
+
+    def beside(at: Fit, wanted: list[Hypothesis], linear: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+        calls.append((wanted, list(linear)))
+        return (large,)
+
+    monkeypatch.setattr(shortlist, "screen", lambda *a, **more: ())
+    monkeypatch.setattr(shortlist, "from_stated", lambda *a: ())
+    monkeypatch.setattr(shortlist, "beside_likeness", beside)
+    chosen = shortlist.second_list(current, joints, soft, 9.0, silent)
+    assert (large in chosen) == asked
+    assert calls == ([(joints, soft)] if asked else [])
