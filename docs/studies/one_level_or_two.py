@@ -53,10 +53,12 @@ class Truth:
         return "mujoco" if self.name in NONLINEAR else "linear"
 
 
+# Play is driven just beyond what opens the joint against the wing's weight (between 2 and 2.5 V): at 4 V, where it was
+# driven at first, finite rotation of the aircraft is 3 %, ten times the noise.
 TRUTHS = (
     Truth("cubic-root-stiffness", {"cubic_n_m_per_rad3": 2e7, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
     Truth("root-friction", {"friction_n_m": 0.3, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
-    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 1.0, 4.0),
+    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 0.6, 2.5),
     Truth("run-drift", {"drift": 0.02}, 0.25, 1.0),
     Truth("root-compliance", {"bending": 0.2, "torsion": 0.0}, 0.25, 1.0),
 )

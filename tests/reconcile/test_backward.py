@@ -51,6 +51,7 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     begun = tuple(SimpleNamespace(winner=w, rivals=()) for w in winners)
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: SimpleNamespace(adequate=adequate, of=fit))
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
+    monkeypatch.setattr(rounds, "reconsidered", lambda found, current, *asked: (found, current))
     monkeypatch.setattr(rounds, "nowhere", lambda addition: placeless)
     null.problem = None
     found = rounds.attribute(null, (), SimpleNamespace(), most=2, begun=(null, begun))

@@ -10,7 +10,7 @@ import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.attribute import Addition
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.fit import fit
 from vgvt.reconcile.hypothesis import Hypothesis

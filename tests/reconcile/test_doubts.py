@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from vgvt.reconcile import one_level
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.problem import CELLS
 from vgvt.reconcile.verdict import Kind, kind_of
@@ -27,7 +28,7 @@ def found(null: Any, final: Any, rounds: int = 1) -> Any:
     """What an attribution holds of it, adequate in the end."""
     effect = SimpleNamespace(hypotheses=(SimpleNamespace(settings={}, parameters=()),), values=lambda k: {})
     rival = SimpleNamespace(name="local-absorber", fit=effect, hypothesis=SimpleNamespace(linear=True))
-    addition = SimpleNamespace(winner=rival, equivalent=(rival,))
+    addition = Addition(rival, (rival,), (rival,), None)  # type: ignore[arg-type]
     left = SimpleNamespace(adequate=True)
     return SimpleNamespace(null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left)
 

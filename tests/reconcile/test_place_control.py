@@ -12,7 +12,7 @@ from reconciled_case import drawn_scores, problem
 
 from vgvt.effects import available_effects
 from vgvt.reconcile import place_control
-from vgvt.reconcile.attribute import Addition
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, place_of

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
 
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import Procedure, changed, procedures
@@ -166,7 +167,7 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
         return SimpleNamespace(name=name, fit=fit)
 
     def found(*rounds: tuple[Any, ...]) -> Any:
-        return SimpleNamespace(rounds=[SimpleNamespace(winner=own[0], equivalent=own) for own in rounds])
+        return SimpleNamespace(rounds=[Addition(own[0], own, own, None) for own in rounds])
 
     here, there, like = rival("mass", "here"), rival("mass", "there"), rival("inertia", "like")
     alone = rival("delay", "alone")

@@ -32,7 +32,8 @@ from vgvt.view.reconcile_account import (
 )
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Addition, Attribution
+    from vgvt.reconcile.addition import Addition
+    from vgvt.reconcile.attribute import Attribution
     from vgvt.reconcile.power import Power
     from vgvt.reconcile.problem import Problem
     from vgvt.reconcile.rivals import Rival
@@ -152,7 +153,7 @@ def _candidates(found: Attribution, needed: float) -> tuple[CandidateRow, ...]:
     for k, addition in enumerate(rounds, start=1):
         rows += [
             _candidate(k, rival, addition.held_out_before, _standing(rival, addition, found, needed, first))
-            for rival in addition.rivals
+            for rival in (*addition.rivals, *addition.in_its_place[1:])
         ]
     tried = {id(r) for addition in rounds for r in addition.rivals}
     if rounds:
@@ -172,7 +173,7 @@ def _candidate(k: int, rival: Rival, before: float | None, standing: Standing) -
 def _standing(rival: Rival, addition: Addition | None, found: Attribution, needed: float, first: Standing) -> Standing:
     if addition is not None and rival is addition.winner:
         return first
-    if addition is not None and any(rival is r for r in addition.equivalent):
+    if addition is not None and any(rival is r for r in addition.alike):
         return "equivalent"
     if any(rival is r for r in found.vetoed):
         if implausible(rival.fit):

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.backward import needed, nowhere, without_last
 from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
@@ -17,6 +18,7 @@ from vgvt.reconcile.doubts import strained_too_much
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.in_its_place import reconsidered
 from vgvt.reconcile.last_steps import ended
 from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.localise import localise
@@ -36,16 +38,8 @@ _AT_LEAST, _FAR_AHEAD = 3, 5.0
 _AT_ONCE = 2
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
 _AS_GOOD = 1.1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Addition:
-    """One round: the winner, everything within reach of it (its equivalence set, best first), and all rivals."""
-
-    winner: Rival
-    equivalent: tuple[Rival, ...]
-    rivals: tuple[Rival, ...]
-    held_out_before: float | None
+# Of the progress: when all names are there that will be.
+_CHOSEN = 0.95
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +105,7 @@ def _selected(
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
         straight, bent = linear_first(current.problem, left)
         before = residual(current, thresholds)
-        here = part(tell, k / most, (k + 1) / most)
+        here = part(tell, _CHOSEN * k / most, _CHOSEN * (k + 1) / most)
         rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
@@ -151,6 +145,7 @@ def _selected(
         if keep is not None:
             keep(start, rounds)
     rounds, current = needed(rounds, current, thresholds)
+    rounds, current = reconsidered(rounds, current, hypotheses, thresholds, part(tell, _CHOSEN, 1.0), team)
     while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
         rounds, current, refused = without_last(rounds, start)
         vetoed += refused

@@ -6,15 +6,19 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.place_control import distinct_places, place_of
 from vgvt.reconcile.thresholds import Thresholds
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Addition
+    from vgvt.reconcile.addition import Addition
     from vgvt.reconcile.rivals import Rival
+
+Array = NDArray[np.float64]
 
 
 def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tuple[list[Addition], Fit]:
@@ -22,17 +26,24 @@ def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tupl
     if len(rounds) < 2:
         return rounds, current
     for k in range(len(rounds) - 1):
-        kept = tuple(h for i, h in enumerate(current.hypotheses) if i != k)
-        sizes = [len(h.parameters) for h in current.hypotheses]
-        e = np.concatenate([current.e[sum(sizes[:i]) : sum(sizes[: i + 1])] for i in range(len(sizes)) if i != k])
+        kept, e, _ = without(current, k)
         try:
-            without = fit(current.problem, kept, current.u, e, NEAR)
+            less = fit(current.problem, kept, current.u, e, NEAR)
         except NoStructureError:
             # It holds the aircraft up: nothing makes that needless.
             continue
-        if current.evidence_nats - without.evidence_nats < thresholds.evidence_nats:
-            return [r for i, r in enumerate(rounds) if i != k], without
+        if current.evidence_nats - less.evidence_nats < thresholds.evidence_nats:
+            return [r for i, r in enumerate(rounds) if i != k], less
     return rounds, current
+
+
+def without(current: Fit, index: int) -> tuple[tuple[Hypothesis, ...], Array, Array]:
+    """Hypotheses of a model but for one, their scores (e,), and those of the one (its parameters,)."""
+    ends = np.cumsum([len(h.parameters) for h in current.hypotheses])
+    scores = np.split(current.e, ends[:-1])
+    kept = [k for k in range(len(ends)) if k != index]
+    rest = np.concatenate([np.zeros(0), *(scores[k] for k in kept)])
+    return tuple(current.hypotheses[k] for k in kept), rest, scores[index]
 
 
 def without_last(rounds: Sequence[Addition], start: Fit) -> tuple[list[Addition], Fit, list[Rival]]:

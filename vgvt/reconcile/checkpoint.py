@@ -15,7 +15,7 @@ import vgvt
 from vgvt.data import Campaign
 from vgvt.files.atomically import replacing
 from vgvt.files.campaign_file import content_hash
-from vgvt.reconcile.attribute import Addition
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem

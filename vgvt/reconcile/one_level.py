@@ -16,5 +16,5 @@ def rests_on_one_level(found: Attribution) -> tuple[str, ...]:
     A sweep passes through many amplitudes, so that one level does show a nonlinear joint; but a wrong damping or a
     linear joint elsewhere bends peaks alike, and only another level says which of them moves.
     """
-    names = dict.fromkeys(r.name for a in found.rounds for r in (a.winner, *a.equivalent) if not r.hypothesis.linear)
+    names = dict.fromkeys(r.name for a in found.rounds for r in (a.winner, *a.alike) if not r.hypothesis.linear)
     return tuple(names) if names and not several_levels(found.null.problem) else ()

@@ -19,7 +19,7 @@ from vgvt.reconcile.residual import independent_values
 from vgvt.reconcile.team import ALONE, Team
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.attribute import Addition
+    from vgvt.reconcile.addition import Addition
     from vgvt.reconcile.rivals import Rival
 
 Array = NDArray[np.float64]

@@ -79,7 +79,7 @@ def screen(
     sized: list[Screened] = []
     for k, hypothesis in enumerate(hypotheses):
         tell(_SIZED * k / len(hypotheses), f"screen {hypothesis.name}")
-        sized += _at_sizes(stand, hypothesis)
+        sized += at_sizes(stand, hypothesis)
     found = _check_the_best(
         stand, sized, least_nats, slots, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising")
     )
@@ -88,7 +88,7 @@ def screen(
     return tuple(sorted(done, key=lambda s: -s.gain_nats))
 
 
-def _at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
+def at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
     """A variant at the sizes of the closed form; of one that is scanned, its best few, then steps around the best."""
     if depends_on_level(stand.fit.problem, hypothesis):
         return [

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 
-from vgvt.reconcile.attribute import Addition, Attribution
+from vgvt.reconcile.addition import Addition
+from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
@@ -112,7 +113,7 @@ def kind_of(found: Attribution) -> Kind:
     awaits_level = not doubtful and rests_on_one_level(found) and found.final_residual.met
     if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
-    several = any(len({r.name for r in a.equivalent}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
+    several = any(len({r.name for r in a.alike}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
     return Kind.AMBIGUOUS if several or rests_on_one_level(found) else Kind.EXPLAINED
 
 
@@ -123,7 +124,7 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
     """
     for addition in reversed(found.rounds):
         best: dict[str, Fit] = {}
-        for r in (addition.winner, *addition.equivalent):
+        for r in addition.in_its_place or (addition.winner, *addition.equivalent):
             best.setdefault(r.name, r.fit)
         if len(best) > 1:
             return tuple(best.values())
@@ -146,7 +147,7 @@ def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...
     names, final = [], honest(fit)
     for k, addition in enumerate(rounds):
         winner = addition.winner
-        others = tuple(dict.fromkeys(r.name for r in addition.equivalent if r.name != winner.name))
+        others = tuple(dict.fromkeys(r.name for r in addition.alike if r.name != winner.name))
         cls = winner.hypothesis.cls
         names.append(
             NamedEffect(
@@ -198,6 +199,11 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             else:
                 what = f"the data as well, within {limits.set_nats:.0f} nats"
             said.append(f"{', '.join(others)} explain{'s' if len(others) == 1 else ''} {what}")
+        said += [
+            f"{r.name} in place of {winner.name} explains the data as well, within {limits.set_nats:.0f} nats, beside "
+            "all that was found"
+            for r in addition.in_its_place[1:]
+        ]
         said += [
             f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
             for x, y in _other_places(addition)

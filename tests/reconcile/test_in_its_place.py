@@ -1,0 +1,122 @@
+"""A name is asked again beside all that was found: what does as well stands beside it, what does better has it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import drawn_scores, problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.addition import Addition
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.in_its_place import in_its_place, reconsidered
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.rivals import against
+from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.verdict import named_effects, undecided
+
+NAMES = ("channel-delay", "mount-compliance", "channel-gain", "added-mass", "root-compliance")
+DELAY_S, GAIN = 7e-5, -0.1
+MOUNT = Hypothesis(available_effects()["mount-compliance"], {})
+LOW = Hypothesis(available_effects()["channel-gain"], {"channels": "6+Z"})
+SOFT = {"compliance_m_per_n": 2.6e-4, "loss_factor": 0.47, "frequency_hz": 2.06}
+SETTLED = stored_thresholds()
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """Responses that arrive late, one of which reads low."""
+    late = available_effects()["channel-delay"](channels="response", delay_s=DELAY_S)
+    low = available_effects()["channel-gain"](channels="6+Z", gain_error=GAIN)
+    return problem(tmp_path_factory.mktemp("cache"), 1, late, low)
+
+
+@pytest.fixture(scope="module")
+def offered(case: Problem) -> tuple[Hypothesis, ...]:
+    return candidates(case, {n: available_effects()[n] for n in NAMES})
+
+
+def model(case: Problem, *effects: tuple[Hypothesis, dict[str, float]]) -> Fit:
+    """The bottom of a fit with some effects beside the true unknowns."""
+    e = np.concatenate([h.scores(v) for h, v in effects])
+    return fit(case, tuple(h for h, _ in effects), drawn_scores(case, 1), e, TO_THE_END)
+
+
+def rounds_of(found: Fit) -> list[Addition]:
+    """Rounds that named the effects of a fit."""
+    null = fit(found.problem, (), found.u, np.zeros(0), ())
+    (whole,) = against(null, [found])
+    winners = [
+        replace(whole, fit=replace(found, hypotheses=found.hypotheses[: k + 1])) for k in range(len(found.hypotheses))
+    ]
+    return [Addition(w, (w,), (w,), null.held_out_chi2_per_dof) for w in winners]
+
+
+@pytest.fixture(scope="module")
+def mounted(case: Problem) -> Fit:
+    return model(case, (MOUNT, SOFT), (LOW, {"gain_error": GAIN}))
+
+
+def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
+    """As no data of one campaign tell the two; the gain of one channel has no such double."""
+    rounds = rounds_of(mounted)
+    found, final = reconsidered(rounds, mounted, offered, SETTLED)
+    assert final is mounted
+    assert [a.winner.name for a in found] == [MOUNT.name, LOW.name]
+    assert {r.name for r in found[0].alike} == {MOUNT.name, "channel-delay"}
+    assert found[1].alike == rounds[1].alike
+    own, late = found[0].in_its_place
+    assert own.name == MOUNT.name
+    assert own.gain_nats == pytest.approx(found[0].winner.gain_nats)
+    assert abs(late.gain_nats - own.gain_nats) < SETTLED.set_nats
+    assert [h.name for h in late.fit.hypotheses] == [LOW.name, "channel-delay"]
+    assert late.fit.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
+    # What a next test has to tell apart has the gain in either, and the name says both.
+    said: Any = SimpleNamespace(rounds=tuple(found), final=final)
+    assert [f.hypotheses for f in undecided(said)] == [own.fit.hypotheses, late.fit.hypotheses]
+    assert [(e.name, e.equivalent) for e in named_effects(said)] == [(MOUNT.name, ("channel-delay",)), (LOW.name, ())]
+
+
+def test_what_does_better_has_the_name(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
+    """A mount that does not quite do what the data show; the rest is kept."""
+    stiffer = {**SOFT, "compliance_m_per_n": 0.9 * mounted.values(0)["compliance_m_per_n"][0]}
+    scores = np.concatenate([MOUNT.scores(stiffer), mounted.e[-1:]])
+    wrong = fit(mounted.problem, mounted.hypotheses, mounted.u, scores, ())
+    assert mounted.evidence_nats - wrong.evidence_nats > 2 * SETTLED.set_nats
+    found, final = reconsidered(rounds_of(wrong), wrong, offered, SETTLED)
+    assert [a.winner.name for a in found] == [LOW.name, "channel-delay"]
+    assert final is found[-1].winner.fit
+    assert [h.name for h in final.hypotheses] == [LOW.name, "channel-delay"]
+    assert final.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
+    # Judged by the model with the rest alone, at its best.
+    assert found[-1].winner.gain_nats > 100
+    before, after = found[-1].held_out_before, final.held_out_chi2_per_dof
+    assert before is not None
+    assert after is not None
+    assert before > after
+    assert MOUNT.name in {r.name for r in found[-1].rivals}
+
+
+def test_nothing_else_does_what_a_mass_does(tmp_path: Path) -> None:
+    mass = Hypothesis(available_effects()["added-mass"], {"x_m": 0.7, "y_m": 1.0})
+    case = problem(tmp_path, 1, available_effects()["added-mass"](x_m=0.7, y_m=1.0, mass_kg=0.2))
+    found = model(case, (mass, {"mass_kg": 0.2}))
+    known = candidates(case, {n: available_effects()[n] for n in NAMES if n != mass.name})
+    own, rivals = in_its_place(found, 0, known, SETTLED.set_nats)
+    assert own is not None
+    assert own.gain_nats > 100
+    assert rivals == []
+
+
+def test_of_a_model_that_misses_much_nothing_is_asked(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
+    missing = replace(mounted, chi2=2.0 * mounted.points)
+    rounds = rounds_of(missing)
+    assert reconsidered(rounds, missing, offered, SETTLED) == (rounds, missing)

@@ -1,0 +1,137 @@
+"""Whether another effect does as well in the place of a named one, asked where everything else has come right.
+
+A calibration that had bent itself to imitate an effect shows little of it, and what is tried for it first is what that
+little looks like: a delay was called a mount, and no delay had been tried. With the effect in the model the unknowns
+stand where they belong. Without it, and with nothing else moved, all that it does is in sight, and so is whatever could
+do the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vgvt.reconcile.addition import Addition
+from vgvt.reconcile.backward import without
+from vgvt.reconcile.candidate_fits import fitted_from
+from vgvt.reconcile.fit import NEAR, Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.place_control import as_good
+from vgvt.reconcile.plausible import implausible
+from vgvt.reconcile.progress import Progress, part, silent
+from vgvt.reconcile.rivals import Rival, against
+from vgvt.reconcile.screen import Screened, at_sizes
+from vgvt.reconcile.shortlist import BIASED
+from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.team import ALONE, Task, Team
+from vgvt.reconcile.thresholds import Thresholds
+
+# Of what a named effect buys where unknowns follow linearly, what another one must seem to buy to be fitted there. The
+# closed form sees a resonance between the steps of its scan, and a place between its stations, only roughly.
+_PROMISED = 0.5
+_FITTED = 4
+
+
+def reconsidered(
+    rounds: Sequence[Addition],
+    current: Fit,
+    hypotheses: Sequence[Hypothesis],
+    thresholds: Thresholds,
+    tell: Progress = silent,
+    team: Team = ALONE,
+) -> tuple[list[Addition], Fit]:
+    """Rounds, and their fit, with every name that another one does better than exchanged for that.
+
+    What does as well stands beside the name. Nothing is asked of a model that still misses much: what would do better
+    there is what imitates the rest.
+    """
+    found = list(rounds)
+    if current.chi2_per_dof >= BIASED:
+        return found, current
+    for name in [a.winner.name for a in rounds]:
+        k = next(k for k, a in enumerate(found) if a.winner.name == name)
+        others = [h for h in hypotheses if h.name not in {a.winner.name for a in found}]
+        own, rivals = in_its_place(current, k, others, thresholds.set_nats, tell, team)
+        best = max(rivals, key=lambda r: r.gain_nats, default=None)
+        if own is None or best is None:
+            continue
+        if best.gain_nats <= own.gain_nats + thresholds.set_nats:
+            # By what the name had gained in its round.
+            more = found[k].winner.gain_nats - own.gain_nats
+            alike = tuple(replace(r, gain_nats=r.gain_nats + more) for r in (own, *rivals))
+            found[k] = replace(found[k], in_its_place=alike)
+            continue
+        kept = [a for i, a in enumerate(found) if i != k]
+        current, found = best.fit, [*kept, _exchanged(best, own, rivals)]
+    return found, current
+
+
+def in_its_place(
+    current: Fit,
+    index: int,
+    others: Sequence[Hypothesis],
+    set_nats: float,
+    tell: Progress = silent,
+    team: Team = ALONE,
+) -> tuple[Rival | None, list[Rival]]:
+    """The effect of that index of a model as a rival, and what of ``others`` does as well or better, best first.
+
+    All are judged against the model that is left without it, and have it, or what is in its place, last.
+    """
+    problem = current.problem
+    kept, e, own = without(current, index)
+    try:
+        stand = fit(problem, kept, current.u, e, ())
+    except NoStructureError:
+        # It holds the aircraft up.
+        return None, []
+    # What depends on level has its linear likeness here, and levels tell the two.
+    asked = [h for h in others if h.linear]
+    reached = current.chi2 + float(current.scores @ current.scores)
+    start = Stand.of(stand)
+    bought = 0.5 * (start.cost - reached)
+    if not asked or bought <= 0:
+        return None, []
+    tries: list[Task] = [
+        (fitted_from, (stand, s, NEAR)) for s in _promising(start, asked, bought, part(tell, 0.0, 0.7))
+    ]
+    fits = team.work_off(tries, part(tell, 0.7, 1.0))
+    last = fit(problem, (*kept, current.hypotheses[index]), current.u, np.concatenate([e, own]), ())
+    last = replace(last, converged=current.converged)
+    judged = against(stand, [last, *(f for f in fits if f is not None)])
+    mine = next(r for r in judged if r.fit is last)
+    rivals = [
+        r for r in judged
+        if r is not mine and r.gain_nats > mine.gain_nats - set_nats
+        and as_good(r.fit, last, set_nats) and not implausible(r.fit)
+    ]  # fmt: skip
+    return mine, rivals
+
+
+def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: Progress) -> list[Screened]:
+    """The best variant of each of the few effects that could buy most of what was ``bought``, by the closed form.
+
+    At a part of its size, where a screen looks first, nothing could: it is all of it, or nothing, that is missing.
+    """
+    sized: list[Screened] = []
+    for k, hypothesis in enumerate(asked):
+        tell(k / len(asked), f"in its place {hypothesis.name}")
+        sized += at_sizes(start, hypothesis)
+    best: dict[str, Screened] = {}
+    for s in sorted(sized, key=lambda s: -s.gain_nats):
+        if s.visible and s.gain_nats > _PROMISED * bought:
+            best.setdefault(s.hypothesis.name, s)
+    return [replace(s, start=start.fit.scores) for s in list(best.values())[:_FITTED]]
+
+
+def _exchanged(best: Rival, own: Rival, rivals: Sequence[Rival]) -> Addition:
+    """The round that names the best of the rivals, with what it was taken for among these."""
+    problem, u, (kept, e, _) = best.fit.problem, best.fit.u, without(best.fit, len(best.fit.hypotheses) - 1)
+    before = fit(problem, kept, u, e, NEAR)
+    # Against the model that does without any of them, at its own best.
+    judged = against(before, [r.fit for r in (own, *rivals)])
+    winner = next(r for r in judged if r.fit is best.fit)
+    return Addition(winner, (winner,), judged, before.held_out_chi2_per_dof)
