@@ -91,11 +91,15 @@ def test_what_does_better_has_the_name(mounted: Fit, offered: Sequence[Hypothesi
     scores = np.concatenate([MOUNT.scores(stiffer), mounted.e[-1:]])
     wrong = fit(mounted.problem, mounted.hypotheses, mounted.u, scores, ())
     assert mounted.evidence_nats - wrong.evidence_nats > 2 * SETTLED.set_nats
-    found, final = reconsidered(rounds_of(wrong), wrong, offered, SETTLED)
+    told = list[float]()
+    rounds = rounds_of(wrong)
+    found, final = reconsidered(rounds, wrong, offered, SETTLED, lambda fraction, message: told.append(fraction))
+    assert told == sorted(told)
     assert [a.winner.name for a in found] == [LOW.name, "channel-delay"]
     assert final is found[-1].winner.fit
     assert [h.name for h in final.hypotheses] == [LOW.name, "channel-delay"]
     assert final.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
+    assert final.converged
     # Judged by the model with the rest alone, at its best.
     assert found[-1].winner.gain_nats > 100
     before, after = found[-1].held_out_before, final.held_out_chi2_per_dof
@@ -103,6 +107,7 @@ def test_what_does_better_has_the_name(mounted: Fit, offered: Sequence[Hypothesi
     assert after is not None
     assert before > after
     assert MOUNT.name in {r.name for r in found[-1].rivals}
+    assert MOUNT.name not in {r.name for r in found[-1].alike}
 
 
 def test_nothing_else_does_what_a_mass_does(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from vgvt.reconcile.candidate_fits import fitted_from
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.last_steps import finished
 from vgvt.reconcile.place_control import as_good
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.progress import Progress, part, silent
@@ -51,10 +52,12 @@ def reconsidered(
     found = list(rounds)
     if current.chi2_per_dof >= BIASED:
         return found, current
-    for name in [a.winner.name for a in rounds]:
+    names = [a.winner.name for a in rounds]
+    for done, name in enumerate(names):
+        here = part(tell, done / len(names), (done + 1) / len(names))
         k = next(k for k, a in enumerate(found) if a.winner.name == name)
         others = [h for h in hypotheses if h.name not in {a.winner.name for a in found}]
-        own, rivals = in_its_place(current, k, others, thresholds.set_nats, tell, team)
+        own, rivals = in_its_place(current, k, others, thresholds.set_nats, here, team)
         best = max(rivals, key=lambda r: r.gain_nats, default=None)
         if own is None or best is None:
             continue
@@ -65,7 +68,8 @@ def reconsidered(
             found[k] = replace(found[k], in_its_place=alike)
             continue
         kept = [a for i, a in enumerate(found) if i != k]
-        current, found = best.fit, [*kept, _exchanged(best, own, rivals)]
+        found = [*kept, _exchanged(best, [own, *(r for r in rivals if r is not best)], thresholds.set_nats)]
+        current = found[-1].winner.fit
     return found, current
 
 
@@ -127,11 +131,13 @@ def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: P
     return [replace(s, start=start.fit.scores) for s in list(best.values())[:_FITTED]]
 
 
-def _exchanged(best: Rival, own: Rival, rivals: Sequence[Rival]) -> Addition:
-    """The round that names the best of the rivals, with what it was taken for among these."""
-    problem, u, (kept, e, _) = best.fit.problem, best.fit.u, without(best.fit, len(best.fit.hypotheses) - 1)
-    before = fit(problem, kept, u, e, NEAR)
+def _exchanged(best: Rival, others: Sequence[Rival], set_nats: float) -> Addition:
+    """The round that names the best, at the end of its fit, with what it was taken for among its rivals."""
+    ended = finished(best.fit, silent)
+    kept, e, _ = without(ended, len(ended.hypotheses) - 1)
     # Against the model that does without any of them, at its own best.
-    judged = against(before, [r.fit for r in (own, *rivals)])
-    winner = next(r for r in judged if r.fit is best.fit)
-    return Addition(winner, (winner,), judged, before.held_out_chi2_per_dof)
+    before = fit(ended.problem, kept, ended.u, e, NEAR)
+    judged = against(before, [ended, *(r.fit for r in others)])
+    winner = next(r for r in judged if r.fit is ended)
+    equal = (r for r in judged if r is not winner and r.gain_nats > winner.gain_nats - set_nats)
+    return Addition(winner, (winner, *equal), judged, before.held_out_chi2_per_dof)

@@ -203,6 +203,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{r.name} in place of {winner.name} explains the data as well, within {limits.set_nats:.0f} nats, beside "
             "all that was found"
             for r in addition.in_its_place[1:]
+            if r.name not in {e.name for e in addition.equivalent}
         ]
         said += [
             f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
