@@ -184,16 +184,35 @@ def test_what_is_left_of_two_names_must_take_half_on_its_own(monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    ("nats", "names", "strange", "does"),
-    [(-3.0, 1, (), True), (30.0, 2, (), True), (-6.0, 1, (), False), (30.0, 0, (), False), (30.0, 2, ("one",), False)],
+    ("nats", "names", "strange", "met", "bent", "does"),
+    [
+        (-3.0, 1, (), False, 0.0, True),
+        (30.0, 2, (), False, 0.0, True),
+        (-6.0, 1, (), False, 0.0, False),
+        (30.0, 0, (), False, 0.0, False),
+        (30.0, 2, ("one",), False, 0.0, False),
+        (-60.0, 1, (), True, 0.0, True),
+        (-60.0, 1, (), True, 900.0, False),
+        (-60.0, 0, (), True, 0.0, False),
+        (-60.0, 2, ("one",), True, 0.0, False),
+    ],
 )
 def test_what_does_as_well_without_what_cannot_be_counts(
-    monkeypatch: pytest.MonkeyPatch, nats: float, names: int, strange: tuple[str, ...], does: bool
+    monkeypatch: pytest.MonkeyPatch,
+    nats: float,
+    names: int,
+    strange: tuple[str, ...],
+    met: bool,
+    bent: float,
+    does: bool,
 ) -> None:
-    """By the evidence of the whole models, and if it is all plausible itself."""
+    """By the evidence of the whole models or as data and tolerances are met, and if it is all plausible itself."""
     case = with_strange(monkeypatch, ("far off", *strange), ("far off", "two"))
     other = with_strange(monkeypatch, ("far off", *strange), ("one", "two"))
-    first, second = (replace(c, final=fitted(800.0, hypotheses=c.final.hypotheses)) for c in (case, other))
+    first, second = (
+        replace(c, final=fitted(800.0, bent, c.final.hypotheses), final_residual=left(0.9, adequate=met))
+        for c in (case, other)
+    )
     first_fit: Any = first.final
     second_fit: Any = second.final
     first_fit.evidence_nats, second_fit.evidence_nats = 100.0, 100.0 + nats

@@ -54,10 +54,12 @@ def does_without(found: Attribution, without: Attribution, within_nats: float) -
     """Whether a search ``without`` what was no plausible thing names plausible ones that explain the data as well.
 
     Beside a second effect an absorber far above the band may gain more than the mass that is there: only the two
-    together show that the mass does as well.
+    together show that the mass does as well. And where they leave no more than campaigns leave in which nothing is
+    missing, nothing is left for what could not be to explain: how far it bends to the last of it is no matter.
     """
     reached = without.final.evidence_nats > found.final.evidence_nats - within_nats
-    return bool(without.rounds) and reached and not strange_names(without)
+    met = without.final_residual.adequate and not strained_too_much(without.final)
+    return bool(without.rounds) and (reached or met) and not strange_names(without)
 
 
 def telling(found: Attribution, without: Attribution) -> Attribution:
