@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,16 +14,20 @@ import pytest
 from reconciled_case import drawn_scores, problem
 
 from vgvt.effects import available_effects
+from vgvt.reconcile import account
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.in_its_place import in_its_place, reconsidered
+from vgvt.reconcile.last_steps import finished
 from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.progress import Progress
 from vgvt.reconcile.rivals import against
 from vgvt.reconcile.thresholds import stored_thresholds
 from vgvt.reconcile.verdict import named_effects, undecided
 
+asked_again = importlib.import_module("vgvt.reconcile.in_its_place")
 NAMES = ("channel-delay", "mount-compliance", "channel-gain", "added-mass", "root-compliance")
 DELAY_S, GAIN = 7e-5, -0.1
 MOUNT = Hypothesis(available_effects()["mount-compliance"], {})
@@ -79,24 +84,40 @@ def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offer
     assert abs(late.gain_nats - own.gain_nats) < SETTLED.set_nats
     assert [h.name for h in late.fit.hypotheses] == [LOW.name, "channel-delay"]
     assert late.fit.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
+    # The table of candidates has it beside the name, by what that had gained.
+    about: Any = SimpleNamespace(
+        rounds=tuple(found), leads=(), led=None, final=final, last_rivals=(), vetoed=(),
+        null_residual=SimpleNamespace(held_out_chi2_per_dof=1.0),
+    )  # fmt: skip
+    rows = {r.label: r for r in account._candidates(about, SETTLED.evidence_nats)}
+    assert rows[late.hypothesis.label].standing == "equivalent"
+    assert rows[late.hypothesis.label].gain_nats == late.gain_nats
     # What a next test has to tell apart has the gain in either, and the name says both.
     said: Any = SimpleNamespace(rounds=tuple(found), final=final)
     assert [f.hypotheses for f in undecided(said)] == [own.fit.hypotheses, late.fit.hypotheses]
     assert [(e.name, e.equivalent) for e in named_effects(said)] == [(MOUNT.name, ("channel-delay",)), (LOW.name, ())]
 
 
-def test_what_does_better_has_the_name(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
+def test_what_does_better_has_the_name(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A mount that does not quite do what the data show; the rest is kept."""
     stiffer = {**SOFT, "compliance_m_per_n": 0.9 * mounted.values(0)["compliance_m_per_n"][0]}
     scores = np.concatenate([MOUNT.scores(stiffer), mounted.e[-1:]])
     wrong = fit(mounted.problem, mounted.hypotheses, mounted.u, scores, ())
     assert mounted.evidence_nats - wrong.evidence_nats > 2 * SETTLED.set_nats
-    told = list[float]()
+    ended, told = list[Fit](), list[float]()
+
+    def to_its_end(fitted: Fit, tell: Progress) -> Fit:
+        ended.append(finished(fitted, tell))
+        return ended[-1]
+
+    monkeypatch.setattr(asked_again, "finished", to_its_end)
     rounds = rounds_of(wrong)
     found, final = reconsidered(rounds, wrong, offered, SETTLED, lambda fraction, message: told.append(fraction))
     assert told == sorted(told)
     assert [a.winner.name for a in found] == [LOW.name, "channel-delay"]
-    assert final is found[-1].winner.fit
+    assert final is found[-1].winner.fit is ended[0]
     assert [h.name for h in final.hypotheses] == [LOW.name, "channel-delay"]
     assert final.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
     assert final.converged
@@ -121,7 +142,31 @@ def test_nothing_else_does_what_a_mass_does(tmp_path: Path) -> None:
     assert rivals == []
 
 
-def test_of_a_model_that_misses_much_nothing_is_asked(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
+@pytest.mark.parametrize(("name", "says"), [("as_good", False), ("implausible", ("far off",))])
+def test_what_held_out_data_speak_against_or_could_not_be_does_not_count(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch, name: str, says: object
+) -> None:
+    late = [h for h in offered if h.name == "channel-delay"]
+    own, rivals = in_its_place(mounted, 0, late, SETTLED.set_nats)
+    assert own is not None
+    assert [r.name for r in rivals] == ["channel-delay"]
+    monkeypatch.setattr(asked_again, name, lambda *given: says)
+    own, rivals = in_its_place(mounted, 0, late, SETTLED.set_nats)
+    assert own is not None
+    assert rivals == []
+
+
+def test_joints_that_depend_on_level_are_not_asked(mounted: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor is anything fitted where nothing is asked."""
+    slipping = Hypothesis(available_effects()["root-friction"], {"kind": "bending", "side": "both"})
+    monkeypatch.setattr(asked_again, "at_sizes", lambda start, hypothesis: pytest.fail(hypothesis.name))
+    assert in_its_place(mounted, 0, [slipping], SETTLED.set_nats) == (None, [])
+
+
+def test_of_a_model_that_misses_much_nothing_is_asked(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(asked_again, "in_its_place", lambda *given: pytest.fail("asked"))
     missing = replace(mounted, chi2=2.0 * mounted.points)
     rounds = rounds_of(missing)
     assert reconsidered(rounds, missing, offered, SETTLED) == (rounds, missing)
