@@ -27,6 +27,7 @@ from vgvt.reconcile.rivals import against
 from vgvt.reconcile.thresholds import stored_thresholds
 from vgvt.reconcile.verdict import named_effects, undecided
 
+fits = importlib.import_module("vgvt.reconcile.fit")
 asked_again = importlib.import_module("vgvt.reconcile.in_its_place")
 NAMES = ("channel-delay", "mount-compliance", "channel-gain", "added-mass", "root-compliance")
 DELAY_S, GAIN = 7e-5, -0.1
@@ -161,6 +162,26 @@ def test_joints_that_depend_on_level_are_not_asked(mounted: Fit, monkeypatch: py
     slipping = Hypothesis(available_effects()["root-friction"], {"kind": "bending", "side": "both"})
     monkeypatch.setattr(asked_again, "at_sizes", lambda start, hypothesis: pytest.fail(hypothesis.name))
     assert in_its_place(mounted, 0, [slipping], SETTLED.set_nats) == (None, [])
+
+
+def test_a_name_that_is_another_model_when_it_comes_last_is_not_asked(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Effects act on what earlier ones made: such a model is no measure for what is in its place."""
+
+    def turned(case: Problem, hypotheses: tuple[Hypothesis, ...], *given: Any) -> Fit:
+        found = fit(case, hypotheses, *given)
+        return replace(found, chi2=found.chi2 + 10.0) if hypotheses == (LOW, MOUNT) else found
+
+    monkeypatch.setattr(asked_again, "fit", turned)
+    assert in_its_place(mounted, 0, offered, SETTLED.set_nats) == (None, [])
+
+
+def test_a_response_that_is_no_number_costs_without_end(mounted: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing comes through a march: of several starts it must not be the cheapest."""
+    nowhere = SimpleNamespace(predict=lambda u, e: np.full_like(mounted.predicted, np.nan))
+    monkeypatch.setattr(fits, "anchor", lambda *given, **more: nowhere)
+    assert fits.cost_at(mounted.problem, mounted.hypotheses, mounted.u, mounted.e) == np.inf
 
 
 def test_of_a_model_that_misses_much_nothing_is_asked(

@@ -223,7 +223,9 @@ def cost_at(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: Array, e: A
     except NoStructureError:
         return np.inf
     misfit = data_misfit(problem, predicted)
-    return float(misfit @ misfit + u @ u + e @ e)
+    cost = float(misfit @ misfit + u @ u + e @ e)
+    # What no march comes through has no response.
+    return cost if np.isfinite(cost) else np.inf
 
 
 def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, converged: bool, sigma: Array | None) -> Fit:

@@ -34,6 +34,8 @@ from vgvt.reconcile.thresholds import Thresholds
 # closed form sees a resonance between the steps of its scan, and a place between its stations, only roughly.
 _PROMISED = 0.5
 _FITTED = 4
+# What the order of effects may cost where they are the same model.
+_SAME_NATS = 1.0
 
 
 def reconsidered(
@@ -104,6 +106,9 @@ def in_its_place(
     ]
     fits = team.work_off(tries, part(tell, 0.7, 1.0))
     last = fit(problem, (*kept, current.hypotheses[index]), current.u, np.concatenate([e, own]), ())
+    if last.chi2 + float(last.scores @ last.scores) > reached + 2 * _SAME_NATS:
+        # It acts on what a later one changed: last, it is another model, and no measure for what is in its place.
+        return None, []
     last = replace(last, converged=current.converged)
     judged = against(stand, [last, *(f for f in fits if f is not None)])
     mine = next(r for r in judged if r.fit is last)
