@@ -108,13 +108,13 @@ def fitted_from(current: Fit, s: Screened, stages: tuple[tuple[float, int], ...]
     little = _start(current, replace(s, values=parted(s, _LITTLE), start=None))[1:]
     hypotheses, tell = (*current.hypotheses, hypothesis), naming(tell, hypothesis)
     stages = NEAR if s.arrived else stages
-    if stages is NEAR:
+    if stages == NEAR:
         u, start = min((u, start), little, key=lambda where: cost_at(current.problem, hypotheses, *where))
     try:
         found = fit(current.problem, hypotheses, u, start, stages, tell)
     except NoStructureError:
         return None
-    if found.evidence_nats < current.evidence_nats - _LOST and stages is not NEAR:
+    if found.evidence_nats < current.evidence_nats - _LOST and stages != NEAR:
         try:
             again = fit(current.problem, hypotheses, *little, NEAR, tell)
         except NoStructureError:
