@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from vgvt.effects import available_effects
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.backward import nowhere
 from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -48,13 +49,21 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     null: Any = SimpleNamespace(chi2_per_dof=20.0)
     things = tuple(SimpleNamespace(name=str(k)) for k in range(2))
     winners = [SimpleNamespace(fit=SimpleNamespace(hypotheses=things[: k + 1]), name=str(k)) for k in range(2)]
-    begun = tuple(SimpleNamespace(winner=w, rivals=()) for w in winners)
+    begun = tuple(Addition(w, (), (), None) for w in winners)  # type: ignore[arg-type]
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: SimpleNamespace(adequate=adequate, of=fit))
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
-    monkeypatch.setattr(rounds, "reconsidered", lambda found, current, *asked: (found, current))
+    asked = list[tuple[Any, ...]]()
+
+    def asked_again(*given: Any) -> Any:
+        asked.append(given[:3])
+        return given[0]
+
+    monkeypatch.setattr(rounds, "reconsidered", asked_again)
     monkeypatch.setattr(rounds, "nowhere", lambda addition: placeless)
     null.problem = None
-    found = rounds.attribute(null, (), SimpleNamespace(), most=2, begun=(null, begun))
+    found = rounds.attribute(null, (SOFT_ROOT,), SimpleNamespace(set_nats=5.0), most=2, begun=(null, begun))
     assert len(found.rounds) == kept
+    # What stays is asked again, beside the fit that stays.
+    assert asked == [(list(found.rounds), found.final, (SOFT_ROOT,))]
     assert found.final is (winners[-1].fit if kept else null)
     assert list(found.vetoed) == ([] if kept else winners[::-1])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from vgvt.reconcile import leads
+from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names, telling
 from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
@@ -62,7 +63,7 @@ def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], name
     fits = [fitted(800.0, hypotheses=things[: k + 1]) for k in range(len(names))]
     winners = [SimpleNamespace(name=n, fit=f) for n, f in zip(names, fits, strict=True)]
     tried = ("tried at first",), ("tried beside one",)
-    rounds: Any = tuple(SimpleNamespace(winner=w, rivals=r) for w, r in zip(winners, tried, strict=True))
+    rounds: Any = tuple(Addition(w, (), r, None) for w, r in zip(winners, tried, strict=True))  # type: ignore[arg-type]
     return Attribution(fitted(2000.0, bent=50.0), left(5.0), rounds, fits[-1], left(0.9, True), (), ())
 
 

@@ -47,8 +47,10 @@ def offered(stated: Fit) -> tuple[Hypothesis, ...]:
 
 @pytest.fixture(scope="module")
 def found(stated: Fit, offered: tuple[Hypothesis, ...]) -> tuple[Screened, ...]:
-    joints = [h for h in offered if not h.linear]
-    return beside_likeness(stated, joints, offered, silent)
+    joints, told = [h for h in offered if not h.linear], list[float]()
+    starts = beside_likeness(stated, joints, offered, lambda fraction, message: told.append(fraction))
+    assert told == sorted(told)
+    return starts
 
 
 def test_a_joint_with_play_is_found_beside_a_soft_root(stated: Fit, found: tuple[Screened, ...]) -> None:

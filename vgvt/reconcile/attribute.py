@@ -140,15 +140,15 @@ def _selected(
         winner = _first(confirmed)
         equal = (*_equal(winner, confirmed, thresholds), *_ahead_in_all(winner, rivals, confirmed))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
-        rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, tell, team))
+        rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
         current = winner.fit
         if keep is not None:
             keep(start, rounds)
     rounds, current = needed(rounds, current, thresholds)
-    rounds, current = reconsidered(rounds, current, hypotheses, thresholds, part(tell, _CHOSEN, 1.0), team)
     while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
         rounds, current, refused = without_last(rounds, start)
         vetoed += refused
+    rounds = reconsidered(rounds, current, hypotheses, thresholds.set_nats, part(tell, _CHOSEN, 1.0), team)
     return Attribution(
         start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
     )

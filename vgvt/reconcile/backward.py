@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,7 +52,8 @@ def without_last(rounds: Sequence[Addition], start: Fit) -> tuple[list[Addition]
 
     All of them where an earlier effect had been left out as needless beside the last one: no fit is there of the rest.
     """
-    kept = list(rounds[:-1])
+    # What does as well as an earlier one was found beside the last.
+    kept = [replace(r, in_its_place=()) for r in rounds[:-1]]
     if not kept:
         return [], start, [r.winner for r in rounds]
     found = kept[-1].winner.fit

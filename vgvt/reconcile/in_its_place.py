@@ -16,10 +16,10 @@ import numpy as np
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.backward import without
 from vgvt.reconcile.candidate_fits import fitted_from
+from vgvt.reconcile.courses import best_course
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.last_steps import finished
 from vgvt.reconcile.place_control import as_good
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.progress import Progress, part, silent
@@ -28,7 +28,6 @@ from vgvt.reconcile.screen import Screened, at_sizes
 from vgvt.reconcile.shortlist import BIASED
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.team import ALONE, Task, Team
-from vgvt.reconcile.thresholds import Thresholds
 
 # Of what a named effect buys where unknowns follow linearly, what another one must seem to buy to be fitted there. The
 # closed form sees a resonance between the steps of its scan, and a place between its stations, only roughly.
@@ -42,37 +41,29 @@ def reconsidered(
     rounds: Sequence[Addition],
     current: Fit,
     hypotheses: Sequence[Hypothesis],
-    thresholds: Thresholds,
+    set_nats: float,
     tell: Progress = silent,
     team: Team = ALONE,
-) -> tuple[list[Addition], Fit]:
-    """Rounds, and their fit, with every name that another one does better than exchanged for that.
+) -> list[Addition]:
+    """The rounds of a fit, each with what does as well as its winner, within ``set_nats``, or better in its place.
 
-    What does as well stands beside the name. Nothing is asked of a model that still misses much: what would do better
-    there is what imitates the rest.
+    Nothing is asked of a model that still misses much: what would do better there is what imitates the rest.
     """
-    found = list(rounds)
     if current.chi2_per_dof >= BIASED:
-        return found, current
-    names = [a.winner.name for a in rounds]
-    for done, name in enumerate(names):
-        here = part(tell, done / len(names), (done + 1) / len(names))
-        k = next(k for k, a in enumerate(found) if a.winner.name == name)
-        others = [h for h in hypotheses if h.name not in {a.winner.name for a in found}]
-        own, rivals = in_its_place(current, k, others, thresholds.set_nats, here, team)
-        best = max(rivals, key=lambda r: r.gain_nats, default=None)
-        if own is None or best is None:
-            continue
-        if best.gain_nats <= own.gain_nats + thresholds.set_nats:
+        return list(rounds)
+    named, found = {a.winner.name for a in rounds}, list[Addition]()
+    others = [h for h in hypotheses if h.name not in named]
+    for k, addition in enumerate(rounds):
+        here = part(tell, k / len(rounds), (k + 1) / len(rounds))
+        own, rivals = in_its_place(current, k, others, set_nats, here, team)
+        if own is not None and rivals:
+            winner = addition.winner
             # By what the name had gained in its round.
-            more = found[k].winner.gain_nats - own.gain_nats
-            alike = tuple(replace(r, gain_nats=r.gain_nats + more) for r in (own, *rivals))
-            found[k] = replace(found[k], in_its_place=alike)
-            continue
-        kept = [a for i, a in enumerate(found) if i != k]
-        found = [*kept, _exchanged(best, [own, *(r for r in rivals if r is not best)], thresholds.set_nats)]
-        current = found[-1].winner.fit
-    return found, current
+            gain, raw = winner.gain_nats - own.gain_nats, winner.raw_nats - own.raw_nats
+            alike = (replace(r, gain_nats=r.gain_nats + gain, raw_nats=r.raw_nats + raw) for r in (own, *rivals))
+            addition = replace(addition, in_its_place=tuple(alike))
+        found.append(addition)
+    return found
 
 
 def in_its_place(
@@ -85,7 +76,8 @@ def in_its_place(
 ) -> tuple[Rival | None, list[Rival]]:
     """The effect of that index of a model as a rival, and what of ``others`` does as well or better, best first.
 
-    All are judged against the model that is left without it, and have it, or what is in its place, last.
+    All are judged against the model that is left without it, and have it, or what is in its place, last. None, and
+    nothing, where that order makes another model, or there is nothing to ask.
     """
     problem = current.problem
     kept, e, own = without(current, index)
@@ -110,7 +102,7 @@ def in_its_place(
         # It acts on what a later one changed: last, it is another model, and no measure for what is in its place.
         return None, []
     last = replace(last, converged=current.converged)
-    judged = against(stand, [last, *(f for f in fits if f is not None)])
+    judged = against(stand, [last, *(best_course(f, others) for f in fits if f is not None)])
     mine = next(r for r in judged if r.fit is last)
     rivals = [
         r for r in judged
@@ -134,15 +126,3 @@ def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: P
         if s.visible and s.gain_nats > _PROMISED * bought:
             best.setdefault(s.hypothesis.name, s)
     return [replace(s, start=start.fit.scores) for s in list(best.values())[:_FITTED]]
-
-
-def _exchanged(best: Rival, others: Sequence[Rival], set_nats: float) -> Addition:
-    """The round that names the best, at the end of its fit, with what it was taken for among its rivals."""
-    ended = finished(best.fit, silent)
-    kept, e, _ = without(ended, len(ended.hypotheses) - 1)
-    # Against the model that does without any of them, at its own best.
-    before = fit(ended.problem, kept, ended.u, e, NEAR)
-    judged = against(before, [ended, *(r.fit for r in others)])
-    winner = next(r for r in judged if r.fit is ended)
-    equal = (r for r in judged if r is not winner and r.gain_nats > winner.gain_nats - set_nats)
-    return Addition(winner, (winner, *equal), judged, before.held_out_chi2_per_dof)

@@ -2,7 +2,8 @@
 
 Where unknowns stand beside a soft root that was fitted from the stated values is near to where they stand beside a
 joint that is as soft on the average. From there the joint's own stiffness is scanned, on which peaks hang and to which
-no tangent leads; its size is left to fits from several, whose allowance shrinks slowly.
+no tangent leads; its size is left to the first steps of fits from several, and the best of these goes on with an
+allowance that shrinks slowly.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ def beside_likeness(
         here = part(tell, 0.4 + 0.6 * k / len(names), 0.4 + 0.6 * (k + 1) / len(names))
         scores = near.scores[: current.scores.size]
         there = _softest(current, scores, [h for h in looked if h.name == name], part(here, 0.0, 0.4))
-        fits = [_fitted(current, s, GENTLY[:1], part(here, 0.4, 0.7)) for s in there]
+        fits = [
+            _fitted(current, s, GENTLY[:1], part(here, 0.4 + 0.3 * n / len(there), 0.4 + 0.3 * (n + 1) / len(there)))
+            for n, s in enumerate(there)
+        ]
         reached = max((f for f in fits if f is not None), key=lambda f: f.evidence_nats, default=None)
         ended = None if reached is None else _fitted(current, _at(current, reached), GENTLY[1:], part(here, 0.7, 1.0))
         starts += [] if ended is None else [_at(current, ended)]

@@ -18,6 +18,7 @@ from vgvt.reconcile.place_control import distinct_places
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.rivals import Rival
 from vgvt.reconcile.shortlist import BIASED
 from vgvt.reconcile.suggest import Suggestion
 from vgvt.reconcile.thresholds import Thresholds
@@ -124,7 +125,13 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
     """
     for addition in reversed(found.rounds):
         best: dict[str, Fit] = {}
-        for r in addition.in_its_place or (addition.winner, *addition.equivalent):
+        rivals = (addition.winner, *addition.equivalent)
+        if addition.in_its_place:
+            # Fits that hold the same others: what they foretell differs by the one alone.
+            beside = addition.in_its_place[0].fit.hypotheses[:-1]
+            same = (r for r in addition.equivalent if r.fit.hypotheses[:-1] == beside)
+            rivals = (*addition.in_its_place, *same)
+        for r in rivals:
             best.setdefault(r.name, r.fit)
         if len(best) > 1:
             return tuple(best.values())
@@ -200,8 +207,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
                 what = f"the data as well, within {limits.set_nats:.0f} nats"
             said.append(f"{', '.join(others)} explain{'s' if len(others) == 1 else ''} {what}")
         said += [
-            f"{r.name} in place of {winner.name} explains the data as well, within {limits.set_nats:.0f} nats, beside "
-            "all that was found"
+            f"{r.name} in place of {winner.name} explains the data {_how_well(r, winner, limits.set_nats)}, beside all "
+            "that was found"
             for r in addition.in_its_place[1:]
             if r.name not in {e.name for e in addition.equivalent}
         ]
@@ -262,6 +269,12 @@ def _why_no_name(found: Attribution) -> str:
     if strange:
         return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
     return "what does not halve what is too much with every name is a lead"
+
+
+def _how_well(r: Rival, winner: Rival, set_nats: float) -> str:
+    """How well a rival explains the data against the winner, of which it is not behind."""
+    ahead = r.gain_nats - winner.gain_nats
+    return f"better, by {ahead:.0f} nats" if ahead > set_nats else f"as well, within {set_nats:.0f} nats"
 
 
 def _other_places(addition: Addition) -> tuple[tuple[float, float], ...]:
