@@ -19,6 +19,7 @@ from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.backward import without_last
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.in_its_place import in_its_place, reconsidered
 from vgvt.reconcile.problem import Problem
@@ -170,6 +171,21 @@ def test_a_name_that_is_another_model_when_it_comes_last_is_not_asked(
 
     monkeypatch.setattr(asked_again, "fit", turned)
     assert in_its_place(mounted, 0, offered, SETTLED.set_nats) == (None, [])
+
+
+def test_an_effect_without_which_the_aircraft_falls_is_not_asked(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor one that would let it fall if it came last."""
+    for none in ((LOW,), (LOW, MOUNT)):
+
+        def falling(case: Problem, hypotheses: tuple[Hypothesis, ...], *given: Any, _none: Any = none) -> Fit:
+            if hypotheses == _none:
+                raise NoStructureError("it falls")
+            return fit(case, hypotheses, *given)
+
+        monkeypatch.setattr(asked_again, "fit", falling)
+        assert in_its_place(mounted, 0, offered, SETTLED.set_nats) == (None, [])
 
 
 def test_a_response_that_is_no_number_costs_without_end(mounted: Fit, monkeypatch: pytest.MonkeyPatch) -> None:

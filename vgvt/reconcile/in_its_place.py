@@ -83,12 +83,16 @@ def in_its_place(
     kept, e, own = without(current, index)
     try:
         stand = fit(problem, kept, current.u, e, ())
+        last = fit(problem, (*kept, current.hypotheses[index]), current.u, np.concatenate([e, own]), ())
     except NoStructureError:
         # It holds the aircraft up.
         return None, []
     # What depends on level has its linear likeness here, and levels tell the two.
     asked = [h for h in others if h.linear]
     reached = current.chi2 + float(current.scores @ current.scores)
+    if last.chi2 + float(last.scores @ last.scores) > reached + 2 * _SAME_NATS:
+        # It acts on what a later one changed: last, it is another model, and no measure for what is in its place.
+        return None, []
     start = Stand.of(stand)
     bought = 0.5 * (start.cost - reached)
     if not asked or bought <= 0:
@@ -97,10 +101,6 @@ def in_its_place(
         (fitted_from, (stand, s, NEAR)) for s in _promising(start, asked, bought, part(tell, 0.0, 0.7))
     ]
     fits = team.work_off(tries, part(tell, 0.7, 1.0))
-    last = fit(problem, (*kept, current.hypotheses[index]), current.u, np.concatenate([e, own]), ())
-    if last.chi2 + float(last.scores @ last.scores) > reached + 2 * _SAME_NATS:
-        # It acts on what a later one changed: last, it is another model, and no measure for what is in its place.
-        return None, []
     last = replace(last, converged=current.converged)
     judged = against(stand, [last, *(best_course(f, others) for f in fits if f is not None)])
     mine = next(r for r in judged if r.fit is last)
