@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ from virtual_lab import PAGES, write_results
 from vgvt.bench.executors import in_order_of_completion, process_pool
 from vgvt.bench.store import Store
 from vgvt.data import InputError
+from vgvt.scenario.streams import named_stream
 
 PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
 # Every fortieth campaign comes from MuJoCo's time domain: each of them takes as long as ten others.
@@ -83,6 +85,13 @@ def interleaved(queues: Sequence[Sequence[Case]]) -> list[Case]:
     """Queues merged so that all are equally far at any time."""
     ranked = [((k + 0.5) / len(q), i, case) for i, q in enumerate(queues) for k, case in enumerate(q)]
     return [case for _, _, case in sorted(ranked, key=lambda r: r[:2])]
+
+
+def in_turn(cases: Sequence[Case], base: int) -> list[Case]:
+    """One case of every group after the other, each group in an order drawn for the seed: a fair sample of all."""
+    groups = [[c for c in cases if c.group == name] for name in dict.fromkeys(c.group for c in cases)]
+    drawn = [[g[k] for k in named_stream(base, "in turn", g[0].group).permutation(len(g))] for g in groups]
+    return [case for same in zip_longest(*drawn) for case in same if case is not None]
 
 
 def small_plan(base: int = 1, short: bool = False) -> list[Case]:
@@ -195,6 +204,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--draws", type=int, default=DRAWS, help="campaigns an effect")
     parser.add_argument("--placebos", type=int, default=PLACEBOS)
     parser.add_argument("--only", default="", help="only this group: placebo, effect, never, removed or pair")
+    parser.add_argument("--in-turn", action="store_true", help="groups in turn, each in random order: a fair sample")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin nothing after that")
     parser.add_argument("--seed", type=int, default=1)
@@ -209,6 +219,8 @@ if __name__ == "__main__":
     else:
         every = plan(given.draws, given.placebos, OPEN_DRAWS, PAIRS, given.seed, given.short)
     every = [c for c in every if given.only in ("", c.group)]
+    if given.in_turn:
+        every = in_turn(every, given.seed)
     given.folder.mkdir(parents=True, exist_ok=True)
     if not given.report:
         run(every, given.folder, given.workers, given.minutes)

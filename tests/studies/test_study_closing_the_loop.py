@@ -40,6 +40,18 @@ def test_intervals_are_wilsons(hits: int, trials: int) -> None:
     assert loop_results.wilson(hits, trials) == pytest.approx((known.low, known.high), abs=1e-12)
 
 
+def test_groups_in_turn_are_the_same_cases_and_a_fair_sample_of_each() -> None:
+    cases = study.plan(4, 20, 4, 8, base=3, short=True)
+    drawn = study.in_turn(cases, 3)
+    assert set(drawn) == set(cases) and len(drawn) == len(cases)
+    groups = [c.group for c in drawn[:25]]
+    assert set(Counter(groups).values()) == {5}
+    # In the plan the largest sizes come first.
+    sizes = [c.size for c in drawn if c.group == "effect" and c.source == loop_cases.SIMULATION]
+    assert len(set(sizes[:20])) > 1
+    assert study.in_turn(cases, 3) == drawn != study.in_turn(cases, 4)
+
+
 @pytest.mark.parametrize(
     ("truth", "kind", "sets", "expected"),
     [
