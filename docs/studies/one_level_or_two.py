@@ -3,16 +3,17 @@
 What `vgvt reconcile` says of a joint that stiffens, slips or has play, of a drift between runs and of a joint that is
 just soft, given runs at one level of drive or at two. Joints that depend on level come from two laboratories: the
 simulator's time domain, and finite elements that share no code with it. Every case is one small file in FOLDER;
-``--report`` fills docs/studies/one-level-or-two.md from them.
+``--report`` fills docs/studies/one-level-or-two.md from them, and from what it showed last where there is none.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -37,6 +38,10 @@ NONLINEAR = ("cubic-root-stiffness", "root-friction", "root-freeplay")
 NOISE = 0.003
 # Joints that depend on level need a finer step than the linear aircraft: as many cells as can still be stepped.
 STEPPED_CELLS = 16
+BASELINE = PAGES.parents[1] / "scoreboard" / "baselines" / "one-level-or-two.csv"
+COLUMNS = (
+    "truth", "laboratory", "levels", "verdict", "named", "held-out χ²/ν", "next best, nats behind", "CPU s", "source",
+)  # fmt: skip
 RUNS = lab.RUNS[:3]
 """Nodes of three runs; each is recorded twice, at the same level or at two."""
 
@@ -174,21 +179,47 @@ def _rivals(verdict: Verdict) -> Any:
     return found.rounds[0].rivals if found.rounds else found.last_rivals
 
 
-def results(rows: list[dict[str, Any]]) -> str:
+def printed(row: dict[str, Any]) -> dict[str, str]:
+    """A case as the page shows it."""
+    named = row["named"] or "–"
+    rivals = [x for x in row["rivals"] if x[0] not in named]
+    top = max((x[1] for x in row["rivals"]), default=0.0)
+    behind = f"{rivals[0][0]}, {top - rivals[0][1]:.0f}" if rivals and row["named"] else "–"
+    held = f"{row['held_before']:.2f} → {row['held_after']:.2f}"
+    verdict = row["verdict"].replace("_", " ")
+    plain = (row["truth"], row["source"], str(row["levels"]), verdict, named, held, behind, str(row["cpu_s"]))
+    return dict(zip(COLUMNS, (*plain, row["core"]), strict=True))
+
+
+def known(file: Path = BASELINE) -> list[dict[str, str]]:
+    """The cases that were shown last, whichever version they are of."""
+    with file.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def merged(old: Iterable[dict[str, str]], new: Iterable[dict[str, str]]) -> list[dict[str, str]]:
+    """Cases as the page shows them, the new in place of the old, in the order of the truths."""
+    order = {(t.name, t.source, str(levels)): k for k, t in enumerate(TRUTHS) for levels in (1, 2)}
+    found = {(r["truth"], r["laboratory"], r["levels"]): r for r in (*old, *new)}
+    kept = [key for key in found if key in order]
+    return [found[key] for key in sorted(kept, key=lambda key: (order[key], key[2]))]
+
+
+def results(rows: Iterable[dict[str, str]]) -> str:
     """The table of the page."""
-    lines = []
-    order = [(t.name, t.source) for t in TRUTHS]
-    for r in sorted(rows, key=lambda r: (order.index((r["truth"], r["source"])), r["levels"])):
-        named = r["named"] or "–"
-        rivals = [x for x in r["rivals"] if x[0] not in named]
-        top = max((x[1] for x in r["rivals"]), default=0.0)
-        behind = f"{rivals[0][0]}, {top - rivals[0][1]:.0f}" if rivals and r["named"] else "–"
-        held = f"{r['held_before']:.2f} → {r['held_after']:.2f}"
-        verdict = r["verdict"].replace("_", " ")
-        lines.append((f"`{r['truth']}`", r["source"], str(r["levels"]), verdict, named, held, behind, str(r["cpu_s"])))
-    cores = ", ".join(sorted({r["core"] for r in rows}))
-    head = ("truth", "laboratory", "levels", "verdict", "named", "held-out χ²/ν", "next best, nats behind", "CPU s")
-    return f"Source of the analysis: {cores}.\n\n{table(head, lines)}"
+    lines = [(f"`{r['truth']}`", *(r[c] for c in COLUMNS[1:])) for r in rows]
+    return table(COLUMNS, lines)
+
+
+def report(folder: Path) -> None:
+    """Fill the page from the cases in a folder, and from those that were shown last where there is none."""
+    files = sorted(folder.glob("*.json"))
+    rows = merged(known(), [printed(json.loads(f.read_text(encoding="utf-8"))) for f in files])
+    with replacing(BASELINE) as part, part.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    write_results(PAGES / "one-level-or-two.md", results(rows))
 
 
 def main() -> None:
@@ -210,8 +241,7 @@ def main() -> None:
                 part_file.write_text(json.dumps(row, indent=1), encoding="utf-8")
             console.print(f"{truth.title}, levels {levels}: {row['verdict']} {row['named']}", highlight=False)
     if given.report:
-        rows = [json.loads(f.read_text(encoding="utf-8")) for f in sorted(given.folder.glob("*.json"))]
-        write_results(PAGES / "one-level-or-two.md", results(rows))
+        report(given.folder)
 
 
 if __name__ == "__main__":

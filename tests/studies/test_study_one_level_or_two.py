@@ -75,5 +75,22 @@ def test_the_table_names_the_next_best_that_was_not_named() -> None:
         "verdict": "partly_explained", "named": "run-drift", "held_before": 3.0,
         "held_after": 1.0, "rivals": [["run-drift", 100.0, 1.0], ["added-mass", 20.0, 2.0]], "core": "abc", "cpu_s": 7,
     }  # fmt: skip
-    text = study.results([row])
-    assert "| `run-drift` | simulation | 2 | partly explained | run-drift | 3.00 → 1.00 | added-mass, 80 | 7 |" in text
+    text = study.results([study.printed(row)])
+    assert (
+        "| `run-drift` | simulation | 2 | partly explained | run-drift | 3.00 → 1.00 | added-mass, 80 | 7 | abc |"
+        in text
+    )
+
+
+def test_a_case_that_was_run_again_stands_in_place_of_what_was_shown() -> None:
+    old = dict.fromkeys(study.COLUMNS, "old")
+    shown = [old | {"truth": t.name, "laboratory": t.source, "levels": "2"} for t in study.TRUTHS]
+    again = dict(shown[2], verdict="explained")
+    rows = study.merged(reversed(shown), [again])
+    assert [r["truth"] for r in rows] == [t.name for t in study.TRUTHS]
+    assert rows[2]["verdict"] == "explained" and rows[3]["verdict"] == "old"
+
+
+def test_what_is_shown_is_what_is_kept() -> None:
+    page = (study.PAGES / "one-level-or-two.md").read_text(encoding="utf-8")
+    assert study.results(study.known()) in page
