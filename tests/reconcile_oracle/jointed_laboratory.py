@@ -2,9 +2,9 @@
 
 Shares no code with the simulator or with the loop. The linear part, with each joint's own stiffness, is taken apart
 into poles that are stepped without error for forces that are straight within a step (Nigam and Jennings, Bull.
-Seismol. Soc. Am. 59, 1969); what a joint does beyond that stiffness is found at the end of every step. Dry friction
-is held through a step and stops the joint at its end, as far as it can (Moreau's scheme: Acary and Brogliato, Numerical
-Methods for Nonsmooth Dynamical Systems, 2008, chapter 10); angles that were held would ring from step to step.
+Seismol. Soc. Am. 59, 1969); what a joint does beyond that stiffness is found at the end of every step,
+for dry friction as what stops the joint there, as far as it can (time stepping after Moreau: Acary and Brogliato,
+Numerical Methods for Nonsmooth Dynamical Systems, 2008, chapter 10).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 from finite_element import Array, build
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.signal import fftconvolve, firwin
 from second_laboratory import (
@@ -32,10 +33,11 @@ from second_laboratory import (
 from vgvt.data import Campaign, Record
 from vgvt.scenario.model import Scenario
 
-RATE_HZ = 8000.0
 # What lies above the records' own Nyquist frequency is taken off by a filter without phase this long at either end.
 FILTER_S, CUT_HZ = 0.25, 100.0
 SWEEPS = 40
+# Radians a step that a pole may turn.
+FOLLOWED = 1.0
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ class Cubic:
     """Beyond the stiffness: k3 θ³."""
 
     held: ClassVar[bool] = False
+    rate_hz: ClassVar[float] = 8000.0
     cubic_n_m_per_rad3: float
 
     def rest(self, load_n_m: float, stiffness: float) -> float:
@@ -70,6 +73,7 @@ class Play:
     """No torque within a gap from stop to stop, the stiffness beyond it."""
 
     held: ClassVar[bool] = False
+    rate_hz: ClassVar[float] = 8000.0
     gap_rad: float
     stiffness: float
 
@@ -95,6 +99,7 @@ class Friction:
     """Dry friction beside the stiffness: up to M against the motion; the joint sticks where less will do."""
 
     held: ClassVar[bool] = True
+    rate_hz: ClassVar[float] = 32000.0
     friction_n_m: float
 
     def rest(self, load_n_m: float, stiffness: float) -> float:
@@ -112,13 +117,23 @@ Law = Cubic | Play | Friction
 
 @dataclass(frozen=True, eq=False)
 class Poles:
-    """A linear rig as poles p (P,) with Im p ≥ 0: z' = p z + B u; motion is Re(C z)."""
+    """A linear rig as poles p (P,) with Im p ≥ 0: z' = p z + B u; coordinates and rates are Re(C z)."""
 
     pole: ComplexArray
     into: ComplexArray
     """What each input does to each pole, (P, inputs)."""
     out: ComplexArray
     """Coordinates and their rates, (2 N, P), conjugates counted."""
+
+    def some(self, keep: NDArray[np.bool_]) -> Poles:
+        """Those of the poles that are to be kept."""
+        return Poles(self.pole[keep], self.into[keep], self.out[:, keep])
+
+    @property
+    def still(self) -> Array:
+        """Coordinates (N, inputs) under inputs that rest."""
+        half = self.out.shape[0] // 2
+        return np.asarray(-((self.out[:half] / self.pole) @ self.into).real)
 
 
 def poles_of(mass: Array, damping: Array, stiffness: Array, inputs: Array) -> Poles:
@@ -133,31 +148,37 @@ def poles_of(mass: Array, damping: Array, stiffness: Array, inputs: Array) -> Po
     return Poles(pole[upper], entry[upper], right[:, upper] * twice)
 
 
-def stepped(poles: Poles, force: Array, select: Array, law: Law, rest: Array) -> tuple[ComplexArray, Array]:
-    """States (P, samples) and torques (J, samples) under a force (samples,) at ``RATE_HZ``, from rest.
+def stepped(poles: Poles, force: Array, select: Array, law: Law, rest: Array) -> tuple[Poles, ComplexArray, Array]:
+    """The poles that move, their states (P, samples) and torques (J, samples) under a force (samples,), from rest.
 
-    Inputs are the force and then the joints' torques with the opposite sign; ``select`` (J, N) picks the joints.
+    Steps are as fine as the law asks; inputs are the force and then the joints' torques with the opposite sign;
+    ``select`` (J, N) picks the joints. Poles that are faster than steps can follow give way as they would at rest: what
+    sticks is else held at the ends of steps alone, and rings between.
     """
-    step = 1 / RATE_HZ
-    x = poles.pole * step
+    step = 1 / law.rate_hz
+    fast = np.abs(poles.pole) * step > FOLLOWED
+    soft = select @ poles.some(fast).still
+    slow = poles.some(~fast)
+    x = slow.pole * step
     whole = np.exp(x)
     # Integrals over a step of a force that is 1 at its beginning, or at its end, and straight between.
     later = (whole - 1 - x) / (x * x) * step
     earlier = (whole - 1) / x * step - later
-    begun, ended = poles.into * earlier[:, None], poles.into * later[:, None]
+    begun, ended = slow.into * earlier[:, None], slow.into * later[:, None]
     count, size = select.shape
+    joints, again, driven = select @ slow.out[:size], 0 * soft[:, 1:], soft[:, 0]
     if law.held:
-        begun, ended = np.hstack([begun[:, :1], 0 * begun[:, 1:]]), np.hstack([ended[:, :1], (begun + ended)[:, 1:]])
-    joints = select @ (poles.out[size:] if law.held else poles.out[:size])
-    flexible = (joints @ ended[:, 1:]).real
-    state = np.zeros((poles.pole.size, force.size), dtype=complex)
+        # Rates, and those at which what follows at once gives way: from one torque to the next.
+        joints, again, driven = select @ slow.out[size:], soft[:, 1:] / step, driven / step
+    flexible = (joints @ ended[:, 1:]).real + (again if law.held else soft[:, 1:])
+    state = np.zeros((slow.pole.size, force.size), dtype=complex)
     torque = np.zeros((count, force.size))
     u = np.zeros(1 + count)
-    z = np.zeros(poles.pole.size, dtype=complex)
+    z = np.zeros(slow.pole.size, dtype=complex)
     for k in range(1, force.size):
         z = whole * z + begun @ u + ended[:, 0] * force[k]
-        free = (joints @ z).real
         t = torque[:, k - 1].copy()
+        free = (joints @ z).real + again @ t + driven * (force[k] - (force[k - 1] if law.held else 0.0))
         for _ in range(SWEEPS):
             old = t.copy()
             for j in range(count):
@@ -168,7 +189,7 @@ def stepped(poles: Poles, force: Array, select: Array, law: Law, rest: Array) ->
         z = z - ended[:, 1:] @ t
         u = np.concatenate([[force[k]], -t])
         state[:, k], torque[:, k] = z, t
-    return state, torque
+    return slow, state, torque
 
 
 def jointed(scenario: Scenario, stiffness: float) -> Scenario:
@@ -193,50 +214,47 @@ def jointed_campaign(scenario: Scenario, law: Law, stiffness: float, amplitudes_
 def recorded(rig: Rig, law: Law, amplitude_n: float) -> tuple[Array, Array]:
     """What the gauge (samples,) and the sensors (S, samples) record of one sweep."""
     mass, damping, stiffness = hung(rig)
-    rows = np.array([chain[0].near for chain in jointed_chains(rig)])
-    loads = -GRAVITY * mass[2]
-    joints = np.array([int(np.flatnonzero(row[3:, 6:].any(axis=0))[-1]) + 6 for row in rows])
-    torsional = [float(stiffness[j, j]) for j in joints]
+    loads, joints = -GRAVITY * mass[2], joint_coordinates(rig)
     select = np.eye(mass.shape[0])[joints]
-    rest = np.array([law.rest(float(loads[j]), k) for j, k in zip(joints, torsional, strict=True)])
+    rest = np.array([law.rest(float(loads[j]), k) for j, k in zip(joints, stiffness[joints, joints], strict=True)])
     poles = poles_of(mass, damping, stiffness, np.column_stack([rig.push, select.T]))
-    force = sweep(rig.scenario, amplitude_n)
-    state, torque = stepped(poles, force, select, law, rest)
+    force = sweep(rig.scenario, amplitude_n, law.rate_hz)
+    slow, state, torque = stepped(poles, force, select, law, rest)
     seen = np.array([rig.seat(node) for node in rig.seats])
     inputs = np.vstack([force, -torque])
-    motion = seen @ poles.out[mass.shape[0] :]
-    at_once = seen @ np.linalg.solve(mass, np.column_stack([rig.push, select.T]))
-    flow = (motion * poles.pole) @ state
-    acceleration = flow.real + (motion @ poles.into).real @ inputs
-    assert np.allclose((motion @ poles.into).real, at_once, rtol=1e-6, atol=1e-6 * np.abs(at_once).max())
+    rates = seen @ slow.out[mass.shape[0] :]
+    acceleration = ((rates * slow.pole) @ state).real + (rates @ slow.into).real @ inputs
     corners = rig.scenario.transducer.high_pass_hz, rig.scenario.accelerometers.high_pass_hz
-    read = [at_rate(rig.scenario, s, c) for s, c in ((force[None], corners[0]), (acceleration, corners[1]))]
+    read = [
+        at_rate(rig.scenario, s, law.rate_hz, c) for s, c in ((force[None], corners[0]), (acceleration, corners[1]))
+    ]
     return read[0][0], read[1]
 
 
-def jointed_chains(rig: Rig) -> list[tuple]:  # type: ignore[type-arg]
-    """The chains of elements whose roots turn."""
-    jointed_names = [b.name for b in rig.scenario.airframe.beam if b.root_bending_stiffness_n_m_per_rad is not None]
-    return [rig.model.chains[name] for name in jointed_names]
+def joint_coordinates(rig: Rig) -> NDArray[np.intp]:
+    """Which coordinates are the angles of roots that bend."""
+    names = [b.name for b in rig.scenario.airframe.beam if b.root_bending_stiffness_n_m_per_rad is not None]
+    nears = [rig.model.chains[name][0].near for name in names]
+    return np.array([int(np.flatnonzero(near[3:, 6:].any(axis=0))[-1]) + 6 for near in nears])
 
 
-def sweep(scenario: Scenario, amplitude_n: float) -> Array:
+def sweep(scenario: Scenario, amplitude_n: float, rate_hz: float) -> Array:
     """The laboratory's force at the rate of the steps, and on beyond the record as far as the filter reaches."""
     e = scenario.excitation
-    time = np.arange(round((e.record_s + FILTER_S) * RATE_HZ) + 1) / RATE_HZ - e.lead_in_s
+    time = np.arange(round((e.record_s + FILTER_S) * rate_hz) + 1) / rate_hz - e.lead_in_s
     rise = (e.stop_hz - e.start_hz) / e.duration_s
     ends = np.clip(np.minimum(time, e.duration_s - time) / 0.5, 0, 1)
     phase = 2 * np.pi * (e.start_hz + rise / 2 * time) * time
     return np.asarray(amplitude_n * np.sin(np.pi / 2 * ends) ** 2 * np.sin(phase))
 
 
-def at_rate(scenario: Scenario, signals: Array, corner_hz: float) -> Array:
+def at_rate(scenario: Scenario, signals: Array, rate_hz: float, corner_hz: float) -> Array:
     """Signals (S, steps) behind AC coupling and an anti-alias filter at the record's samples, (S, samples)."""
     rate = scenario.acquisition.sample_rate_hz
     size = 2 * signals.shape[1]
-    omega = 2 * np.pi * np.fft.rfftfreq(size, 1 / RATE_HZ)
+    omega = 2 * np.pi * np.fft.rfftfreq(size, 1 / rate_hz)
     coupled = np.fft.irfft(np.fft.rfft(signals, size, axis=1) * passed(corner_hz, omega), size, axis=1)
-    taps = firwin(2 * round(FILTER_S * RATE_HZ) + 1, CUT_HZ, fs=RATE_HZ)
+    taps = firwin(2 * round(FILTER_S * rate_hz) + 1, CUT_HZ, fs=rate_hz)
     smooth = fftconvolve(coupled[:, : signals.shape[1]], taps[None], mode="same", axes=1)
     count = round(scenario.excitation.record_s * rate) + 1
-    return np.asarray(smooth[:, :: round(RATE_HZ / rate)][:, :count])
+    return np.asarray(smooth[:, :: round(rate_hz / rate)][:, :count])

@@ -28,7 +28,7 @@ def ratio(force: np.ndarray, motion: np.ndarray) -> np.ndarray:
 
 
 def test_without_a_law_the_records_are_those_of_the_frequency_domain() -> None:
-    force, motion = jointed.recorded(rooted(), jointed.Friction(0.0), 1.0)
+    force, motion = jointed.recorded(rooted(), jointed.Cubic(0.0), 1.0)
     (run,) = lab.campaign_of(jointed.jointed(scenario(8), STIFFNESS)).runs
     assert miss(ratio(force, motion), ratio(run.samples[0], run.samples[1:])) < 3e-4
 
@@ -36,7 +36,7 @@ def test_without_a_law_the_records_are_those_of_the_frequency_domain() -> None:
 def test_play_that_its_weight_keeps_shut_is_not_there_and_opens_beyond_that_weight() -> None:
     """What opens the joint is a dynamic torque of the wing's own weight about its root; not the gap."""
     rig, law = rooted(), jointed.Play(GAP_RAD, STIFFNESS)
-    closed = ratio(*jointed.recorded(rig, jointed.Friction(0.0), 1.0))
+    closed = ratio(*jointed.recorded(rig, jointed.Cubic(0.0), 1.0))
     assert miss(ratio(*jointed.recorded(rig, law, 1.0)), closed) < 1e-12
     assert miss(ratio(*jointed.recorded(rig, law, 8.0)), closed) > 0.05
 
@@ -52,11 +52,11 @@ def beam_of_two() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def test_a_driven_joint_moves_as_an_adaptive_solver_says(law: jointed.Law, load: float) -> None:
     mass, damping, stiffness = beam_of_two()
     rest = law.rest(load, 2.0e3)
-    time = np.arange(round(0.8 * jointed.RATE_HZ) + 1) / jointed.RATE_HZ
+    time = np.arange(round(0.8 * law.rate_hz) + 1) / law.rate_hz
     force = 30.0 * np.sin(2 * np.pi * 6.0 * time) * np.minimum(2 * time, 1.0)
     push = np.array([0.2, 1.0])
     poles = jointed.poles_of(mass, damping, stiffness, np.column_stack([push, [1.0, 0.0]]))
-    state, _ = jointed.stepped(poles, force, np.eye(1, 2), law, np.array([rest]))
+    moving, state, _ = jointed.stepped(poles, force, np.eye(1, 2), law, np.array([rest]))
 
     def beyond(angle: float) -> float:
         if isinstance(law, jointed.Cubic):
@@ -70,8 +70,8 @@ def test_a_driven_joint_moves_as_an_adaptive_solver_says(law: jointed.Law, load:
 
     kept = time[::40]
     exact = solve_ivp(flow, (0.0, time[-1]), np.zeros(4), "DOP853", kept, rtol=1e-10, atol=1e-13, max_step=5e-3).y
-    found = (poles.out @ state).real[:, ::40]
-    linear = (poles.out @ jointed.stepped(poles, force, np.eye(1, 2), jointed.Friction(0.0), np.zeros(1))[0]).real
+    found = (moving.out @ state).real[:, ::40]
+    linear = (moving.out @ jointed.stepped(poles, force, np.eye(1, 2), jointed.Cubic(0.0), np.zeros(1))[1]).real
     assert miss(linear[:, ::40], exact) > 0.05, "the law must show"
     assert miss(found[:2], exact[:2]) < 2e-4
 
@@ -89,10 +89,10 @@ def driven(friction_n: float, force_n: float, ratio_of_frequencies: float) -> np
     """Motion of one mass of 1 kg on 400 N/m with dry friction, driven until it repeats itself; the last second."""
     one, stiffness = np.eye(1), 400.0 * np.eye(1)
     poles = jointed.poles_of(one, 1e-9 * one, stiffness, np.ones((1, 2)))
-    time = np.arange(round(20.0 * jointed.RATE_HZ) + 1) / jointed.RATE_HZ
+    time = np.arange(round(10.0 * jointed.Friction.rate_hz) + 1) / jointed.Friction.rate_hz
     force = force_n * np.sin(ratio_of_frequencies * 20.0 * time)
-    state, _ = jointed.stepped(poles, force, np.eye(1), jointed.Friction(friction_n), np.zeros(1))
-    return np.asarray((poles.out[:1] @ state).real[0, -2 * round(jointed.RATE_HZ) :])
+    moving, state, _ = jointed.stepped(poles, force, np.eye(1), jointed.Friction(friction_n), np.zeros(1))
+    return np.asarray((moving.out[:1] @ state).real[0, -2 * round(jointed.Friction.rate_hz) :])
 
 
 @pytest.mark.parametrize("speed", [0.6, 1.4])
@@ -107,3 +107,22 @@ def test_a_mass_that_slides_without_stops_has_den_hartogs_amplitude(speed: float
 
 def test_what_friction_can_hold_does_not_move() -> None:
     assert np.abs(driven(2.0, 1.9, 0.6)).max() < 2e-6 * 1.9 / 400.0
+
+
+def clamped(rig: lab.Rig, run: int) -> lab.Rig:
+    """The rig with both roots held by springs that hardly give."""
+    del run
+    own = np.eye(rig.push.size)
+    rows = [own[j] for j in jointed.joint_coordinates(rig)]
+    return rig.coupled(*(lab.Coupling(row, row, lambda omega: np.full(omega.size, 1e9 + 0j)) for row in rows))
+
+
+@pytest.mark.slow
+def test_roots_that_stick_are_held_and_those_that_slip_soon_have_their_own_stiffness() -> None:
+    """What is driven so quietly that nothing slips is the same aircraft, its roots held; far beyond it, let go."""
+    rig, law = rooted(), jointed.Friction(0.3)
+    there = jointed.jointed(scenario(8), STIFFNESS)
+    (held,), (soft,) = lab.campaign_of(there, (clamped,)).runs, lab.campaign_of(there).runs
+    assert miss(ratio(held.samples[0], held.samples[1:]), ratio(soft.samples[0], soft.samples[1:])) > 0.5
+    assert miss(ratio(*jointed.recorded(rig, law, 0.01)), ratio(held.samples[0], held.samples[1:])) < 0.01
+    assert miss(ratio(*jointed.recorded(rig, law, 100.0)), ratio(soft.samples[0], soft.samples[1:])) < 0.1
