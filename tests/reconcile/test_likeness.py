@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from reconciled_case import small_scenario, without_instrument_noise
-from test_levels import PLAY, ROOT, driven, predicted, truth
+from reconciled_case import roving_scenario, small_scenario, without_instrument_noise
+from test_levels import FRICTION, PLAY, ROOT, driven, predicted, truth
 
 from vgvt.effects import available_effects
 from vgvt.reconcile import shortlist
@@ -85,6 +86,25 @@ def test_where_a_joint_has_arrived_coarse_steps_leave_it(stated: Fit, found: tup
 def test_nothing_without_a_linear_effect_that_resembles_it(stated: Fit, offered: tuple[Hypothesis, ...]) -> None:
     joints = [h for h in offered if not h.linear]
     assert beside_likeness(stated, joints, joints, silent) == ()
+
+
+def test_a_joint_that_sticks_in_one_run_and_slips_in_another_is_begun_from_the_stated_values(tmp_path: Path) -> None:
+    """It is like no linear effect."""
+    scenario = driven(without_instrument_noise(roving_scenario()), 1.0)
+    case = make_problem(simulate(scenario, engine="linear").campaign, scenario, lines=120, cache=tmp_path)
+    louder = np.array([0.25, 0.25, 2.0, 2.0])[:, None]
+    measured = replace(case.measured, pushed=louder * case.measured.pushed, force=louder * case.measured.force)
+    case = replace(case, measured=measured)
+    values = predicted(case, (FRICTION,))
+    size = np.abs(values)
+    sigma = 0.01 * np.hypot(size, np.median(size, axis=1, keepdims=True))
+    case = replace(case, measured=replace(measured, values=values, sigma=sigma))
+    current = fit(case, (), truth(case), np.zeros(0), ())
+    (first, *_) = beside_likeness(current, candidates(case, {"root-friction": FRICTION.cls}), (), silent)
+    assert first.hypothesis.settings == {"kind": "bending", "side": "both"}
+    assert first.values["friction_n_m"] == pytest.approx(FRICTION.settings["friction_n_m"], rel=0.1)
+    assert first.values["root_stiffness_n_m_per_rad"] == pytest.approx(ROOT["root_stiffness_n_m_per_rad"], rel=0.1)
+    assert first.remaining < 0.01 * current.chi2
 
 
 @pytest.mark.parametrize(("named", "asked"), [(False, True), (True, False)])

@@ -4,6 +4,9 @@ Where unknowns stand beside a soft root that was fitted from the stated values i
 joint that is as soft on the average. From there the joint's own stiffness is scanned, on which peaks hang and to which
 no tangent leads; its size is left to the first steps of fits from several, and the best of these goes on with an
 allowance that shrinks slowly.
+
+What sticks in one run and slips in another is like no linear effect. Where none stands out, and runs are of several
+levels, joints are begun from the stated values, where steps must forgive more.
 """
 
 from __future__ import annotations
@@ -14,16 +17,20 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.fit import Fit, cost_at, fit
+from vgvt.reconcile.fit import FORGIVING, Fit, cost_at, fit
 from vgvt.reconcile.from_stated import from_stated
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.progress import Progress, naming, part
 from vgvt.reconcile.screen import Screened
 
 Array = NDArray[np.float64]
+_Stages = tuple[tuple[float, int], ...]
 GENTLY = ((0.3, 6), (0.1, 4), (0.03, 4), (0.0, 20))
 """For a start with peaks that overlap, and a size that may be anything."""
+_FROM_STATED = (FORGIVING, ((0.03, 4), (0.0, 30)))
+"""For one from the stated values: while its size is looked for, and afterwards."""
 # Shares of a plausible range: of what says how big an effect is, of the rest, and of the rest around the best of these.
 _SIZES, _OTHERS = (0.2, 0.5, 0.8), tuple(np.linspace(0.1, 0.95, 18).tolist())
 _BETWEEN = tuple(np.linspace(-0.04, 0.04, 9).tolist())
@@ -34,28 +41,32 @@ def beside_likeness(
 ) -> tuple[Screened, ...]:
     """Starts of ``joints``, one of each effect, beside the best of ``linear`` effects that these could be taken for.
 
-    Only variants of its side are looked at. Nothing where no such effect stands out from the stated values.
+    Only variants of its side are looked at. Where no such effect stands out from the stated values, all are, from
+    there, if runs are of several levels; else nothing.
     """
     alike = {name for h in joints for name in _alike(h)}
     found = from_stated(current, [h for h in linear if h.linear and h.name in alike], part(tell, 0.0, 0.3))
-    if not found:
+    near = _fitted(current, found[0], GENTLY, part(tell, 0.3, 0.4)) if found else None
+    stages: tuple[_Stages, _Stages] = (GENTLY[:1], GENTLY[1:])
+    if near is not None:
+        chosen, side = near.hypotheses[-1].name, near.hypotheses[-1].settings.get("side")
+        looked = [h for h in joints if chosen in _alike(h) and h.settings.get("side") == side]
+        scores = near.scores[: current.scores.size]
+    elif several_levels(current.problem):
+        looked, stages = list(joints), _FROM_STATED
+        scores = np.concatenate([np.zeros(current.u.size), current.e])
+    else:
         return ()
-    near = _fitted(current, found[0], GENTLY, part(tell, 0.3, 0.4))
-    if near is None:
-        return ()
-    chosen, side = near.hypotheses[-1].name, near.hypotheses[-1].settings.get("side")
-    looked = [h for h in joints if chosen in _alike(h) and h.settings.get("side") == side]
     names, starts = list(dict.fromkeys(h.name for h in looked)), list[Screened]()
     for k, name in enumerate(names):
         here = part(tell, 0.4 + 0.6 * k / len(names), 0.4 + 0.6 * (k + 1) / len(names))
-        scores = near.scores[: current.scores.size]
         there = _softest(current, scores, [h for h in looked if h.name == name], part(here, 0.0, 0.4))
         fits = [
-            _fitted(current, s, GENTLY[:1], part(here, 0.4 + 0.3 * n / len(there), 0.4 + 0.3 * (n + 1) / len(there)))
+            _fitted(current, s, stages[0], part(here, 0.4 + 0.3 * n / len(there), 0.4 + 0.3 * (n + 1) / len(there)))
             for n, s in enumerate(there)
         ]
         reached = max((f for f in fits if f is not None), key=lambda f: f.evidence_nats, default=None)
-        ended = None if reached is None else _fitted(current, _at(current, reached), GENTLY[1:], part(here, 0.7, 1.0))
+        ended = None if reached is None else _fitted(current, _at(current, reached), stages[1], part(here, 0.7, 1.0))
         starts += [] if ended is None else [_at(current, ended)]
     return tuple(sorted(starts, key=lambda s: s.remaining))
 
