@@ -133,10 +133,15 @@ def second_laboratory_effects() -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(twins), tuple(never)
 
 
-def _second_laboratory() -> tuple[dict[str, Any], dict[str, Any], Any]:
+def find_the_second_laboratory() -> None:
+    """Let its modules be imported, which lie with the tests that check them."""
     for folder in ("physics", "reconcile_oracle"):
         if str(TESTS / folder) not in sys.path:
             sys.path.append(str(TESTS / folder))
+
+
+def _second_laboratory() -> tuple[dict[str, Any], dict[str, Any], Any]:
+    find_the_second_laboratory()
     import catalogue_twins
     import never_catalogued
     import second_laboratory

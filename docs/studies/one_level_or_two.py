@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import csv
 import json
-import sys
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -20,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import loop_truth as lab
-from loop_cases import LINES, SECOND, SHORT, SIMULATION, TESTS
+from loop_cases import LINES, SECOND, SHORT, SIMULATION, find_the_second_laboratory
 from loop_work import core
 from rich.console import Console
 from virtual_lab import PAGES, table, write_results
@@ -123,9 +122,7 @@ def _twice(runs: tuple[Record, ...]) -> tuple[Record, ...]:
 
 def _finite_elements(truth: Truth, level: float) -> tuple[Campaign, tuple[Record, ...]]:
     """The campaign of the second laboratory at a level, and its runs twice."""
-    for folder in ("physics", "reconcile_oracle"):
-        if str(TESTS / folder) not in sys.path:
-            sys.path.append(str(TESTS / folder))
+    find_the_second_laboratory()
     import jointed_laboratory as jointed
 
     stiffness = truth.settings["root_stiffness_n_m_per_rad"]

@@ -9,16 +9,15 @@ Numerical Methods for Nonsmooth Dynamical Systems, 2008, chapter 10).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from finite_element import Array, build
+from finite_element import Array
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.signal import fftconvolve, firwin
 from second_laboratory import (
-    ELEMENTS,
     GRAVITY,
     ComplexArray,
     Rig,
@@ -205,7 +204,7 @@ def jointed_campaign(scenario: Scenario, law: Law, stiffness: float, amplitudes_
     there, rate = jointed(scenario, stiffness), scenario.acquisition.sample_rate_hz
     records = []
     for run, amplitude in enumerate(amplitudes_n):
-        rig = replace(rig_of(there, run), model=build(there.airframe, ELEMENTS))
+        rig = rig_of(there, run)
         force, motion = recorded(rig, law, amplitude)
         records.append(Record(run + 1, rate, channels(scenario, rig.labels), np.vstack([force, motion])))
     return Campaign("jointed", geometry(scenario), tuple(records), scenario.excitation.band_hz)
@@ -225,10 +224,8 @@ def recorded(rig: Rig, law: Law, amplitude_n: float) -> tuple[Array, Array]:
     rates = seen @ slow.out[mass.shape[0] :]
     acceleration = ((rates * slow.pole) @ state).real + (rates @ slow.into).real @ inputs
     corners = rig.scenario.transducer.high_pass_hz, rig.scenario.accelerometers.high_pass_hz
-    read = [
-        at_rate(rig.scenario, s, law.rate_hz, c) for s, c in ((force[None], corners[0]), (acceleration, corners[1]))
-    ]
-    return read[0][0], read[1]
+    gauge = at_rate(rig.scenario, force[None], law.rate_hz, corners[0])[0]
+    return gauge, at_rate(rig.scenario, acceleration, law.rate_hz, corners[1])
 
 
 def joint_coordinates(rig: Rig) -> NDArray[np.intp]:
