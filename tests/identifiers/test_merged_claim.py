@@ -70,7 +70,8 @@ def test_roving_runs_make_whole_shapes_with_their_modal_masses() -> None:
 
 def test_the_order_of_the_runs_is_no_information() -> None:
     first, second = merged_claim(ROVING), merged_claim(ROVING[::-1])
-    np.testing.assert_array_equal(first.natural_frequency_hz, second.natural_frequency_hz)
+    # Sums in another order differ in their last digit, on some machines' linear algebra.
+    np.testing.assert_allclose(first.natural_frequency_hz, second.natural_frequency_hz, rtol=1e-13)
     np.testing.assert_allclose(second.at(first.dofs).shapes, first.shapes, rtol=1e-12)
 
 

@@ -55,7 +55,8 @@ def test_the_cost_of_several_runs_never_rises_with_further_steps() -> None:
     problems = (run(3), run(4, 3e-4), run(5, -3e-4))
     start = np.concatenate([POLES * (1 + 0.003j), FAR])
     own = np.tile(start, (3, 1))
-    cost = [sum(s.cost for s in refined_runs(problems, start, own, n).states) for n in (0, 1, 2, 4, 8, 16, 32)]
+    # How many steps it takes hangs on rounding, which differs between machines: 20 to 60.
+    cost = [sum(s.cost for s in refined_runs(problems, start, own, n).states) for n in (0, 1, 2, 4, 8, 16, 64)]
     assert (np.diff(cost) <= 1e-6 * np.array(cost[:-1])).all()
     assert cost[-1] < 1.05 * 3 * 2 * 6 * S.size, "what noise leaves"
 
