@@ -26,7 +26,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     gain = Hypothesis(known["channel-gain"], {"channels": "7+Z"}, 0.25, {"gain_error": (-0.7, 0.7)})
     u = 0.3 * np.random.default_rng(0).standard_normal(case.size)
     start = fit(case, (), u, np.zeros(0), ())
-    rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 0.7) for h in (delay, gain))
+    rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 9.7, 0.7) for h in (delay, gain))
     kept = Checkpoint(tmp_path / "rounds.json", "this question")
     kept.keep(start, [Addition(rivals[1], rivals, rivals, None)])
     begun = kept.begun(case, (delay, gain))

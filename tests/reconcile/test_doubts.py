@@ -68,11 +68,16 @@ def test_a_calibration_on_its_way_is_a_doubt_where_something_is_left() -> None:
 def test_data_met_by_leaning_on_tolerances_await_a_second_level_before_anything_else(
     monkeypatch: pytest.MonkeyPatch, met: bool, linear: bool, kind: Kind
 ) -> None:
-    leaning = found(fitted(), fitted())
-    leaning.final_residual = SimpleNamespace(adequate=False, met=met)
-    leaning.rounds[0].winner.hypothesis.linear = linear
     monkeypatch.setattr(one_level, "several_levels", lambda problem: False)
-    assert kind_of(leaning) is kind
+    for scores in ((), (9.0, 9.0)):
+        leaning = found(fitted(), fitted(*scores))
+        leaning.final_residual = SimpleNamespace(adequate=False, met=met)
+        leaning.rounds[0].winner.hypothesis.linear = linear
+        assert kind_of(leaning) is kind
+    going = found(fitted(), fitted(converged=False))
+    going.final_residual = SimpleNamespace(adequate=False, met=met)
+    going.rounds[0].winner.hypothesis.linear = linear
+    assert kind_of(going) is Kind.PARTLY_EXPLAINED
 
 
 def test_without_a_name_there_is_nothing_to_doubt() -> None:

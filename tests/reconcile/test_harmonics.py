@@ -13,7 +13,7 @@ from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.data import Campaign, ChannelRole
 from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.harmonics import Harmonic, words_of
+from vgvt.reconcile.harmonics import Harmonic, answers_jaggedly, words_of
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulate
 
@@ -54,6 +54,7 @@ def test_a_linear_structure_shows_none_whatever_the_force_holds(noise: float) ->
         found = seen(campaign, noise)
         assert {h.order for h in found} == {2, 3}
         assert words_of(found) is None, found
+        assert not answers_jaggedly(found)
 
 
 @pytest.mark.parametrize(("order", "word"), [(2, "second"), (3, "third")])
@@ -63,6 +64,16 @@ def test_a_curve_shows_at_its_own_order(order: int, word: str) -> None:
     said = words_of(found)
     assert said is not None
     assert f"hold {word} harmonics" in said
+
+
+def test_what_jumps_is_seen_wherever_it_falls() -> None:
+    """A step at every turn has all odd harmonics; what a sweep drives through them falls between its multiples, too."""
+    found = seen(bent(swept(), np.sign), 0.01)
+    assert answers_jaggedly(found)
+    assert not answers_jaggedly(())
+    # Beside so much between them no multiple need stand out.
+    assert answers_jaggedly((Harmonic(1, 3, 90.0, 95.0),))
+    assert words_of((Harmonic(1, 3, 90.0, 95.0),)) is None
 
 
 def test_a_force_with_harmonics_does_not_hide_those_of_the_structure() -> None:

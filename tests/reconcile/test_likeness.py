@@ -12,10 +12,11 @@ from reconciled_case import roving_scenario, small_scenario, without_instrument_
 from test_levels import FRICTION, PLAY, ROOT, driven, predicted, truth
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import shortlist
+from vgvt.reconcile import likeness, shortlist
 from vgvt.reconcile.candidate_fits import finalists, fitted_from
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import FAR, Fit, fit
+from vgvt.reconcile.harmonics import Harmonic
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.likeness import beside_likeness
 from vgvt.reconcile.problem import make_problem
@@ -84,11 +85,6 @@ def test_where_a_joint_has_arrived_coarse_steps_leave_it(stated: Fit, found: tup
     assert away.chi2 > 2 * ended.chi2
 
 
-def test_nothing_without_a_linear_effect_that_resembles_it(stated: Fit, offered: tuple[Hypothesis, ...]) -> None:
-    joints = [h for h in offered if not h.linear]
-    assert beside_likeness(stated, joints, joints, silent) == ()
-
-
 def test_a_joint_that_sticks_in_one_run_and_slips_in_another_is_begun_from_the_stated_values(tmp_path: Path) -> None:
     """It is like no linear effect."""
     scenario = driven(without_instrument_noise(roving_scenario()), 1.0)
@@ -106,6 +102,24 @@ def test_a_joint_that_sticks_in_one_run_and_slips_in_another_is_begun_from_the_s
     assert first.values["friction_n_m"] == pytest.approx(FRICTION.settings["friction_n_m"], rel=0.1)
     assert first.values["root_stiffness_n_m_per_rad"] == pytest.approx(ROOT["root_stiffness_n_m_per_rad"], rel=0.1)
     assert first.remaining < 0.01 * current.chi2
+
+
+@pytest.mark.parametrize(("between", "looked_at"), [(1.5, False), (90.0, True)])
+def test_at_one_level_joints_are_begun_there_where_something_is_seen_not_to_be_linear(
+    stated: Fit, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch, between: float, looked_at: bool
+) -> None:
+    """What slips throws what it makes between the multiples of the sweep, too."""
+    joints, asked = [h for h in offered if not h.linear], list[Hypothesis]()
+
+    def softest(current: Fit, scores: object, variants: Sequence[Hypothesis], tell: Progress) -> list[Screened]:
+        asked.extend(variants)
+        return []
+
+    monkeypatch.setattr(likeness, "_softest", softest)
+    seen = replace(stated.problem.measured, harmonics=(Harmonic(1, 3, 1.6, between),))
+    current = replace(stated, problem=replace(stated.problem, measured=seen))
+    assert beside_likeness(current, joints, (), silent) == ()
+    assert set(asked) == (set(joints) if looked_at else set())
 
 
 @pytest.mark.parametrize(("named", "asked"), [(False, True), (True, False)])

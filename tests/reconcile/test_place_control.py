@@ -63,7 +63,7 @@ def test_what_does_as_well_elsewhere_joins_the_round_among_its_rivals(monkeypatc
     own, elsewhere_fit = leaving(noise(0)), leaving(noise(0))
     trial = place_control.ElsewhereTrial("there", elsewhere_fit)
     monkeypatch.setattr(place_control, "elsewhere", lambda *_: (trial,))
-    winner, other = (Rival(f, 20.0, 20.0, 1.0) for f in (own, elsewhere_fit))
+    winner, other = (Rival(f, 20.0, 20.0, 20.0, 1.0) for f in (own, elsewhere_fit))
     found = place_control.controlled(Addition(winner, (winner,), (winner,), 2.0), lambda f: other, 5.0)
     assert found.equivalent == (winner, other)
     assert set(found.equivalent) <= set(found.rivals)

@@ -76,6 +76,6 @@ def test_a_fit_is_needed_to_stand_on(stand: Stand) -> None:
 def test_a_response_that_runs_away_is_no_candidate(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
     """A marched joint can diverge: the variant is impossible, and the screen goes on."""
     shape = stand.fit.problem.measured.values.shape
-    monkeypatch.setattr(Anchor, "mechanical", lambda self, u, e: np.full(shape, np.nan + 0j))
+    monkeypatch.setattr(Anchor, "mechanical", lambda self, u, e, **ended: np.full(shape, np.nan + 0j))
     assert stand.change(heavier(), {"mass_kg": 1e-3}) is None
     assert stand.followed(heavier(), {"mass_kg": 1e-3}) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,7 +19,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.rivals import against
 from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.thresholds import SMOOTHED
+from vgvt.reconcile.thresholds import SMOOTHED, stored_thresholds
 
 candidate_fits = importlib.import_module("vgvt.reconcile.candidate_fits")
 THERE, ELSEWHERE = {"x_m": 0.9, "y_m": 1.1}, {"x_m": 0.9, "y_m": -1.1}
@@ -99,7 +100,7 @@ def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:
     assert parted(sized, 0.125) == {"frequency_hz": 9.0, "mass_kg": pytest.approx(0.01)}
 
 
-def judged_alone(noise: float, chi2: float, evidence_nats: float) -> Any:
+def judged_alone(noise: float, chi2: float, evidence_nats: float, lasting_nats: float = 50.0) -> Any:
     """A fit as a rival of one that leaves χ² of 1600, where ``noise`` is a share of what both are judged by."""
     g = np.random.default_rng(0)
     shape = (8, 100)
@@ -108,9 +109,9 @@ def judged_alone(noise: float, chi2: float, evidence_nats: float) -> Any:
     split = SimpleNamespace(train=np.ones(8, bool), held=np.zeros(8, bool))
     found: Any = SimpleNamespace(
         problem=SimpleNamespace(measured=measured, split=split), predicted=1 + white, points=1600, chi2=chi2,
-        evidence_nats=evidence_nats, held_out_chi2_per_dof=None,
+        evidence_nats=evidence_nats, lasting_nats=lasting_nats, held_out_chi2_per_dof=None,
     )  # fmt: skip
-    null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0)
+    null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0, lasting_nats=20.0)
     (rival,) = against(null, [found])
     return rival
 
@@ -131,6 +132,18 @@ def test_a_model_error_that_is_mended_is_not_paid_for_on_every_line() -> None:
     # 100 of χ² are 50 nats; white residuals of eight channels are worth nearly all of their lines.
     assert 40 < gains[0] <= 50
     assert gains[1] == pytest.approx(gains[0] / SMOOTHED, rel=1e-6)
+
+
+def test_a_name_is_given_for_what_either_view_of_the_models_error_grants() -> None:
+    """Forty nats line by line are no name where an error that lasts would be worth them, nor the other way round."""
+    limits = stored_thresholds()
+    told = judged_alone(1.0, chi2=1500.0, evidence_nats=50.0, lasting_nats=30.0)
+    assert told.lasting_nats == 10.0 < told.gain_nats
+    assert told.convinces(replace(limits, evidence_nats=9.0))
+    assert not told.convinces(replace(limits, evidence_nats=11.0))
+    little = judged_alone(1.0, chi2=1500.0, evidence_nats=8.0, lasting_nats=80.0)
+    assert little.lasting_nats == 60.0
+    assert not little.convinces(replace(limits, evidence_nats=9.0))
 
 
 def test_two_starts_of_an_effect_that_have_met_are_one_finalist(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,7 @@ from vgvt.view.reconcile_account import (
 from vgvt.view.reconcile_drawing import places_drawing
 from vgvt.view.reconcile_figures import binned, evidence_figure, residual_map_figure, stiffness_figure
 from vgvt.view.reconcile_page import render_reconcile_page, write_power_page, write_reconcile_page
-from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence, warnings_of
+from vgvt.view.reconcile_wording import disproofs, fitted_text, next_steps, verdict_sentence, warnings_of
 
 FREQUENCY = np.linspace(3.0, 35.0, 120)
 LIMITS = {
@@ -70,10 +70,10 @@ def account(kind: str = "ambiguous", named: bool = True) -> Account:
         ("local-absorber",), 12.0, 1.1, "All modes move.", "Weigh it",
     )  # fmt: skip
     candidates = (
-        CandidateRow(1, "added-mass", 120.5, 300.0, 12.0, 1.1, "named", "mass_kg 0.05 kg"),
-        CandidateRow(1, "local-absorber", 118.0, 290.0, 12.0, 1.2, "equivalent"),
-        CandidateRow(1, "local-absorber", 3.0, 4.0, 12.0, 11.0, "too little evidence"),
-        CandidateRow(1, "channel-gain (channels = 2+Z)", 9.0, 20.0, 12.0, 13.0, "refused by held-out data"),
+        CandidateRow(1, "added-mass", 120.5, 300.0, 200.0, 12.0, 1.1, "named", "mass_kg 0.05 kg"),
+        CandidateRow(1, "local-absorber", 118.0, 290.0, 190.0, 12.0, 1.2, "equivalent"),
+        CandidateRow(1, "local-absorber", 3.0, 4.0, 3.5, 12.0, 11.0, "too little evidence"),
+        CandidateRow(1, "channel-gain (channels = 2+Z)", 9.0, 20.0, 12.5, 12.0, 13.0, "refused by held-out data"),
     )
     before, after = state(1.1, False), state(1.0, True)
     corners = np.array([[0.0, -1.5, 0.0], [0.0, 1.5, 0.0], [1.0, 0.0, 0.0], [0.0, -1.5, 0.0]])
@@ -194,6 +194,11 @@ def test_without_held_out_data_the_page_says_so() -> None:
     told = account()
     alone = replace(told, channels=tuple(ChannelRow(c.label) for c in told.channels))
     assert "too small to hold anything out" in render_reconcile_page(alone)
+
+
+def test_a_value_at_the_end_of_its_range_is_not_called_sharp() -> None:
+    assert fitted_text("mass_kg", 0.08, 0.0021, "kg") == "mass_kg = 0.08 ± 0.0021 kg"
+    assert fitted_text("torsion", 0.000163, 0.0, "") == "torsion = 0.000163 (the end of what is tried)"
 
 
 def test_cells_of_the_map_are_means_of_their_lines() -> None:

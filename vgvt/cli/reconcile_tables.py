@@ -43,10 +43,11 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
 def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
     """What was named, or comes nearest, with its parameters, evidence and equals."""
     from vgvt.view.fitted_table import FittedTable
+    from vgvt.view.reconcile_wording import fitted_text
 
     rows = []
     for e in effects:
-        values = [f"{k} = {p['value']:.4g} ± {p['std']:.2g} {p['unit']}".rstrip() for k, p in e["parameters"].items()]
+        values = [fitted_text(k, p["value"], p["std"], p["unit"]) for k, p in e["parameters"].items()]
         values += [f"{k} = {v}" for k, v in e["settings"].items()]
         rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", ", ".join(e["equivalent"])))
     return FittedTable(

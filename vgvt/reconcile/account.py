@@ -16,6 +16,7 @@ from vgvt.reconcile.mode_errors import mode_rows
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.problem import CELLS
 from vgvt.reconcile.residual import Residual
+from vgvt.reconcile.thresholds import Thresholds
 from vgvt.reconcile.verdict import Kind, NamedEffect, Verdict
 from vgvt.scenario.planform import outlines_m
 from vgvt.view.reconcile_account import (
@@ -75,7 +76,7 @@ def account_of(
         provenance=limits.provenance,
         effects=_effects(verdict.effects, found.rounds),
         leads=_effects(verdict.leads, found.leads),
-        candidates=_candidates(found, limits.evidence_nats),
+        candidates=_candidates(found, limits),
         places=tuple(
             PlaceRow(p.label, p.kind, p.position_m, p.explained, p.type, p.size, p.unit, p.dynamic_stiffness)
             for p in places
@@ -145,21 +146,21 @@ def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tupl
     return tuple(rows)
 
 
-def _candidates(found: Attribution, needed: float) -> tuple[CandidateRow, ...]:
+def _candidates(found: Attribution, limits: Thresholds) -> tuple[CandidateRow, ...]:
     rows = []
     before = found.null_residual.held_out_chi2_per_dof
     first: Standing = "named" if found.rounds else "lead"
     rounds = found.rounds or found.leads
     for k, addition in enumerate(rounds, start=1):
         rows += [
-            _candidate(k, rival, addition.held_out_before, _standing(rival, addition, found, needed, first))
+            _candidate(k, rival, addition.held_out_before, _standing(rival, addition, found, limits, first))
             for rival in (*addition.rivals, *addition.in_its_place[1:])
         ]
     tried = {id(r) for addition in rounds for r in addition.rivals}
     if rounds:
         before = (found.led or found.final).held_out_chi2_per_dof
     last = [rival for rival in found.last_rivals if id(rival) not in tried]
-    rows += [_candidate(len(rounds) + 1, r, before, _standing(r, None, found, needed, first)) for r in last]
+    rows += [_candidate(len(rounds) + 1, r, before, _standing(r, None, found, limits, first)) for r in last]
     return tuple(rows)
 
 
@@ -167,19 +168,23 @@ def _candidate(k: int, rival: Rival, before: float | None, standing: Standing) -
     values = rival.fit.values(len(rival.fit.hypotheses) - 1)
     fitted = ", ".join(f"{name} {value:.4g} {unit}".rstrip() for name, (value, _, unit) in values.items())
     label = rival.hypothesis.label
-    return CandidateRow(k, label, rival.gain_nats, rival.raw_nats, before, rival.held_out, standing, fitted)
+    nats = (rival.gain_nats, rival.raw_nats, rival.lasting_nats)
+    return CandidateRow(k, label, *nats, before, rival.held_out, standing, fitted)
 
 
-def _standing(rival: Rival, addition: Addition | None, found: Attribution, needed: float, first: Standing) -> Standing:
+def _standing(
+    rival: Rival, addition: Addition | None, found: Attribution, limits: Thresholds, first: Standing
+) -> Standing:
     if addition is not None and rival is addition.winner:
         return first
     if addition is not None and any(rival is r for r in addition.alike):
         return "equivalent"
-    if any(rival is r for r in found.vetoed):
-        if implausible(rival.fit):
-            return "no plausible thing"
-        return "refused by held-out data"
-    return "too little evidence" if rival.gain_nats < needed else "beaten"
+    refused = any(rival is r for r in found.vetoed)
+    if refused and implausible(rival.fit):
+        return "no plausible thing"
+    if not rival.convinces(limits):
+        return "too little evidence"
+    return "refused by held-out data" if refused else "beaten"
 
 
 def _posterior(fit: Fit) -> tuple[PosteriorRow, ...]:

@@ -169,8 +169,7 @@ def _tried(
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
     """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
-    enough = rival.gain_nats >= thresholds.evidence_nats
-    return enough and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
+    return rival.convinces(thresholds) and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
 
 
 def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) -> list[Rival]:

@@ -91,7 +91,7 @@ def _rival(r: Rival) -> dict[str, Any]:
             for h in r.fit.hypotheses
         ],
         "u": r.fit.u.tolist(), "e": r.fit.e.tolist(), "converged": r.fit.converged,
-        "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out,
+        "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "lasting_nats": r.lasting_nats, "held_out": r.held_out,
     }  # fmt: skip
 
 
@@ -106,6 +106,6 @@ def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any
         )
         found = fit(problem, hypotheses, np.array(r["u"]), np.array(r["e"]), ())
         found = replace(found, converged=r["converged"])
-        rivals.append(Rival(found, r["gain_nats"], r["raw_nats"], r["held_out"]))
+        rivals.append(Rival(found, r["gain_nats"], r["raw_nats"], r["lasting_nats"], r["held_out"]))
     equivalent = tuple(rivals[k] for k in row["equivalent"])
     return Addition(rivals[row["winner"]], equivalent, tuple(rivals), row["held_out_before"])

@@ -156,6 +156,6 @@ def _distance(current: Fit, hypotheses: tuple[Hypothesis, ...], e: Array) -> flo
     u = np.zeros(problem.size)
     try:
         here = anchor(problem, u, (*current.hypotheses, *hypotheses), scores, slopes=False)
-        return log_distance(problem, here.predict(u, scores))
+        return log_distance(problem, here.predict(u, scores, ended=False))
     except NoStructureError:
         return math.inf

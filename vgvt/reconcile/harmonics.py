@@ -76,6 +76,14 @@ def harmonics(
     return tuple(Harmonic(run, int(o), v, max(between)) for o in _ORDERS if (v := found[o]) is not None)
 
 
+def answers_jaggedly(found: tuple[Harmonic, ...]) -> bool:
+    """Whether some run holds much that no linear answer to its force explains, at multiples of the sweep or between.
+
+    A joint that slips throws what it makes all over the band: beside it no multiple stands out.
+    """
+    return any(max(h.power, h.between) > _TIMES_NOISE for h in found)
+
+
 def words_of(found: tuple[Harmonic, ...]) -> str | None:
     """One sentence about all unexplained harmonics, or None."""
     seen = [h for h in found if h.unexplained]

@@ -6,7 +6,7 @@ no tangent leads; its size is left to the first steps of fits from several, and 
 allowance that shrinks slowly.
 
 What sticks in one run and slips in another is like no linear effect. Where none stands out, and runs are of several
-levels, joints are begun from the stated values, where steps must forgive more.
+levels or hold what no linear answer explains, joints are begun from the stated values, where steps must forgive more.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.fit import FORGIVING, Fit, cost_at, fit
 from vgvt.reconcile.from_stated import from_stated
 from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.harmonics import answers_jaggedly
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.progress import Progress, naming, part
@@ -42,7 +43,7 @@ def beside_likeness(
     """Starts of ``joints``, one of each effect, beside the best of ``linear`` effects that these could be taken for.
 
     Only variants of its side are looked at. Where no such effect stands out from the stated values, all are, from
-    there, if runs are of several levels; else nothing.
+    there, if runs are of several levels or show by themselves that something is not linear; else nothing.
     """
     alike = {name for h in joints for name in _alike(h)}
     found = from_stated(current, [h for h in linear if h.linear and h.name in alike], part(tell, 0.0, 0.3))
@@ -52,7 +53,7 @@ def beside_likeness(
         chosen, side = near.hypotheses[-1].name, near.hypotheses[-1].settings.get("side")
         looked = [h for h in joints if chosen in _alike(h) and h.settings.get("side") == side]
         scores = near.scores[: current.scores.size]
-    elif several_levels(current.problem):
+    elif several_levels(current.problem) or answers_jaggedly(current.problem.measured.harmonics):
         looked, stages = list(joints), _FROM_STATED
         scores = np.concatenate([np.zeros(current.u.size), current.e])
     else:

@@ -13,6 +13,7 @@ import numpy as np
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.lasting import Imitated
 from vgvt.reconcile.nameable import nameable_ratio
 from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.stand import Stand
@@ -68,6 +69,7 @@ def power(
     share = noise_share(null.problem.measured, null.problem.split.train)
     needed, worth = (thresholds or stored_thresholds()).at(share).evidence_nats, share.worth
     stand = Stand.of(null)
+    alike = Imitated.of(stand.fit.problem, stand.fit.tangent)
     rows, signatures = [], []
     for k, hypothesis in enumerate(hypotheses):
         if progress is not None:
@@ -80,28 +82,47 @@ def power(
             slope = stand.slope(hypothesis, values, p) if square is None else square[1]
             seen = None if slope is None else stand.projected(slope)
             length = 0.0 if seen is None else float(np.linalg.norm(seen))
-            smallest = _SIGMA / (np.sqrt(worth) * length) if length > 1e-9 else float("inf")
-            if square is not None:
-                smallest = square[0] * smallest**0.5
-            if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
-                # What leaves A/F alone but for round-off.
-                smallest, seen = float("inf"), None
-            more = 1.0
-            if seen is not None and np.isfinite(smallest):
-                grows = 1 if square is None else 2
-                raw = _SIGMA / np.sqrt(worth)
+            smallest = named = float("inf")
+            if slope is not None and seen is not None and length > 1e-9:
                 # What the tolerances have to give counts whole, what data say is tempered.
                 given = float(np.linalg.norm(seen[null.points :])) / length
-                told = raw * np.sqrt(worth + (1 - worth) * given**2)
-                more = nameable_ratio(
-                    hypothesis, p, smallest, deviations=told, raw=raw, threshold_nats=needed, power=grows
-                )
-            rows.append((hypothesis, p, float(smallest), float(smallest * more)))
+                lasting = alike.deviations(slope)
+                smallest, named = _sizes(
+                    hypothesis, p, needed, None if square is None else square[0],
+                    (np.sqrt(worth) * length, length, length * np.sqrt(worth + (1 - worth) * given**2)),
+                    (lasting, lasting, lasting),
+                )  # fmt: skip
+            if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
+                # What leaves A/F alone but for round-off.
+                smallest, named, seen = float("inf"), float("inf"), None
+            rows.append((hypothesis, p, smallest, named))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
     return tuple(
         Power(h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, _alike(k, rows, signatures))
         for k, (h, p, smallest, named) in enumerate(rows)
     )
+
+
+def _sizes(
+    hypothesis: Hypothesis, p: Parameter, needed: float, step: float | None, *views: tuple[float, float, float]
+) -> tuple[float, float]:
+    """The sizes that are just visible and that get a name, by the view of the data that sees least.
+
+    A view are deviations per unit of size (per ``step`` squared of what grows with its square): those that show, those
+    where every line counts whole, and those that give a name.
+    """
+    grows = 1 if step is None else 2
+    sizes = []
+    for shown, raw, told in views:
+        smallest = float((_SIGMA / shown) ** (1 / grows) * (step or 1.0)) if shown > 0 else float("inf")
+        more = 1.0
+        if np.isfinite(smallest):
+            more = nameable_ratio(
+                hypothesis, p, smallest, deviations=_SIGMA * told / shown, raw=_SIGMA * raw / shown,
+                threshold_nats=needed, power=grows,
+            )  # fmt: skip
+        sizes.append((smallest, smallest * more))
+    return max(s for s, _ in sizes), max(n for _, n in sizes)
 
 
 def _alike(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.residual import independent_values
-from vgvt.reconcile.thresholds import noise_share
+from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 # Of what the model without an effect misses: a bent one may meet data by chance a little better than a right one.
 _ASTRAY = 2.0
@@ -21,12 +21,14 @@ _ASTRAY = 2.0
 class Rival:
     """A fitted candidate: its gain of evidence over the model without it, in tempered nats, and what it leaves.
 
-    ``raw_nats`` are untempered; ``held_out`` is held-out χ² per degree of freedom, None without held-out data.
+    ``raw_nats`` are untempered; ``lasting_nats`` what it gains where an error of the model's form lasts from line to
+    line (:mod:`vgvt.reconcile.lasting`); ``held_out`` is held-out χ² per degree of freedom, None without held-out data.
     """
 
     fit: Fit
     gain_nats: float
     raw_nats: float
+    lasting_nats: float
     held_out: float | None
 
     @property
@@ -38,6 +40,14 @@ class Rival:
     def name(self) -> str:
         """Name of the effect added last."""
         return self.hypothesis.name
+
+    def convinces(self, thresholds: Thresholds) -> bool:
+        """Whether it gains what a name needs, by either view of the model's own error.
+
+        Which of two rivals is ahead is told by what tempered evidence says of both; whether either is there at all must
+        not rest on an error that fifty lines share being seen fifty times.
+        """
+        return min(self.gain_nats, self.lasting_nats) >= thresholds.evidence_nats
 
 
 def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
@@ -58,5 +68,6 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     for f in fits:
         raw = f.evidence_nats - current.evidence_nats
         gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
-        rivals.append(Rival(f, raw - 0.5 * (1 - worth) * gained, raw, f.held_out_chi2_per_dof))
+        tempered, lasting = raw - 0.5 * (1 - worth) * gained, f.lasting_nats - current.lasting_nats
+        rivals.append(Rival(f, tempered, raw, lasting, f.held_out_chi2_per_dof))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))

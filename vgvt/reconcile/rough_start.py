@@ -43,7 +43,8 @@ def nearest(
     scores = np.concatenate([u, e])
 
     def distance(trial: Array) -> float:
-        return log_distance(problem, here.predict(trial[: u.size], trial[u.size :])) + 0.005 * float(trial @ trial)
+        predicted = here.predict(trial[: u.size], trial[u.size :], ended=False)
+        return log_distance(problem, predicted) + 0.005 * float(trial @ trial)
 
     searched = [(u.size + k, e[k] + _NEAR_BY) for k in range(e.size)] + [(int(k), _GRID) for k in strongest]
     best = distance(scores)

@@ -81,9 +81,12 @@ class Anchor:
         """Number of parameters, those of the hypotheses included."""
         return self.u0.size + self.e0.size
 
-    def predict(self, u: Array, e: Array) -> ComplexArray:
-        """A/F (C, L) of every channel at scores u and e; NoStructureError where a joint's march runs away."""
-        found = self.mechanical(u, e) * self.chain(u, e)
+    def predict(self, u: Array, e: Array, *, ended: bool = True) -> ComplexArray:
+        """A/F (C, L) of every channel at scores u and e; NoStructureError where a joint's march runs away.
+
+        Without ``ended``, records are taken to end at rest: half of the work, for a look at where peaks are.
+        """
+        found = self.mechanical(u, e, ended=ended) * self.chain(u, e)
         if not np.isfinite(found).all():
             raise NoStructureError("the response is not finite")
         return found
@@ -92,7 +95,7 @@ class Anchor:
         """The measuring chain's factor (C, L)."""
         return chain_factor(self.problem, u[len(self.problem.unknowns) :], self._actions(e))
 
-    def mechanical(self, u: Array, e: Array) -> ComplexArray:
+    def mechanical(self, u: Array, e: Array, *, ended: bool = True) -> ComplexArray:
         """Accelerance (C, L) of the structure alone."""
         problem = self.problem
         omega = 2 * np.pi * problem.measured.frequency_hz
@@ -117,7 +120,7 @@ class Anchor:
                 shown, rung = group.levels.moved(x[count:])
                 joints = group.levels.joints
                 out[group.channels] = level_accelerances(matrices, joints, shown, omega, group.runs, masses) + rung
-            if problem.measured.endings:
+            if ended and problem.measured.endings:
                 out[group.channels] += left_out(*of, self._endings(group))
         return out
 

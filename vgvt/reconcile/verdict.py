@@ -92,7 +92,13 @@ class Verdict:
                 for p in (self.localisation.places[:5] if self.localisation else ())
             ],
             "candidates": [
-                {"effect": r.hypothesis.label, "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "held_out": r.held_out}
+                {
+                    "effect": r.hypothesis.label,
+                    "gain_nats": r.gain_nats,
+                    "raw_nats": r.raw_nats,
+                    "lasting_nats": r.lasting_nats,
+                    "held_out": r.held_out,
+                }
                 for r in (rounds[0].rivals if rounds else self.attribution.last_rivals)
             ],
             "thresholds": {
@@ -111,7 +117,7 @@ def kind_of(found: Attribution) -> Kind:
         return Kind.ADEQUATE if met else Kind.UNKNOWN
     doubtful = bool(doubts(found))
     # With data met, what a joint that depends on level makes of the tolerances is for the second level to say.
-    awaits_level = not doubtful and rests_on_one_level(found) and found.final_residual.met
+    awaits_level = rests_on_one_level(found) and found.final_residual.met and found.final.converged
     if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.alike}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
@@ -239,12 +245,18 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
             "explains with it, or another place where it does as well, speak against it"
             for r in found.vetoed[:3]
-            if not implausible(r.fit)
+            if r.convinces(limits) and not implausible(r.fit)
         ]
     said += [
         f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but it is no plausible thing ({'; '.join(strange)})"
         for r in found.vetoed[:3]
         if (strange := implausible(r.fit))
+    ]
+    said += [
+        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but {r.lasting_nats:.0f} where an error of the model "
+        f"lasts from line to line, as such errors do: a name needs {limits.evidence_nats:.0f}"
+        for r in found.vetoed[:3]
+        if not r.convinces(limits) and not implausible(r.fit)
     ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(found.null.problem):
         said.append(

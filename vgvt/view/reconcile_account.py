@@ -57,12 +57,16 @@ class PlaceRow:
 
 @dataclass(frozen=True, slots=True)
 class CandidateRow:
-    """A fitted candidate: evidence, held-out χ² per degree of freedom before and after, and what became of it."""
+    """A fitted candidate: evidence, held-out χ² per degree of freedom before and after, and what became of it.
+
+    Evidence is tempered, untempered, and where an error of the model's form lasts from line to line.
+    """
 
     round: int
     label: str
     gain_nats: float
     raw_nats: float
+    lasting_nats: float
     held_out_before: float | None
     held_out_after: float | None
     standing: Standing

@@ -179,15 +179,19 @@ def places_table(account: Account, count: int = 10) -> str:
 
 def candidates_table(account: Account, rows: Sequence[CandidateRow]) -> str:
     """Every candidate that was fitted in a round, with what held-out data say of it."""
-    heads = ("candidate", "fitted", "evidence, nats", "untempered", "held-out χ² without", "with", "standing")
+    heads = (
+        "candidate", "fitted", "evidence, nats", "untempered", "where errors last", "held-out χ² without", "with",
+        "standing",
+    )  # fmt: skip
     cells = [
         (
             escaped(r.label), escaped(r.fitted), f"{r.gain_nats:.1f}", f"{r.raw_nats:.1f}",
-            _number(r.held_out_before, ".2f"), _number(r.held_out_after, ".2f"), escaped(r.standing),
+            f"{r.lasting_nats:.1f}", _number(r.held_out_before, ".2f"), _number(r.held_out_after, ".2f"),
+            escaped(r.standing),
         )
         for r in sorted(rows, key=lambda r: -r.gain_nats)
     ]  # fmt: skip
-    return _table(heads, cells, words=(0, 1, 6))
+    return _table(heads, cells, words=(0, 1, 7))
 
 
 def power_section(power: Sequence[PowerRow]) -> str:

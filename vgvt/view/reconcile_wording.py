@@ -103,9 +103,16 @@ def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
 
 def parameter_text(effect: EffectRow) -> str:
     """``mass_kg = 0.08 ± 0.002 kg, …``, settings last."""
-    numbers = [f"{k} = {v:.4g} ± {sd:.2g} {unit}".rstrip() for k, (v, sd, unit) in effect.parameters.items()]
+    numbers = [fitted_text(name, *told) for name, told in effect.parameters.items()]
     settings = [f"{k} = {v}" for k, v in effect.settings.items()]
     return ", ".join(numbers + settings)
+
+
+def fitted_text(name: str, value: float, std: float, unit: str) -> str:
+    """``mass_kg = 0.08 ± 0.002 kg``; what stands at the end of what is tried has no deviation, and is not sharp."""
+    if std == 0:
+        return f"{name} = {value:.4g} {unit}".rstrip() + " (the end of what is tried)"
+    return f"{name} = {value:.4g} ± {std:.2g} {unit}".rstrip()
 
 
 def _with_rivals(effect: EffectRow) -> str:

@@ -1,0 +1,151 @@
+"""An error of the model's form that lasts from line to line is one error, and buys an effect no more than one does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.stats
+from numpy.typing import NDArray
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.fit import NEAR, TO_THE_END, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.lasting import LENGTH, SHARE, Imitated, lasting, lasting_evidence
+from vgvt.reconcile.rivals import Rival, against
+from vgvt.reconcile.thresholds import stored_thresholds
+
+Array = NDArray[np.float64]
+NOTHING = np.zeros(0)
+
+
+@dataclass(eq=False)
+class Records:
+    """Of what was measured, what such errors depend on."""
+
+    values: NDArray[np.complex128]
+    sigma: Array
+    noise: Array
+    frequency_hz: Array
+
+
+def case(generator: np.random.Generator, channels: int, lines: int, noise: float) -> Any:
+    """A problem of so many channels, one of them held out, whose noise is that share of what it is judged by."""
+    values = generator.standard_normal((channels, lines)) + 1j * generator.standard_normal((channels, lines))
+    sigma = generator.uniform(0.5, 2.0, (channels, lines))
+    measured = Records(values, sigma, noise * sigma**2, np.linspace(3, 35, lines))
+    return SimpleNamespace(measured=measured, split=SimpleNamespace(train=np.arange(channels) > 0))
+
+
+def errors(of: Any, generator: np.random.Generator, noise: float) -> Array:
+    """Noise, and an error of the form in two parts: one that is new on every line and one that drifts along them.
+
+    Standardised as misfits are, (2 N,).
+    """
+    values = of.measured.values[of.split.train]
+    count, lines = values.shape
+    kept = np.exp(-1 / (LENGTH * lines))
+
+    def fresh(*shape: int) -> NDArray[np.complex128]:
+        return generator.standard_normal(shape) + 1j * generator.standard_normal(shape)
+
+    drift = np.empty(values.shape, complex)
+    drift[:, 0] = fresh(count)
+    for k in range(1, lines):
+        drift[:, k] = kept * drift[:, k - 1] + np.sqrt(1 - kept**2) * fresh(count)
+    form = np.sqrt(1 - SHARE) * fresh(count, lines) + np.sqrt(SHARE) * drift * values / np.abs(values)
+    whole = np.sqrt(noise) * fresh(count, lines) + np.sqrt(1 - noise) * form
+    return np.concatenate([whole.real.ravel(), whole.imag.ravel()])
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3, 1.0])
+def test_errors_as_they_are_declared_are_white_afterwards(noise: float) -> None:
+    """Each drawn line by line, which knows nothing of a matrix: as much on every line, and nothing that lasts."""
+    generator = np.random.default_rng(1)
+    of = case(generator, 4, 60, noise)
+    drawn = np.array([errors(of, generator, noise) for _ in range(1500)])
+    white = lasting(of, drawn.T).T.reshape(-1, 2, 3, 60)
+    assert np.abs((white**2).mean(axis=0) - 1).max() < 0.2
+    for lag in (1, 5, 20):
+        assert abs((white[..., lag:] * white[..., :-lag]).mean()) < 0.01
+        before = drawn.reshape(-1, 2, 3, 60)
+        turned = (before[:, 0] + 1j * before[:, 1]) * np.exp(-1j * np.angle(of.measured.values[1:]))
+        together = (turned[..., lag:] * turned[..., :-lag].conj()).real.mean() / 2
+        assert together == pytest.approx((1 - noise) * SHARE * np.exp(-lag / (LENGTH * 60)), abs=0.03)
+    if noise == 1.0:
+        np.testing.assert_allclose((white**2).sum(axis=(1, 2, 3)), (drawn**2).sum(axis=1))
+
+
+def test_the_evidence_is_the_probability_of_the_data() -> None:
+    """The density of such errors and of all that the priors allow, wherever a fit stopped: no optimum of this measure.
+
+    Their covariance is checked against draws, the rest is another formula.
+    """
+    generator = np.random.default_rng(2)
+    noise, of = 0.4, case(generator, 3, 12, 0.4)
+    size = 2 * 2 * 12
+    unit = np.linalg.inv(lasting(of, np.eye(size)))
+    drawn = np.array([errors(of, generator, noise) for _ in range(60_000)])
+    covariance = unit @ unit.T
+    np.testing.assert_allclose(np.cov(drawn.T), covariance, atol=0.03)
+    apart, wide, narrow = (generator.standard_normal((size, k)) for k in (1, 3, 2))
+    values = []
+    for slopes in (wide, narrow):
+        scores = generator.standard_normal(slopes.shape[1])
+        told = lasting_evidence(of, apart[:, 0] + slopes @ scores, slopes, scores, 0.0)
+        values.append((told, scipy.stats.multivariate_normal(cov=covariance + slopes @ slopes.T).logpdf(apart[:, 0])))
+    (told_wide, true_wide), (told_narrow, true_narrow) = values
+    assert told_wide - told_narrow == pytest.approx(true_wide - true_narrow, abs=1e-6)
+    assert lasting_evidence(of, apart[:, 0], apart[:, :0], NOTHING, -2.5) == pytest.approx(
+        lasting_evidence(of, apart[:, 0], apart[:, :0], NOTHING, 0.0) - 2.5
+    )
+
+
+def test_what_the_unknowns_imitate_shows_no_deviation() -> None:
+    generator = np.random.default_rng(3)
+    of = case(generator, 3, 20, 0.2)
+    slopes = 1e4 * generator.standard_normal((80, 2))
+    told = Imitated.of(of, slopes)
+    assert told.deviations(np.concatenate([slopes @ [2e-4, -1e-4], np.zeros(2)])) < 1e-3
+    # What tolerances give counts where data say nothing.
+    assert Imitated.of(of, 0 * slopes).deviations(np.concatenate([np.zeros(80), [3.0, 4.0]])) < 1e-12
+    other = np.concatenate([generator.standard_normal(80), np.zeros(2)])
+    assert told.deviations(other) < np.linalg.norm(lasting(of, other[:80, None]))
+    assert told.deviations(other) > 1
+
+
+def test_a_lasting_error_of_one_channel_gets_no_name_and_moved_peaks_do(tmp_path: Path) -> None:
+    """What grows with frequency is what a loose sensor would read, and none is loose; a mass moves peaks."""
+    stated = problem(tmp_path, 1)
+    start = np.zeros(stated.size)
+    foretold = fit(stated, (), start, NOTHING, ()).predicted
+    data = replace(stated.measured, values=foretold.copy(), noise=0.2 * stated.measured.sigma**2)
+
+    limits, generator = stored_thresholds(), np.random.default_rng(4)
+    white = generator.standard_normal((2, *foretold.shape)) * np.sqrt(data.noise / 2)
+
+    def gains(values: NDArray[np.complex128], hypothesis: Hypothesis, begin: Array) -> Rival:
+        here = replace(stated, measured=replace(data, values=values + white[0] + 1j * white[1]))
+        null = fit(here, (), start, NOTHING, TO_THE_END)
+        (rival,) = against(null, [fit(here, (hypothesis,), null.u, begin, NEAR)])
+        return rival
+
+    channel = int(np.flatnonzero(stated.split.train)[2])
+    floor = np.sqrt(data.sigma[channel] ** 2 - data.noise[channel])
+    error = 4 * floor * (data.frequency_hz / data.frequency_hz[-1]) ** 2
+    drifting = foretold.copy()
+    drifting[channel] += error * np.exp(1j * np.angle(foretold[channel]))
+    loose = Hypothesis(available_effects()["loose-sensor-mount"], {"node": data.channels[channel].dof.node})
+    imagined = gains(drifting, loose, loose.scores({"period_s": 2e-3}))
+    assert imagined.gain_nats > limits.evidence_nats > imagined.lasting_nats
+    assert not imagined.convinces(limits)
+    heavier = Hypothesis(available_effects()["added-mass"], {"x_m": 0.9, "y_m": 1.1})
+    there = fit(stated, (heavier,), start, heavier.scores({"mass_kg": 0.005}), ())
+    real = gains(there.predicted, heavier, there.e)
+    assert real.lasting_nats > 0.2 * real.raw_nats
+    assert real.convinces(limits)
