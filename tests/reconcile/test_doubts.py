@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -74,6 +75,13 @@ def test_data_met_by_leaning_on_tolerances_await_a_second_level_before_anything_
         leaning.final_residual = SimpleNamespace(adequate=False, met=met)
         leaning.rounds[0].winner.hypothesis.linear = linear
         assert kind_of(leaning) is kind
+    # Only a name that depends on level itself may lean: a linear one beside such a likeness is as doubtful as ever.
+    beside = found(fitted(), fitted(9.0, 9.0))
+    beside.final_residual = SimpleNamespace(adequate=False, met=met)
+    twin = SimpleNamespace(name="root-freeplay", hypothesis=SimpleNamespace(linear=False), fit=None)
+    (addition,) = beside.rounds
+    beside.rounds = (replace(addition, equivalent=(addition.winner, twin)),)
+    assert kind_of(beside) is Kind.PARTLY_EXPLAINED
     going = found(fitted(), fitted(converged=False))
     going.final_residual = SimpleNamespace(adequate=False, met=met)
     going.rounds[0].winner.hypothesis.linear = linear

@@ -82,6 +82,7 @@ def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offer
     own, late = found[0].in_its_place
     assert own.name == MOUNT.name
     assert own.gain_nats == pytest.approx(found[0].winner.gain_nats)
+    assert own.lasting_nats == pytest.approx(found[0].winner.lasting_nats)
     assert abs(late.gain_nats - own.gain_nats) < SETTLED.set_nats
     assert [h.name for h in late.fit.hypotheses] == [LOW.name, "channel-delay"]
     assert late.fit.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
@@ -90,7 +91,7 @@ def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offer
         rounds=tuple(found), leads=(), led=None, final=final, last_rivals=(), vetoed=(),
         null_residual=SimpleNamespace(held_out_chi2_per_dof=1.0),
     )  # fmt: skip
-    rows = {r.label: r for r in account._candidates(about, SETTLED.evidence_nats)}
+    rows = {r.label: r for r in account._candidates(about, SETTLED)}
     assert rows[late.hypothesis.label].standing == "equivalent"
     assert rows[late.hypothesis.label].gain_nats == late.gain_nats
     # What a next test has to tell apart has the gain in either, and the name says both.

@@ -59,10 +59,12 @@ def test_fits_that_end_far_below_nothing_do_not_raise_what_a_name_needs() -> Non
 
 
 def test_what_held_out_data_refused_would_not_have_become_a_name() -> None:
-    strong, weak = (SimpleNamespace(gain_nats=g) for g in (18.0, 5.0))
-    rivals: Any = (strong, weak)
+    strong, weak, drifting = (
+        SimpleNamespace(gain_nats=g, lasting_nats=n) for g, n in ((18.0, 17.0), (5.0, 8.0), (30.0, 3.0))
+    )
+    rivals: Any = (strong, weak, drifting)
     refused: Any = (strong,)
-    assert best_nats(rivals, ()) == 18.0
+    assert best_nats(rivals, ()) == 17.0
     assert best_nats(rivals, refused) == 5.0
     assert best_nats((), ()) == 0.0
 

@@ -121,7 +121,13 @@ def test_a_plausible_rival_goes_first_where_it_does_as_well(
     monkeypatch.setattr(rounds, "implausible", strange)
     rows = (("absorber", 90.0, 9.0), ("mass", *plausible_one))
     rivals: Any = [
-        SimpleNamespace(name=name, gain_nats=nats, held_out=held, fit=SimpleNamespace(number=k, chi2_per_dof=left))
+        SimpleNamespace(
+            name=name,
+            gain_nats=nats,
+            held_out=held,
+            fit=SimpleNamespace(number=k, chi2_per_dof=left),
+            convinces=lambda limits: True,
+        )
         for k, (name, nats, held) in enumerate(rows)
     ]
     limits: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
@@ -172,4 +178,4 @@ def test_a_mass_is_no_absorber_far_above_the_band(tmp_path: Path, monkeypatch: p
     said = reasons_of(found.kind, beside, found.thresholds, None)
     assert sum("but it is no plausible thing (frequency_hz of" in reason for reason in said) == 1
     assert not any("speak against it" in reason for reason in said)
-    assert _standing(addition.winner, None, beside, 9.0, "lead") == "no plausible thing"
+    assert _standing(addition.winner, None, beside, found.thresholds, "lead") == "no plausible thing"

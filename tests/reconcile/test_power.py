@@ -14,7 +14,7 @@ from vgvt.effects import available_effects
 from vgvt.effects.added_mass import AddedMass
 from vgvt.reconcile.fit import NEAR, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.lasting import Imitated, lasting
+from vgvt.reconcile.lasting import Imitated, lasting, lasting_nats
 from vgvt.reconcile.nameable import nameable_ratio
 from vgvt.reconcile.power import power
 from vgvt.reconcile.stand import Stand
@@ -81,8 +81,9 @@ def test_what_gets_a_name_pays_for_its_freedom_and_for_chance(tmp_path: Path) ->
         blind = fit(exact, (), stated, NOTHING, NEAR)
         line_by_line = told.evidence_nats - blind.evidence_nats
         tempered = line_by_line - 0.5 * (1 - share.worth) * (blind.chi2 - told.chi2)
-        assert told.lasting_nats - blind.lasting_nats < tempered
-        return told.lasting_nats - blind.lasting_nats
+        lasts = lasting_nats(told) - lasting_nats(blind)
+        assert lasts < tempered
+        return lasts
 
     deviations = 5 * found.named / found.smallest
     # Its place, told here, is taken for two parameters that each change everything.

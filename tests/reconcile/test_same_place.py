@@ -59,7 +59,9 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     null: Any = SimpleNamespace(chi2_per_dof=1.0, problem=None)
     joint = SimpleNamespace(linear=False)
     fit = SimpleNamespace(converged=True, chi2_per_dof=20.0)
-    beside: Any = SimpleNamespace(fit=fit, name="beside", gain_nats=90.0, held_out=40.0, hypothesis=joint)
+    beside: Any = SimpleNamespace(
+        fit=fit, name="beside", gain_nats=90.0, held_out=40.0, hypothesis=joint, convinces=lambda limits: True
+    )
     limits = SimpleNamespace(held_out_per_dof=1.0)
     left = SimpleNamespace(
         held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=limits, train_chi2_per_dof=1.0, adequate=False

@@ -86,7 +86,7 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     """Rounds that each find one rival, which passes everything, and in which data are met after the first name."""
 
     def rival(fit: Any) -> Any:
-        return SimpleNamespace(fit=fit, name="it", gain_nats=90.0, held_out=0.8)
+        return SimpleNamespace(fit=fit, name="it", gain_nats=90.0, held_out=0.8, convinces=lambda limits: True)
 
     left: Any = SimpleNamespace(held_out_chi2_per_dof=2.0, train_chi2_per_dof=1.0, adequate=True)
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
@@ -158,10 +158,18 @@ def test_what_is_ahead_by_all_data_is_named_beside_the_confirmed(
     monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 200 * better)
     monkeypatch.setattr(rounds, "implausible", lambda fit: strange)
     fit: Any = SimpleNamespace(chi2_per_dof=left)
-    winner: Any = SimpleNamespace(name="confirmed", gain_nats=25.0, held_out=0.8, fit=fit)
-    other: Any = SimpleNamespace(name="refused", gain_nats=gain_nats, held_out=held_out, fit=fit)
-    same: Any = SimpleNamespace(name="confirmed", gain_nats=60.0, held_out=0.8, fit=fit)
-    found = rounds._ahead_in_all(winner, [winner, other, same], [winner])
+    winner: Any = SimpleNamespace(
+        name="confirmed", gain_nats=25.0, held_out=0.8, fit=fit, convinces=lambda limits: True
+    )
+    other, same, drifting = (
+        SimpleNamespace(name=name, gain_nats=gain, held_out=missed, fit=fit, convinces=lambda limits, told=told: told)
+        for name, gain, missed, told in (
+            ("refused", gain_nats, held_out, True), ("confirmed", 60.0, 0.8, True), ("drifting", 60.0, 0.8, False),
+        )
+    )  # fmt: skip
+    tried: list[Any] = [winner, other, same, drifting]
+    found = rounds._ahead_in_all(winner, tried, [winner], THRESHOLDS)
+    # What an error that lasts would do as well is not ahead of anything.
     assert found == ([other] if ahead else [])
 
 

@@ -21,6 +21,7 @@ from vgvt.reconcile.screen import Screened, parted
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.thresholds import SMOOTHED, stored_thresholds
 
+rivals = importlib.import_module("vgvt.reconcile.rivals")
 candidate_fits = importlib.import_module("vgvt.reconcile.candidate_fits")
 THERE, ELSEWHERE = {"x_m": 0.9, "y_m": 1.1}, {"x_m": 0.9, "y_m": -1.1}
 
@@ -101,7 +102,10 @@ def test_a_size_that_is_left_to_its_prior_has_no_part() -> None:
 
 
 def judged_alone(noise: float, chi2: float, evidence_nats: float, lasting_nats: float = 50.0) -> Any:
-    """A fit as a rival of one that leaves χ² of 1600, where ``noise`` is a share of what both are judged by."""
+    """A fit as a rival of one that leaves χ² of 1600, where ``noise`` is a share of what both are judged by.
+
+    ``lasting_nats`` are its evidence where an error of the model lasts; that of the other is 20.
+    """
     g = np.random.default_rng(0)
     shape = (8, 100)
     white = g.standard_normal(shape) + 1j * g.standard_normal(shape)
@@ -112,7 +116,9 @@ def judged_alone(noise: float, chi2: float, evidence_nats: float, lasting_nats: 
         evidence_nats=evidence_nats, lasting_nats=lasting_nats, held_out_chi2_per_dof=None,
     )  # fmt: skip
     null: Any = SimpleNamespace(chi2=1600.0, evidence_nats=0.0, lasting_nats=20.0)
-    (rival,) = against(null, [found])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rivals, "lasting_nats", lambda fit: fit.lasting_nats)
+        (rival,) = against(null, [found])
     return rival
 
 

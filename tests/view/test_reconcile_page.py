@@ -223,8 +223,12 @@ def test_the_map_shows_both_models_on_one_scale_only_where_they_differ() -> None
 def test_candidates_of_one_name_keep_bars_of_their_own() -> None:
     figure = evidence_figure(account().candidates, 6.0)
     assert figure is not None
-    labels = [label for bar in figure.data for label in bar.y]
+    *bars, marks = figure.data
+    labels = [label for bar in bars for label in bar.y]
     assert len(set(labels)) == len(labels) == 4
+    # Each has a mark of its own where errors of the model last.
+    lasting = {c.label: f"{c.lasting_nats:.1f}" for c in account().candidates if c.label != "local-absorber"}
+    assert dict(zip(marks.y, marks.text, strict=True)).items() >= lasting.items()
 
 
 def test_a_place_with_a_law_gets_the_law_drawn_beside_it() -> None:

@@ -134,11 +134,11 @@ def _selected(
         if confirmed:
             confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
         confirmed = _taking_it_away(current, confirmed, before)
-        vetoed += [r for r in rivals if r.gain_nats >= thresholds.evidence_nats and r not in confirmed]
+        vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
         if not confirmed:
             break
         winner = _first(confirmed)
-        equal = (*_equal(winner, confirmed, thresholds), *_ahead_in_all(winner, rivals, confirmed))
+        equal = (*_equal(winner, confirmed, thresholds), *_ahead_in_all(winner, rivals, confirmed, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
         current = winner.fit
@@ -212,14 +212,16 @@ def _as_good(r: Rival, missed: float) -> bool:
     return r.held_out is not None and r.held_out <= _AS_GOOD * missed
 
 
-def _ahead_in_all(winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Rival]) -> list[Rival]:
-    """Rivals that held-out data do not confirm, and that are ahead of the winner by all data together.
+def _ahead_in_all(
+    winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
+) -> list[Rival]:
+    """Rivals that held-out data alone do not confirm, and that are ahead of the winner by all data together.
 
     What keeps them from a name of their own may be chance, and what the winner owes its name to is then that chance.
     """
     if winner.fit.chi2_per_dof >= BIASED or winner.held_out is None:
         return []
-    unconfirmed = [r for r in rivals if r not in confirmed and r.name != winner.name]
+    unconfirmed = [r for r in rivals if r.convinces(thresholds) and r not in confirmed and r.name != winner.name]
     others = [(r, r.held_out) for r in unconfirmed if not implausible(r.fit)]
     better = [(r, winner.held_out - missed) for r, missed in others if missed is not None]
     return [r for r, held in better if r.gain_nats + held_out_nats(winner.fit, held) > winner.gain_nats]

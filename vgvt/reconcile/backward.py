@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.lasting import lasting_nats
 from vgvt.reconcile.place_control import distinct_places, place_of
 from vgvt.reconcile.thresholds import Thresholds
 
@@ -33,7 +34,8 @@ def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tupl
         except NoStructureError:
             # It holds the aircraft up: nothing makes that needless.
             continue
-        if current.evidence_nats - less.evidence_nats < thresholds.evidence_nats:
+        gained = min(current.evidence_nats - less.evidence_nats, lasting_nats(current) - lasting_nats(less))
+        if gained < thresholds.evidence_nats:
             return [r for i, r in enumerate(rounds) if i != k], less
     return rounds, current
 

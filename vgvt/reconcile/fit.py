@@ -16,7 +16,6 @@ from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.descent import taken
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.lasting import lasting_evidence
 from vgvt.reconcile.local_slopes import SERVE, origin_near
 from vgvt.reconcile.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.problem import Problem, recentred
@@ -51,8 +50,7 @@ class Fit:
     """A fitted model: scores ``u`` (and ``e`` of its hypotheses), prediction (C, L) and the Laplace posterior.
 
     ``tangent`` (2 N, scores) are derivatives of the data misfit; ``covariance`` (scores, scores) that of the
-    scores; ``chi2`` the data's square sum over ``points`` real numbers; ``evidence_nats`` Laplace's log evidence, and
-    ``lasting_nats`` the same where an error of the model's form lasts (:mod:`vgvt.reconcile.lasting`).
+    scores; ``chi2`` the data's square sum over ``points`` real numbers; ``evidence_nats`` Laplace's log evidence.
     ``sigma`` (fitted channels, L) is what it was judged by where that is not the data's.
     """
 
@@ -66,7 +64,6 @@ class Fit:
     chi2: float
     points: int
     evidence_nats: float
-    lasting_nats: float
     converged: bool
     sigma: Array | None = None
 
@@ -243,10 +240,7 @@ def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, conver
     log_determinant = float(np.linalg.slogdet(precision)[1])
     share = sum(float(np.log(h.share)) for h in here.hypotheses)
     evidence = -0.5 * (chi2 + float(scores @ scores)) - 0.5 * log_determinant + share
-    # What is judged by a coarse error on top is on its way.
-    lasts = evidence if sigma is not None else lasting_evidence(problem, misfit, tangent, scores, share)
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     return Fit(
-        problem, here.hypotheses, u, e, predicted, tangent, covariance, chi2, misfit.size, evidence, lasts, converged,
-        sigma,
-    )  # fmt: skip
+        problem, here.hypotheses, u, e, predicted, tangent, covariance, chi2, misfit.size, evidence, converged, sigma
+    )

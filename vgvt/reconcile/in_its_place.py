@@ -60,7 +60,13 @@ def reconsidered(
             winner = addition.winner
             # By what the name had gained in its round.
             gain, raw = winner.gain_nats - own.gain_nats, winner.raw_nats - own.raw_nats
-            alike = (replace(r, gain_nats=r.gain_nats + gain, raw_nats=r.raw_nats + raw) for r in (own, *rivals))
+            lasting = winner.lasting_nats - own.lasting_nats
+            alike = (
+                replace(
+                    r, gain_nats=r.gain_nats + gain, raw_nats=r.raw_nats + raw, lasting_nats=r.lasting_nats + lasting
+                )
+                for r in (own, *rivals)
+            )
             addition = replace(addition, in_its_place=tuple(alike))
         found.append(addition)
     return found

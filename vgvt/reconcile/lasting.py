@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -17,7 +18,11 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.data import Measured
 from vgvt.reconcile.descent import solved
+from vgvt.reconcile.misfit import data_misfit
 from vgvt.reconcile.problem import Problem
+
+if TYPE_CHECKING:
+    from vgvt.reconcile.fit import Fit
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -30,19 +35,36 @@ Of what calibrations leave of 18 campaigns without any missing effect and nearly
 """
 SHARE = 0.5
 """The part of a floor's variance that lasts: the channels of those campaigns left 0.06 to 0.48 floors of it."""
+# Standard deviations, no further at once than the linearised matrices carry.
+_LONGEST = 20.0
+
+
+def lasting_nats(found: Fit) -> float:
+    """Laplace's log evidence of a fit, nats, where the model's error lasts; that of its own measure on its way.
+
+    What is judged by a coarse error on top is on its way.
+    """
+    if found.sigma is not None:
+        return found.evidence_nats
+    share = sum(float(np.log(h.share)) for h in found.hypotheses)
+    misfit = data_misfit(found.problem, found.predicted)
+    return lasting_evidence(found.problem, misfit, found.tangent, found.scores, share)
 
 
 def lasting_evidence(problem: Problem, misfit: Array, tangent: Array, scores: Array, log_share: float) -> float:
     """Laplace's log evidence, nats, of a fit with misfit (2 N,), its derivatives (2 N, scores) and ``scores`` (scores,)
     where the model's error lasts; ``log_share`` is the prior's of its variants.
 
-    The fit is the best by another measure: what is left to gain by this one is taken from the linearised model.
+    The fit is the best by another measure: what is left to gain by this one is taken from the linearised model, of no
+    longer step than that carries.
     """
     judged = lasting(problem, np.column_stack([misfit, tangent]))
     left, slopes = judged[:, 0], judged[:, 1:]
     precision = slopes.T @ slopes + np.eye(scores.size)
     gradient = slopes.T @ left + scores
-    cost = float(left @ left + scores @ scores - gradient @ solved(precision, gradient))
+    step = solved(precision, gradient)
+    part = min(1.0, _LONGEST / max(float(np.abs(step).max(initial=0.0)), 1e-300))
+    cost = float(left @ left + scores @ scores - part * (2 - part) * (gradient @ step))
     return -0.5 * (cost + float(np.linalg.slogdet(precision)[1])) + log_share
 
 
@@ -86,17 +108,20 @@ class Imitated:
         return float(np.linalg.norm(judged - self.basis @ (self.basis.T @ judged)))
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def _factors(measured: Measured, train: bytes) -> Array:
     """Cholesky's factors (C, L, L) of the covariance over lines of the channels to fit, in what they are judged by."""
     keep, lines = np.frombuffer(train, dtype=bool), measured.frequency_hz.size
     fresh = np.minimum(measured.noise[keep] / measured.sigma[keep] ** 2, 1.0)
     apart = np.abs(np.subtract.outer(np.arange(lines), np.arange(lines)))
-    alike = np.exp(-apart / (LENGTH * lines))
-    form = np.sqrt(SHARE * (1 - fresh))
-    whole = form[:, :, None] * alike * form[:, None, :]
-    whole[:, np.arange(lines), np.arange(lines)] = 1.0
-    return np.asarray(np.linalg.cholesky(whole))
+    alike = SHARE * np.exp(-apart / (LENGTH * lines))
+    factors = np.empty((fresh.shape[0], lines, lines))
+    # One by one: all at once, with what they are made of, are several times as much memory.
+    for factor, form in zip(factors, np.sqrt(1 - fresh), strict=True):
+        whole = form[:, None] * alike * form
+        np.fill_diagonal(whole, 1.0)
+        factor[:] = np.linalg.cholesky(whole)
+    return factors
 
 
 def _phase(values: ComplexArray) -> ComplexArray:

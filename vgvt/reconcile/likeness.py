@@ -42,16 +42,19 @@ def beside_likeness(
 ) -> tuple[Screened, ...]:
     """Starts of ``joints``, one of each effect, beside the best of ``linear`` effects that these could be taken for.
 
-    Only variants of its side are looked at. Where no such effect stands out from the stated values, all are, from
-    there, if runs are of several levels or show by themselves that something is not linear; else nothing.
+    Only variants of its side are looked at. Where no such effect stands out from the stated values, or none of its side
+    is asked for, all are, from there, if runs are of several levels or show by themselves that something is not linear;
+    else nothing.
     """
     alike = {name for h in joints for name in _alike(h)}
     found = from_stated(current, [h for h in linear if h.linear and h.name in alike], part(tell, 0.0, 0.3))
     near = _fitted(current, found[0], GENTLY, part(tell, 0.3, 0.4)) if found else None
     stages: tuple[_Stages, _Stages] = (GENTLY[:1], GENTLY[1:])
+    looked: list[Hypothesis] = []
     if near is not None:
         chosen, side = near.hypotheses[-1].name, near.hypotheses[-1].settings.get("side")
         looked = [h for h in joints if chosen in _alike(h) and h.settings.get("side") == side]
+    if near is not None and looked:
         scores = near.scores[: current.scores.size]
     elif several_levels(current.problem) or answers_jaggedly(current.problem.measured.harmonics):
         looked, stages = list(joints), _FROM_STATED

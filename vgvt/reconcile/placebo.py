@@ -28,8 +28,8 @@ _MOSTLY_NOISE = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Placebo:
-    """What one campaign without any missing effect came to; ``best_nats`` is the tempered gain of the best
-    candidate that held-out data did not refuse.
+    """What one campaign without any missing effect came to; ``best_nats`` is the gain, by
+    the view that grants less, of the best candidate that held-out data did not refuse.
 
     ``noise_per_dof`` and ``held_out_noise_per_dof`` are the χ² that its noise alone leaves, ``model_form`` the relative
     floor it was judged with. What is held out is None where nothing was; ``strain_sd`` where it was not noted.
@@ -62,8 +62,12 @@ class Placebo:
 
 
 def best_nats(rivals: Sequence[Rival], refused: Sequence[Rival]) -> float:
-    """The gain that stands between a placebo and a name: what held-out data refused would not have got one."""
-    return max((r.gain_nats for r in rivals if not any(r is v for v in refused)), default=0.0)
+    """The gain that stands between a placebo and a name: what held-out data refused would not have got one.
+
+    Of both views of the model's own error the one that grants less, as a name needs both.
+    """
+    asked = (r for r in rivals if not any(r is v for v in refused))
+    return max((min(r.gain_nats, r.lasting_nats) for r in asked), default=0.0)
 
 
 def calibrated_thresholds(placebos: Sequence[Placebo], made_by: str, *, level: float = 0.98) -> Thresholds:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.lasting import lasting_nats
 from vgvt.reconcile.residual import independent_values
 from vgvt.reconcile.thresholds import Thresholds, noise_share
 
@@ -64,10 +65,10 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     measured, keep = found.problem.measured, found.problem.split.train
     rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
     worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
-    rivals = []
+    rivals, lasting = [], lasting_nats(current)
     for f in fits:
         raw = f.evidence_nats - current.evidence_nats
         gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
-        tempered, lasting = raw - 0.5 * (1 - worth) * gained, f.lasting_nats - current.lasting_nats
-        rivals.append(Rival(f, tempered, raw, lasting, f.held_out_chi2_per_dof))
+        tempered = raw - 0.5 * (1 - worth) * gained
+        rivals.append(Rival(f, tempered, raw, lasting_nats(f) - lasting, f.held_out_chi2_per_dof))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))

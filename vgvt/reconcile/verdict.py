@@ -117,7 +117,8 @@ def kind_of(found: Attribution) -> Kind:
         return Kind.ADEQUATE if met else Kind.UNKNOWN
     doubtful = bool(doubts(found))
     # With data met, what a joint that depends on level makes of the tolerances is for the second level to say.
-    awaits_level = rests_on_one_level(found) and found.final_residual.met and found.final.converged
+    leans = found.final.converged and any(not a.winner.hypothesis.linear for a in found.rounds)
+    awaits_level = rests_on_one_level(found) and found.final_residual.met and (leans or not doubtful)
     if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.alike}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
@@ -188,15 +189,16 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{before.noise_per_dof:.2f})"
         )
         said.append(
-            f"No plausible effect of the catalogue gains {limits.evidence_nats:.0f} nats of evidence on held-out data"
+            f"No plausible effect of the catalogue gains the {limits.evidence_nats:.0f} nats of evidence that a name "
+            "needs, by both views of the model's own error, and holds on held-out data"
         )
     else:
         said += [f"Without another effect {text}" for text in before.reasons]
     for addition in found.rounds:
         winner = addition.winner
         said.append(
-            f"Adding {winner.hypothesis.label} gains {winner.gain_nats:.0f} nats (a name needs "
-            f"{limits.evidence_nats:.0f}); held-out error goes "
+            f"Adding {winner.hypothesis.label} gains {winner.gain_nats:.0f} nats, {winner.lasting_nats:.0f} where "
+            f"errors of the model last (a name needs {limits.evidence_nats:.0f} by both); held-out error goes "
             f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
         )
         # Of all that held-out data confirm the winner gains most: what gains more is not confirmed by them.
@@ -234,7 +236,10 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if kind is Kind.UNKNOWN and not found.null.converged:
         said.append("The calibration had not converged: some of what is left may be its own")
     if kind is Kind.UNKNOWN:
-        said.append("No plausible effect of the catalogue explains it and holds on data that no fit has seen")
+        said.append(
+            "No plausible effect of the catalogue explains it with enough evidence, and holds on data that no fit has "
+            "seen"
+        )
         if found.leads:
             labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
             said.append(
@@ -245,18 +250,14 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
             "explains with it, or another place where it does as well, speak against it"
             for r in found.vetoed[:3]
-            if r.convinces(limits) and not implausible(r.fit)
+            if not implausible(r.fit)
         ]
+    if kind in (Kind.UNKNOWN, Kind.ADEQUATE):
+        said += _lasting_alone(found, limits)
     said += [
         f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but it is no plausible thing ({'; '.join(strange)})"
         for r in found.vetoed[:3]
         if (strange := implausible(r.fit))
-    ]
-    said += [
-        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but {r.lasting_nats:.0f} where an error of the model "
-        f"lasts from line to line, as such errors do: a name needs {limits.evidence_nats:.0f}"
-        for r in found.vetoed[:3]
-        if not r.convinces(limits) and not implausible(r.fit)
     ]
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(found.null.problem):
         said.append(
@@ -281,6 +282,19 @@ def _why_no_name(found: Attribution) -> str:
     if strange:
         return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
     return "what does not halve what is too much with every name is a lead"
+
+
+def _lasting_alone(found: Attribution, limits: Thresholds) -> list[str]:
+    """The best variant of each effect that an error of the model would do as well as, in words."""
+    best: dict[str, Rival] = {}
+    for r in sorted(found.last_rivals, key=lambda r: -r.gain_nats):
+        if r.gain_nats >= limits.evidence_nats > r.lasting_nats and not implausible(r.fit):
+            best.setdefault(r.name, r)
+    return [
+        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but {r.lasting_nats:.0f} where an error of the model "
+        f"lasts from line to line, as such errors do: a name needs {limits.evidence_nats:.0f}"
+        for r in list(best.values())[:3]
+    ]
 
 
 def _how_well(r: Rival, winner: Rival, set_nats: float) -> str:

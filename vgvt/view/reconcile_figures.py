@@ -98,13 +98,19 @@ def evidence_figure(rows: tuple[CandidateRow, ...], needed_nats: float, most: in
                 marker={"color": colour}, text=[f"{shown[k].gain_nats:.1f}" for k in mine], textposition="outside",
                 cliponaxis=False, hovertemplate="%{y}: %{text} nats<extra></extra>",
             )  # fmt: skip
+    marks = [np.sign(r.lasting_nats) * np.log10(1 + abs(r.lasting_nats)) for r in shown]
+    figure.add_scatter(
+        y=names, x=marks, mode="markers", name="where errors of the model last",
+        marker={"symbol": "line-ns-open", "size": 16, "color": MEASURED_COLOUR, "line": {"width": 2}},
+        text=[f"{r.lasting_nats:.1f}" for r in shown], hovertemplate="%{y}: %{text} nats<extra></extra>",
+    )  # fmt: skip
     figure.add_vline(x=float(np.log10(1 + needed_nats)), line={"color": MEASURED_COLOUR, "dash": "dash", "width": 1.5})
     powers = [t for t in (1, 10, 100, 1000, 10000, 100000) if np.log10(1 + t) <= max(length) + 1]
     ticks = [*(-t for t in powers), 0, *powers]
     figure.update_xaxes(
         title_text="gain of evidence on the fitted data, nats",
         tickvals=[np.sign(t) * np.log10(1 + abs(t)) for t in ticks],
-        ticktext=[f"{t:g}" for t in ticks], range=[1.25 * min(0.0, *length), 1.18 * max(max(length), 1.0)],
+        ticktext=[f"{t:g}" for t in ticks], range=[1.25 * min(0.0, *length, *marks), 1.18 * max(max(length), 1.0)],
     )  # fmt: skip
     figure.update_yaxes(categoryorder="array", categoryarray=names, autorange="reversed", showgrid=False, ticks="")
     figure.update_layout(template=template(), height=26 * len(shown) + 130, bargap=0.25, showlegend=True)

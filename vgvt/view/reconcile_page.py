@@ -29,7 +29,8 @@ _STIFFNESS = (
 )
 _EVIDENCE = (
     "Every candidate of the short list fitted together with all unknowns: how much more likely it makes the fitted "
-    "data, its own freedom paid for, in nats. The dashed line is what a name needs; held-out data must agree."
+    "data, its own freedom paid for, in nats. The dashed line is what a name needs, of the bar and of the mark, which "
+    "is the evidence where errors of the model last from line to line. Held-out data must agree."
 )
 _OVERLAY = "Measured, before and after; the lowest panel is the error in standard deviations, 1 is what noise explains."
 

@@ -208,9 +208,9 @@ def power_section(power: Sequence[PowerRow]) -> str:
         rows.append((what, *sizes, f"{p.low:g} to {p.high:g}", mark, alike))
     note = (
         "Just visible: five standard deviations beyond what the scenario's tolerances can imitate, for the variant of "
-        "the effect that shows soonest; about half of such effects get their name. Named from: 95 of 100 do, as far as "
-        "the fitted data decide. Never: it leaves the ratio of acceleration to force alone. Hard to tell from: cosine "
-        "of the two signatures."
+        "the effect that shows soonest, by both views of the model's own error; about half of such effects get their "
+        "name. Named from: 95 of 100 do, as far as the fitted data decide. Never: it leaves the ratio of acceleration "
+        "to force alone. Hard to tell from: cosine of the two signatures."
     )
     return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 5))}'
 

@@ -7,7 +7,7 @@ from vgvt.view.reconcile_account import Account, EffectRow
 KINDS = {
     "adequate": "No other effect is needed",
     "explained": "Explained",
-    "ambiguous": "Ambiguous: several effects explain it alike",
+    "ambiguous": "Ambiguous: this campaign cannot tell",
     "partly_explained": "Partly explained",
     "unknown": "Not explained by the catalogue",
 }
@@ -19,7 +19,10 @@ _NEXT = {
         "Check the named effect on the aircraft or the rig; its separating test is the quickest way.",
         "Then go on with reconciled.toml, which holds it.",
     ),
-    "ambiguous": ("Make the first of the suggested tests and reconcile again with its runs added.",),
+    "ambiguous": (
+        "Make the first of the suggested tests, or runs at another level where the reasons ask for them, and reconcile "
+        "again with these runs added.",
+    ),
     "partly_explained": (
         "Take the named effect as a lead, not as a finding: what is left may have bent it.",
         "Look where the residual is left, mend or describe what is there, and reconcile again.",
@@ -85,7 +88,10 @@ def disproofs(account: Account) -> tuple[str, ...]:
         found.append(f"A new run that the calibrated scenario misses by more than {limit:.2f} per degree of freedom.")
         found.append("An effect smaller than what the table of detectability says is not refuted by this verdict.")
     else:
-        found.append("An effect added to the catalogue that gains enough evidence and lowers the held-out error.")
+        found.append(
+            "An effect added to the catalogue that gains enough evidence, also where errors of the model last, and "
+            "lowers the held-out error."
+        )
         found.append(
             "Noise or a model-form error larger than was assumed: see how sigma is made up below the residual maps."
         )
