@@ -82,7 +82,7 @@ def test_errors_as_they_are_declared_are_white_afterwards(noise: float) -> None:
 
 
 def test_the_evidence_is_the_probability_of_the_data() -> None:
-    """The density of such errors and of all that the priors allow, wherever a fit stopped: no optimum of this measure.
+    """The density of such errors and of all that the priors allow, at the bottom by the other measure, not by this one.
 
     Their covariance is checked against draws, the rest is another formula.
     """
@@ -96,13 +96,27 @@ def test_the_evidence_is_the_probability_of_the_data() -> None:
     apart, wide, narrow = (generator.standard_normal((size, k)) for k in (1, 3, 2))
     values = []
     for slopes in (wide, narrow):
-        scores = generator.standard_normal(slopes.shape[1])
-        told = lasting_evidence(of, apart[:, 0] + slopes @ scores, slopes, scores, 0.0)
+        bottom = -np.linalg.solve(slopes.T @ slopes + np.eye(slopes.shape[1]), slopes.T @ apart[:, 0])
+        told = lasting_evidence(of, apart[:, 0] + slopes @ bottom, slopes, bottom, 0.0)
         values.append((told, scipy.stats.multivariate_normal(cov=covariance + slopes @ slopes.T).logpdf(apart[:, 0])))
     (told_wide, true_wide), (told_narrow, true_narrow) = values
     assert told_wide - told_narrow == pytest.approx(true_wide - true_narrow, abs=1e-6)
-    assert lasting_evidence(of, apart[:, 0], apart[:, :0], NOTHING, -2.5) == pytest.approx(
-        lasting_evidence(of, apart[:, 0], apart[:, :0], NOTHING, 0.0) - 2.5
+    bare = (of, apart[:, 0], apart[:, :0], NOTHING)
+    assert lasting_evidence(*bare, -2.5) == pytest.approx(lasting_evidence(*bare, 0.0) - 2.5)
+
+
+def test_slopes_that_promise_what_is_not_there_are_not_believed() -> None:
+    """Where noise is all, this measure is the fit's own: at its bottom nothing is left, whatever wrong slopes say."""
+    generator = np.random.default_rng(5)
+    of = case(generator, 3, 12, 1.0)
+    misfit, slopes = generator.standard_normal(48), generator.standard_normal((48, 3))
+    scores = -np.linalg.solve(slopes.T @ slopes + np.eye(3), slopes.T @ misfit)
+    wrong = slopes + 0.5 * generator.standard_normal((48, 3))
+    left = misfit + slopes @ scores
+    assert np.abs(wrong.T @ left + scores).max() > 1
+    occam = 0.5 * np.linalg.slogdet(wrong.T @ wrong + np.eye(3))[1]
+    assert lasting_evidence(of, left, wrong, scores, 0.0) == pytest.approx(
+        -0.5 * (left @ left + scores @ scores) - occam
     )
 
 

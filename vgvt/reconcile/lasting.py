@@ -39,10 +39,11 @@ SHARE = 0.5
 _LONGEST = 20.0
 
 
+@lru_cache(maxsize=32)
 def lasting_nats(found: Fit) -> float:
-    """Laplace's log evidence of a fit, nats, where the model's error lasts; that of its own measure on its way.
+    """Laplace's log evidence of a fit, nats, where the model's error lasts.
 
-    What is judged by a coarse error on top is on its way.
+    What is judged by a coarse error on top is on its way, and has that of its own measure.
     """
     if found.sigma is not None:
         return found.evidence_nats
@@ -55,16 +56,17 @@ def lasting_evidence(problem: Problem, misfit: Array, tangent: Array, scores: Ar
     """Laplace's log evidence, nats, of a fit with misfit (2 N,), its derivatives (2 N, scores) and ``scores`` (scores,)
     where the model's error lasts; ``log_share`` is the prior's of its variants.
 
-    The fit is the best by another measure: what is left to gain by this one is taken from the linearised model, of no
-    longer step than that carries.
+    The fit is the best by another measure: what is left to gain by this one is taken from the linearised model. Slopes
+    that promise more by the fit's own measure, at whose bottom it stands, promise what is not there, as beside a joint
+    that is marched: that much of them is not believed, nor a longer step than they carry.
     """
     judged = lasting(problem, np.column_stack([misfit, tangent]))
     left, slopes = judged[:, 0], judged[:, 1:]
     precision = slopes.T @ slopes + np.eye(scores.size)
-    gradient = slopes.T @ left + scores
-    step = solved(precision, gradient)
+    downhill = slopes.T @ left - tangent.T @ misfit
+    step = solved(precision, downhill)
     part = min(1.0, _LONGEST / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-    cost = float(left @ left + scores @ scores - part * (2 - part) * (gradient @ step))
+    cost = float(left @ left + scores @ scores) - part * (2 - part) * float(downhill @ step)
     return -0.5 * (cost + float(np.linalg.slogdet(precision)[1])) + log_share
 
 
