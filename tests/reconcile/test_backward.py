@@ -6,6 +6,7 @@ import importlib
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from vgvt.effects import available_effects
@@ -14,6 +15,7 @@ from vgvt.reconcile.backward import nowhere
 from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.hypothesis import Hypothesis
 
+backward = importlib.import_module("vgvt.reconcile.backward")
 rounds = importlib.import_module("vgvt.reconcile.attribute")
 ABSORBER = freed(Hypothesis(available_effects()["local-absorber"], {"x_m": 0.5, "y_m": 0.5}))
 SOFT_ROOT = Hypothesis(available_effects()["root-compliance"], {"side": "right"})
@@ -67,3 +69,20 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     assert asked == [(list(found.rounds), found.final, (SOFT_ROOT,))]
     assert found.final is (winners[-1].fit if kept else null)
     assert list(found.vetoed) == ([] if kept else winners[::-1])
+
+
+@pytest.mark.parametrize(
+    ("line_by_line", "lasting", "stays"), [(20.0, 15.0, True), (20.0, 3.0, False), (3.0, 15.0, False)]
+)
+def test_an_earlier_name_stays_for_what_either_view_of_the_models_error_still_grants(
+    monkeypatch: pytest.MonkeyPatch, line_by_line: float, lasting: float, stays: bool
+) -> None:
+    """Beside a later one it may be worth no more than an error of the model is."""
+    things = tuple(SimpleNamespace(name=name, parameters=()) for name in ("first", "second"))
+    whole: Any = SimpleNamespace(problem=None, hypotheses=things, u=None, e=np.zeros(0), evidence_nats=50.0, lasts=40.0)
+    less: Any = SimpleNamespace(evidence_nats=50.0 - line_by_line, lasts=40.0 - lasting)
+    monkeypatch.setattr(backward, "fit", lambda *given: less)
+    monkeypatch.setattr(backward, "lasting_nats", lambda fit: fit.lasts)
+    named: Any = ["first", "second"]
+    kept = backward.needed(named, whole, SimpleNamespace(evidence_nats=9.0))
+    assert kept == ((named, whole) if stays else (["second"], less))

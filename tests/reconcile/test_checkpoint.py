@@ -41,6 +41,25 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     assert Checkpoint(tmp_path / "rounds.json", "another question").begun(case, (delay, gain)) is None
 
 
+def test_a_round_far_out_has_the_slopes_that_it_ended_with(tmp_path: Path) -> None:
+    """Evidence hangs on them: what is found next to it after a break must be judged as it would have been."""
+    case = problem(tmp_path, 3)
+    delay = Hypothesis(available_effects()["channel-delay"], {"channels": "response"})
+    u = np.zeros(case.size)
+    u[0] = 8.0
+    ended = fit(case, (delay,), u, np.array([0.2]), ((0.0, 0),), exact=True)
+    rough = fit(case, (delay,), u, np.array([0.2]), ())
+    assert abs(ended.evidence_nats - rough.evidence_nats) > 1e-3
+    rival = Rival(ended, 9.5, 11.0, 9.7, 0.7)
+    kept = Checkpoint(tmp_path / "rounds.json", "this question")
+    kept.keep(fit(case, (), u, np.zeros(0), ()), [Addition(rival, (rival,), (rival,), None)])
+    begun = kept.begun(case, (delay,))
+    assert begun is not None
+    again = begun[1][0].winner
+    assert again.lasting_nats == rival.lasting_nats
+    assert again.fit.evidence_nats == pytest.approx(ended.evidence_nats, abs=1e-9)
+
+
 @pytest.mark.slow
 def test_tests_that_tell_two_rivals_apart_are_ranked_by_nats_a_minute(tmp_path: Path) -> None:
     case = problem(tmp_path, 3)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile import one_level
+from vgvt.reconcile import one_level, verdict
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.problem import CELLS
@@ -116,3 +116,17 @@ def test_how_coarse_a_chain_the_data_come_from_is_no_tolerance() -> None:
     assert not strained_too_much(coarse)
     assert far_scores(coarse) == ""
     assert strained_too_much(fitted(0.5, -9.0))
+
+
+def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The best variant of what gains enough line by line alone, and is a thing that could be."""
+    monkeypatch.setattr(verdict, "implausible", lambda fit: fit)
+    rows = (("loose", 18.0, 3.0, ()), ("loose", 12.0, 2.0, ()), ("mass", 30.0, 20.0, ()), ("drift", 5.0, 1.0, ()),
+            ("absorber", 40.0, 2.0, ("120 Hz",)))  # fmt: skip
+    tried = tuple(
+        SimpleNamespace(name=n, gain_nats=g, lasting_nats=last, fit=strange, hypothesis=SimpleNamespace(label=n))
+        for n, g, last, strange in rows
+    )
+    limits: Any = SimpleNamespace(evidence_nats=9.0)
+    (said,) = verdict._lasting_alone(SimpleNamespace(last_rivals=tried), limits)  # type: ignore[arg-type]
+    assert said.startswith("loose would gain 18 nats, but 3 where an error of the model lasts")

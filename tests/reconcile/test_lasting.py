@@ -105,6 +105,25 @@ def test_the_evidence_is_the_probability_of_the_data() -> None:
     assert lasting_evidence(*bare, -2.5) == pytest.approx(lasting_evidence(*bare, 0.0) - 2.5)
 
 
+def test_steps_go_no_further_than_slopes_carry() -> None:
+    """Of the way to the bottom by this measure, what twenty deviations take off: their cost there, worked out anew."""
+    generator = np.random.default_rng(6)
+    of = case(generator, 3, 12, 0.0)
+    slopes = generator.standard_normal((48, 2))
+    apart = 1e3 * generator.standard_normal(48)
+    bottom = -np.linalg.solve(slopes.T @ slopes + np.eye(2), slopes.T @ apart)
+    judged = lasting(of, np.column_stack([apart, slopes]))
+    whole = np.vstack([judged[:, 1:], np.eye(2)])
+    other = np.linalg.lstsq(whole, np.append(-judged[:, 0], np.zeros(2)))[0]
+    far = np.abs(other - bottom).max()
+    assert far > 30
+    there = bottom + 20 / far * (other - bottom)
+    cost = np.sum((judged[:, 0] + judged[:, 1:] @ there) ** 2) + there @ there
+    occam = 0.5 * np.linalg.slogdet(whole.T @ whole)[1]
+    told = lasting_evidence(of, apart + slopes @ bottom, slopes, bottom, 0.0)
+    assert told == pytest.approx(-0.5 * cost - occam, rel=1e-9)
+
+
 def test_slopes_that_promise_what_is_not_there_are_not_believed() -> None:
     """Where noise is all, this measure is the fit's own: at its bottom nothing is left, whatever wrong slopes say."""
     generator = np.random.default_rng(5)
