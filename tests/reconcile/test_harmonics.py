@@ -66,14 +66,15 @@ def test_a_curve_shows_at_its_own_order(order: int, word: str) -> None:
     assert f"hold {word} harmonics" in said
 
 
-def test_what_jumps_is_seen_wherever_it_falls() -> None:
-    """A step at every turn has all odd harmonics; what a sweep drives through them falls between its multiples, too."""
-    found = seen(bent(swept(), np.sign), 0.01)
-    assert answers_jaggedly(found)
-    assert not answers_jaggedly(())
-    # Beside so much between them no multiple need stand out.
-    assert answers_jaggedly((Harmonic(1, 3, 90.0, 95.0),))
+def test_what_is_thrown_all_over_the_band_is_no_harmonic() -> None:
+    """A curve has its multiples and nothing between; an answer that comes and goes with the level is jagged."""
+    curved = seen(bent(swept(), lambda s: s**3), 0.01)
+    assert words_of(curved) is not None
+    assert not answers_jaggedly(curved)
+    gone = seen(bent(swept(), lambda s: 20 * np.where(np.abs(s) > 0.3, s, 0.0)), 0.01)
+    assert answers_jaggedly(gone)
     assert words_of((Harmonic(1, 3, 90.0, 95.0),)) is None
+    assert not answers_jaggedly(())
 
 
 def test_a_force_with_harmonics_does_not_hide_those_of_the_structure() -> None:
