@@ -43,7 +43,7 @@ class Rival:
         return self.hypothesis.name
 
     def convinces(self, thresholds: Thresholds) -> bool:
-        """Whether it gains what a name needs, by either view of the model's own error.
+        """Whether it gains what a name needs, by both views of the model's own error.
 
         Which of two rivals is ahead is told by what tempered evidence says of both; whether either is there at all must
         not rest on an error that fifty lines share being seen fifty times.
