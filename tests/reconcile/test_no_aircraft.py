@@ -38,6 +38,7 @@ def test_what_holds_it_up_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     named: Any = ["the first", "the second"]
     without = SimpleNamespace(evidence_nats=49.0)
     monkeypatch.setattr(backward, "fit", lambda *given: without)
+    monkeypatch.setattr(backward, "lasting_nats", lambda fit: fit.evidence_nats)
     assert backward.needed(named, current, needs) == (["the second"], without)
     monkeypatch.setattr(backward, "fit", falls)
     assert backward.needed(named, current, needs) == (named, current)
