@@ -92,9 +92,8 @@ def power(
                     (np.sqrt(worth) * length, length, length * np.sqrt(worth + (1 - worth) * given**2)),
                     (lasting, lasting, lasting),
                 )  # fmt: skip
-            if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
-                # What leaves A/F alone but for round-off.
-                smallest, named, seen = float("inf"), float("inf"), None
+            if not np.isfinite(smallest):
+                seen = None
             rows.append((hypothesis, p, smallest, named))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
     return tuple(
@@ -115,12 +114,13 @@ def _sizes(
     sizes = []
     for shown, raw, told in views:
         smallest = float((_SIGMA / shown) ** (1 / grows) * (step or 1.0)) if shown > 0 else float("inf")
-        more = 1.0
-        if np.isfinite(smallest):
-            more = nameable_ratio(
-                hypothesis, p, smallest, deviations=_SIGMA * told / shown, raw=_SIGMA * raw / shown,
-                threshold_nats=needed, power=grows,
-            )  # fmt: skip
+        if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
+            # What leaves A/F alone but for round-off: no score is known of such a size.
+            return float("inf"), float("inf")
+        more = nameable_ratio(
+            hypothesis, p, smallest, deviations=_SIGMA * told / shown, raw=_SIGMA * raw / shown,
+            threshold_nats=needed, power=grows,
+        )  # fmt: skip
         sizes.append((smallest, smallest * more))
     return max(s for s, _ in sizes), max(n for _, n in sizes)
 
