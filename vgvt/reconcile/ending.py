@@ -204,16 +204,22 @@ def left_out_slopes(
         pushed = left @ matrices.drive
         # The velocity that a push of 1 N s leaves, which is the less, the heavier what it pushes.
         given = vectors @ (poles * pushed)
-        pushes = (slopes.drive - changes[2] @ given) @ left[at].T + np.einsum("kpj,j->kp", onto / apart, pushed)
+        pushes = (slopes.drive - changes[2] @ given) @ left[at].T + (onto * (pushed / apart)).sum(axis=2)
         moved = np.einsum("kpp->kp", onto[:, :, at])
+        mixed = off / apart.T
+        factors, functions = [], []
         for read, changed, power in ((matrices.axis, slopes.axis, 2), (matrices.tilt, slopes.tilt, 0)):
             seen, pole = read[rows] @ vectors, poles[at][:, None]
             function, steeper = pole**power * rung.share, pole**power * slope
             if power:
                 steeper = steeper + power * pole ** (power - 1) * rung.share
-            sights = changed[:, rows] @ vectors[:, at] + np.einsum("cj,kjp->kcp", seen, off / apart.T)
-            residues = sights * pushed[at] + seen[:, at] * pushes[:, None, :]
-            out[:, rows] += residues @ function + (seen[:, at] * pushed[at] * moved[:, None, :]) @ steeper
+            sights = changed[:, rows] @ vectors[:, at] + seen @ mixed
+            factors += [sights * pushed[at] + seen[:, at] * pushes[:, None, :]]
+            factors += [seen[:, at] * pushed[at] * moved[:, None, :]]
+            functions += [function, steeper]
+        # All of them in one product: it is as long as the lines are many.
+        joined = np.concatenate(factors, axis=2)
+        out[:, rows] = (joined.reshape(-1, joined.shape[2]) @ np.concatenate(functions)).reshape(*joined.shape[:2], -1)
     return out
 
 
@@ -224,7 +230,22 @@ def _elements(
 
     ``changes`` are those of stiffness, damping and mass, (k, m, m) each.
     """
-    return np.asarray(-sum((left @ change @ vectors) * poles**n for n, change in enumerate(changes)))
+    # The side of few vectors first: the changes are large, and there are many of them.
+    if left.shape[0] <= vectors.shape[1]:
+        found = sum((_from_left(left, change) @ vectors) * poles**n for n, change in enumerate(changes))
+    else:
+        found = left @ sum(_onto_right(change, vectors * poles**n) for n, change in enumerate(changes))
+    return np.asarray(-found)
+
+
+def _from_left(left: ComplexArray, changes: Array) -> ComplexArray:
+    """``left`` (a, m) times every change (k, m, m), in real numbers, which these are."""
+    return np.asarray(left.real @ changes + 1j * (left.imag @ changes))
+
+
+def _onto_right(changes: Array, vectors: ComplexArray) -> ComplexArray:
+    """Every change (k, m, m) times ``vectors`` (m, b), in real numbers."""
+    return np.asarray(changes @ vectors.real + 1j * (changes @ vectors.imag))
 
 
 def _ringing_runs(
