@@ -147,6 +147,7 @@ def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_
         assert reading_density(found, scale, reading) == pytest.approx(log_density(reading, *law), abs=0.15)
 
 
+@pytest.mark.slow
 def test_a_level_and_a_calibrator_tell_a_sensor_that_leans_from_one_that_feels_across() -> None:
     """To a campaign they are one; but the housing of the one is level, and the other is true on a calibrator."""
     leaning = available_effects()["sensor-tilt"](angle_rad=0.087, azimuth_rad=0.5)
@@ -185,6 +186,7 @@ def test_a_reading_is_followed_to_the_end_unless_it_leaves_no_doubt(
     assert [t.nats for t in suggesting.suggest([one, one])] == [found]
 
 
+@pytest.mark.slow
 def test_along_a_bent_valley_a_reading_tells_more_than_the_normal_law_foresees(case: Problem) -> None:
     """Stiffness lost is warming times a coefficient: no warming at all would ask for a coefficient beyond reason."""
     made = available_effects()["run-drift"](drift=-0.01)

@@ -85,6 +85,7 @@ def test_where_a_joint_has_arrived_coarse_steps_leave_it(stated: Fit, found: tup
     assert away.chi2 > 2 * ended.chi2
 
 
+@pytest.mark.slow
 def test_a_joint_that_sticks_in_one_run_and_slips_in_another_is_begun_from_the_stated_values(tmp_path: Path) -> None:
     """It is like no linear effect."""
     scenario = driven(without_instrument_noise(roving_scenario()), 1.0)

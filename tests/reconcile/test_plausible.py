@@ -157,6 +157,7 @@ def test_a_plausible_rival_goes_first_where_it_does_as_well(
     assert {r.name for r in found.rounds[0].equivalent} == {first}
 
 
+@pytest.mark.slow
 def test_a_mass_is_no_absorber_far_above_the_band(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where masses are not in the catalogue: below its resonance an absorber is one."""
     monkeypatch.undo()
