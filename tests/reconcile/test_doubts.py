@@ -64,9 +64,9 @@ def test_a_calibration_on_its_way_is_a_doubt_where_something_is_left() -> None:
 
 @pytest.mark.parametrize(
     ("met", "linear", "kind"),
-    [(True, False, Kind.AMBIGUOUS), (False, False, Kind.PARTLY_EXPLAINED), (True, True, Kind.PARTLY_EXPLAINED)],
+    [(True, False, Kind.AMBIGUOUS), (False, False, Kind.AMBIGUOUS), (True, True, Kind.PARTLY_EXPLAINED)],
 )
-def test_data_met_by_leaning_on_tolerances_await_a_second_level_before_anything_else(
+def test_a_name_that_depends_on_level_awaits_a_second_one_before_anything_else(
     monkeypatch: pytest.MonkeyPatch, met: bool, linear: bool, kind: Kind
 ) -> None:
     monkeypatch.setattr(one_level, "several_levels", lambda problem: False)

@@ -116,9 +116,10 @@ def kind_of(found: Attribution) -> Kind:
         met = found.null_residual.adequate and not strained_too_much(found.null)
         return Kind.ADEQUATE if met else Kind.UNKNOWN
     doubtful = bool(doubts(found))
-    # With data met, what a joint that depends on level makes of the tolerances is for the second level to say.
-    leans = found.final.converged and any(not a.winner.hypothesis.linear for a in found.rounds)
-    awaits_level = rests_on_one_level(found) and found.final_residual.met and (leans or not doubtful)
+    # What a joint that depends on level leaves, or makes of the tolerances, is for the second level to say: a name that
+    # rests on one is not settled, however little is left. A linear name beside such a likeness has to meet the data.
+    bends = found.final.converged and any(not a.winner.hypothesis.linear for a in found.rounds)
+    awaits_level = rests_on_one_level(found) and (bends or (found.final_residual.met and not doubtful))
     if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
     several = any(len({r.name for r in a.alike}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
@@ -224,7 +225,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
             for x, y in _other_places(addition)
         ]
-    if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and found.rounds:
+    if kind is not Kind.EXPLAINED and found.rounds:
         said += [f"With it {text}" for text in after.reasons]
     said += [
         f"{name} depends on the level of force, and every run has the same: it needs a second level"
