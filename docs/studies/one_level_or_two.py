@@ -153,7 +153,7 @@ def row_of(truth: Truth, levels: int) -> dict[str, Any]:
     """The verdict on a case in plain values."""
     started = time.process_time()
     catalogue = {n: c for n, c in available_effects().items() if n in (*SHORT, *NONLINEAR)}
-    verdict = reconcile(campaign_of(truth, levels), nominal(), effects=catalogue, lines=LINES, most=1)
+    verdict = reconcile(campaign_of(truth, levels), nominal(), effects=catalogue, lines=LINES, most=1, with_tests=False)
     return {
         "truth": truth.name, "source": truth.source, "levels": levels,
         "verdict": verdict.kind.value, "named": _named(verdict),
