@@ -49,7 +49,8 @@ RUNS = lab.RUNS[:3]
 class Truth:
     """An effect with its settings, and the drive's amplitudes, the quiet one and the loud one.
 
-    In V at the shaker of the simulator, in N at the gauge of the second laboratory.
+    In V at the shaker of the simulator, in N at the gauge of the second laboratory. ``model_form`` is what the analysis
+    is told that its model misses of each response when driven so, relative; by default what the scenario states.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Truth:
     quiet: float
     loud: float
     source: str = SIMULATION
+    model_form: float | None = None
 
     @property
     def title(self) -> str:
@@ -69,12 +71,14 @@ class Truth:
         return "mujoco" if self.name in NONLINEAR else "linear"
 
 
-# Play is driven just beyond what opens the joint against the wing's weight (between 2 and 2.5 V): at 4 V, where it was
-# driven at first, finite rotation of the aircraft is 3 %, ten times the noise.
+# Play is driven just beyond what opens the joint against the wing's weight (between 2 and 2.5 V). The same aircraft
+# without any joint is off by 1.2 % there, four times the noise, as it turns through finite angles (tests/reconcile/
+# test_levels.py measures it): a lab that steps its nominal scenario at the drive of its test knows that beforehand.
 TRUTHS = (
     Truth("cubic-root-stiffness", {"cubic_n_m_per_rad3": 2e7, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
     Truth("root-friction", {"friction_n_m": 0.3, "root_stiffness_n_m_per_rad": 2000.0}, 0.25, 1.0),
-    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 0.6, 2.5),
+    Truth("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending"}, 0.6, 2.5,
+          model_form=0.012),
     Truth("run-drift", {"drift": 0.02}, 0.25, 1.0),
     Truth("root-compliance", {"bending": 0.2, "torsion": 0.0}, 0.25, 1.0),
     # No finite rotation and no cells there: the joint with play is driven well beyond what opens it (4.7 N).
@@ -90,6 +94,15 @@ def nominal() -> Scenario:
     scenario = lab.nominal()
     acquisition = scenario.acquisition.model_copy(update={"runs": (*RUNS, *RUNS)})
     return scenario.model_copy(update={"acquisition": acquisition})
+
+
+def told(truth: Truth) -> Scenario:
+    """The same with what it is told of its model's error."""
+    scenario = nominal()
+    if truth.model_form is None:
+        return scenario
+    tolerances = scenario.tolerances.model_copy(update={"model_form": truth.model_form})
+    return scenario.model_copy(update={"tolerances": tolerances})
 
 
 @lru_cache(maxsize=1)
@@ -153,7 +166,9 @@ def row_of(truth: Truth, levels: int) -> dict[str, Any]:
     """The verdict on a case in plain values."""
     started = time.process_time()
     catalogue = {n: c for n, c in available_effects().items() if n in (*SHORT, *NONLINEAR)}
-    verdict = reconcile(campaign_of(truth, levels), nominal(), effects=catalogue, lines=LINES, most=1, with_tests=False)
+    verdict = reconcile(
+        campaign_of(truth, levels), told(truth), effects=catalogue, lines=LINES, most=1, with_tests=False
+    )
     return {
         "truth": truth.name, "source": truth.source, "levels": levels,
         "verdict": verdict.kind.value, "named": _named(verdict),

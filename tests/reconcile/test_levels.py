@@ -207,3 +207,12 @@ def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, vo
     linear = distance(predicted(case, (hypothesis,), 1e-4 if hypothesis is not FRICTION else 1e3), case.measured.values)
     assert found < most
     assert found < 0.5 * linear
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("volt", "least", "most"), [(1.0, 0.002, 0.005), (2.5, 0.009, 0.015)])
+def test_what_finite_rotation_leaves_without_any_joint(tmp_path: Path, volt: float, least: float, most: float) -> None:
+    """What a scenario driven that hard should state as its ``model_form``."""
+    scenario = driven(in_runs((1, 5, 9, 13)), volt)
+    case = make_problem(simulate(scenario, engine="mujoco").campaign, scenario, lines=120, cache=tmp_path)
+    assert least < distance(predicted(case, ()), case.measured.values) < most

@@ -22,6 +22,7 @@ from vgvt.reconcile.likeness import beside_likeness
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.progress import Progress, silent
 from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.suggest import suggest
 from vgvt.simulation import simulate
 
 NAMES = ("root-compliance", "root-freeplay", "cubic-root-stiffness")
@@ -83,6 +84,16 @@ def test_where_a_joint_has_arrived_coarse_steps_leave_it(stated: Fit, found: tup
     away = fitted_from(stated, replace(kept, arrived=False), ((0.6, 2),), silent)
     assert away is not None
     assert away.chi2 > 2 * ended.chi2
+
+
+@pytest.mark.slow
+def test_another_level_tells_it_from_what_came_next(stated: Fit, found: tuple[Screened, ...]) -> None:
+    """A joint with play from one that stiffens, by sweeps at other levels and nothing else."""
+    fits = [fitted_from(stated, s, FAR, silent) for s in found]
+    tests = suggest([f for f in fits if f is not None], levels_alone=True)
+    assert tests and all(t.test.startswith("sweep again with") for t in tests)
+    assert tests[0].rivals == (PLAY.name, "cubic-root-stiffness")
+    assert tests[0].nats > 50
 
 
 @pytest.mark.slow

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
 
+from vgvt.reconcile import verdict
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import Procedure, changed, procedures
 from vgvt.reconcile.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
-from vgvt.reconcile.verdict import undecided
+from vgvt.reconcile.verdict import next_best, undecided
 
 # The package's lazy name of the same spelling is the function.
 suggesting = importlib.import_module("vgvt.reconcile.suggest")
@@ -164,7 +165,7 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
     """The best fit of each of the last round that names several, not five places of one of them."""
 
     def rival(name: str, fit: str) -> Any:
-        return SimpleNamespace(name=name, fit=fit)
+        return SimpleNamespace(name=name, fit=fit, hypothesis=fit)
 
     def found(*rounds: tuple[Any, ...]) -> Any:
         return SimpleNamespace(rounds=[Addition(own[0], own, own, None) for own in rounds])
@@ -174,6 +175,35 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
     assert undecided(found((here, there, like))) == ("here", "like")
     assert undecided(found((here, there, like), (alone,))) == ("here", "like")
     assert undecided(found((alone,), (here, there))) == ("here", "there")
+
+
+def test_two_starts_that_met_are_one_explanation_and_two_places_are_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verdict, "distinct_places", lambda fits: tuple(dict.fromkeys(f[0] for f in fits)))
+    starts = [SimpleNamespace(name="mass", fit=at, hypothesis="freed") for at in (("a", 1), ("a", 2), ("b", 3))]
+    about: Any = SimpleNamespace(rounds=[Addition(starts[0], tuple(starts), (), None)])  # type: ignore[arg-type]
+    assert undecided(about) == (("a", 1), ("b", 3))
+
+
+def test_a_joint_that_is_alone_at_one_level_is_asked_what_another_level_tells(
+    case: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the best of another name, however far behind; and nothing but levels is compared."""
+    rows = (("play", 90.0, False), ("play", 89.0, False), ("soft", 20.0, True), ("cubic", 30.0, False))
+    rivals: Any = tuple(
+        SimpleNamespace(name=n, gain_nats=g, fit=f"{n} {g:.0f}", hypothesis=SimpleNamespace(linear=linear))
+        for n, g, linear in rows
+    )
+    round_of: Any = SimpleNamespace(rounds=[Addition(rivals[0], rivals[:2], rivals, None)])
+    assert next_best(round_of) == ("play 90", "cubic 30")
+    linear: Any = SimpleNamespace(rounds=[Addition(rivals[2], rivals[2:3], rivals, None)])
+    assert next_best(linear) == ()
+    campaigns_alone(monkeypatch, (Procedure("move the shaker", lambda s: s, 5.0),))
+    monkeypatch.setattr(suggesting, "levels_to_try", lambda fits: (Procedure("half the force", lambda s: s, 5.0, 0.5),))
+    for way in ("expected_nats", "found_nats"):
+        monkeypatch.setattr(suggesting, way, lambda one, other, problem: 30.0)
+    one = claimed(case, "channel-gain", {"gain_error": GAIN}, channels="3+Z")
+    assert [t.test for t in suggest([one, one], levels_alone=True)] == ["half the force"]
+    assert {t.test for t in suggest([one, one])} == {"half the force", "move the shaker"}
 
 
 @pytest.mark.parametrize(("forth", "back"), [(20.0, 3.0), (3.0, 20.0)])

@@ -40,6 +40,16 @@ def test_what_is_nonlinear_is_stepped_in_time() -> None:
     assert len(study.TRUTHS) == 8
 
 
+def test_only_what_turns_through_finite_angles_is_told_of_them() -> None:
+    """The play of the simulator, which has to be driven that hard; nothing else of the scenario is touched."""
+    stated = study.nominal()
+    told = {t.title: study.told(t) for t in study.TRUTHS}
+    assert {n for n, s in told.items() if s.tolerances != stated.tolerances} == {"root-freeplay"}
+    play = told["root-freeplay"]
+    assert play.tolerances.model_form == pytest.approx(0.012)
+    assert play.model_copy(update={"tolerances": stated.tolerances}) == stated
+
+
 def test_every_joint_comes_from_the_second_laboratory_too() -> None:
     there = [t for t in study.TRUTHS if t.source == study.SECOND]
     assert {t.name for t in there} == set(study.NONLINEAR)

@@ -19,7 +19,16 @@ from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
 from vgvt.reconcile.turned import counts_instead, turned, words_of_turn
-from vgvt.reconcile.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of, undecided
+from vgvt.reconcile.verdict import (
+    Kind,
+    Verdict,
+    kind_of,
+    leads_of,
+    named_effects,
+    next_best,
+    reasons_of,
+    undecided,
+)  # fmt: skip
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
@@ -104,7 +113,7 @@ def reconcile(
     tests: tuple[Suggestion, ...] = ()
     if kind is Kind.AMBIGUOUS and with_tests:
         tell(_LOCALISED, "compare tests")
-        tests = suggest(undecided(found))
+        tests = suggest(undecided(found)) or suggest(next_best(found), levels_alone=True)
         said += words_of_none(tests, limits.set_nats)
     verdict = Verdict(
         kind, (*said, *reasons_of(kind, found, limits, places)), named_effects(found), leads_of(found),

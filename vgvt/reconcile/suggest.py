@@ -67,18 +67,20 @@ class _Test:
         return None if least is None else Suggestion(self.words, least[1], least[0], self.minutes)
 
 
-def suggest(fits: Sequence[Fit], count: int = 3) -> tuple[Suggestion, ...]:
+def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) -> tuple[Suggestion, ...]:
     """Rank tests for every pair of the first three rival fits by expected nats a lab minute; the smallest pair counts.
 
     What tells a pair at all comes before what does not, however quickly; more than 50 nats are no more than 50, and
     where nothing tells, minutes do not count.
     What a changed campaign promises is the linear distance (:func:`expected_nats`); the best of them are followed
-    by fits until the first ``count`` hold what they promise.
+    by fits until the first ``count`` hold what they promise. ``levels_alone`` compares sweeps at other levels of force.
     """
     if len(fits) < 2:
         return ()
     fits = fits[:3]
-    ranked = [(found, test) for test in _tests(fits) if (found := test.worth(fits, test.promised)) is not None]
+    ranked = [
+        (found, test) for test in _tests(fits, levels_alone) if (found := test.worth(fits, test.promised)) is not None
+    ]
     for _ in range(_FOLLOWED):
         ranked.sort(key=lambda pair: _order(pair[0]))
         ahead = [(i, test) for i, (_, test) in enumerate(ranked[:count]) if test.followed is not None]
@@ -101,12 +103,12 @@ def _order(found: Suggestion) -> tuple[bool, float]:
     return False, -min(found.nats, _CERTAIN) / found.minutes
 
 
-def _tests(fits: Sequence[Fit]) -> Iterator[_Test]:
-    """All tests that a scenario allows."""
+def _tests(fits: Sequence[Fit], levels_alone: bool) -> Iterator[_Test]:
+    """All tests that a scenario allows, or sweeps at other levels."""
     problem = fits[0].problem
-    for check in checks(problem):
+    for check in () if levels_alone else checks(problem):
         yield _Test(check.words, check.minutes, partial(reading_nats, check=check), partial(_followed, check=check))
-    for procedure in (*procedures(problem), *levels_to_try(fits)):
+    for procedure in (*(() if levels_alone else procedures(problem)), *levels_to_try(fits)):
         after = _after(problem, procedure)
         if after is not None:
             yield _Test(
