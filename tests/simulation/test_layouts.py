@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -9,7 +10,7 @@ from vgvt.effects import make_effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import reduced
 from vgvt.simulation.assembly import Plan, plan
-from vgvt.simulation.reduced import Layouts
+from vgvt.simulation.reduced import Layouts, structure
 
 
 def soft_root(scenario: Scenario, bending: float, torsion: float) -> Scenario:
@@ -70,3 +71,34 @@ def test_few_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     for edited in edits:
         assert springs(layouts.plan(edited)) == springs(plan(edited))
     assert len(layouts._known) == 2
+
+
+@pytest.mark.parametrize(("bending", "most"), [(0.05, 12), (0.4, 80)])
+def test_a_neighbours_stiffness_leads_to_the_same_rest(
+    monkeypatch: pytest.MonkeyPatch, bending: float, most: int
+) -> None:
+    """Without a difference of its own, but where it leads nowhere."""
+    scenario = load_scenario("quick")
+    here = plan(scenario)
+    beside = structure(here, here.grid)
+    action = make_effect("stiffness-asymmetry", "here", bending=bending, torsion=0.0).act(
+        moved_drive(scenario, 0.03), 0
+    )
+    assert action.scenario is not None
+    there = plan(action.scenario)
+    alone, asked, force = structure(there, there.grid), list[int](), reduced.joint_force
+
+    def counted(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+        asked.append(1)
+        return force(model, data)
+
+    monkeypatch.setattr(reduced, "joint_force", counted)
+    found = structure(there, there.grid, beside)
+    assert len(asked) < most
+    np.testing.assert_allclose(found.equilibrium, alone.equilibrium, atol=1e-8)
+    for name in ("mass", "damping", "stiffness", "axis", "tilt", "drive"):
+        np.testing.assert_allclose(getattr(found, name), getattr(alone, name), rtol=1e-5, atol=1e-5)
+    # Over the joints themselves, which the stiffness is not: a turned root changes both.
+    turn = np.eye(len(alone.joints))
+    turn[:6, :6] = alone.root
+    np.testing.assert_allclose(turn.T @ np.linalg.inv(alone.softness()) @ turn, alone.stiffness, atol=1e-6)

@@ -65,6 +65,12 @@ class Structure:
     attitude: Array
     root: Array
 
+    def softness(self) -> Array:
+        """Inverse stiffness (n, n) over the joints themselves, those of the root included."""
+        turn = np.eye(len(self.joints))
+        turn[:6, :6] = self.root
+        return np.asarray(turn @ np.linalg.solve(self.stiffness, turn.T))
+
     def onto(self, joints: tuple[str, ...]) -> Structure:
         """The same structure over more coordinates, in that order; the new ones move nothing."""
         if joints == self.joints:
@@ -264,7 +270,7 @@ def _chord(model: mujoco.MjModel, names: tuple[str, ...], near: Structure) -> Ar
     """Equilibrium (nq,) by steps of the stiffness at a guess made from a neighbour's; None where it does not arrive."""
     data = mujoco.MjData(model)
     qpos = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
-    step, inverse = 1e-5, None
+    step, inverse = 1e-5, near.softness() if near.joints == names else None
     for count in range(24):
         data.qpos[:], data.qvel[:] = qpos, 0.0
         force = joint_force(model, data)
@@ -272,13 +278,13 @@ def _chord(model: mujoco.MjModel, names: tuple[str, ...], near: Structure) -> Ar
             return qpos
         if not np.isfinite(force).all():
             return None
-        if count % 8 == 0:
+        # A neighbour's serves for as long as it leads somewhere.
+        if inverse is None or (count > 0 and count % 8 == 0):
             columns = []
             for change in np.eye(model.nv) * step:
                 data.qpos[:] = qpos + change
                 columns.append((joint_force(model, data) - force) / step)
-            inverse = np.linalg.inv(-np.array(columns).T)
-        assert inverse is not None
+            inverse = np.asarray(np.linalg.inv(-np.array(columns).T))
         move = inverse @ force
         qpos = qpos + move * min(1.0, 0.2 / max(np.abs(move).max(), 1e-300))
     return None
@@ -297,12 +303,11 @@ def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.M
 
 def _rows(model: mujoco.MjModel, data: mujoco.MjData, points: Sequence[MeasurementPoint]) -> tuple[Array, Array, Array]:
     """Displacement in world axes (P, 3, nv), along the sensed axis (P, nv), and the felt gravity (P, nv)."""
-    moved, turned = np.zeros((len(points), 3, model.nv)), np.zeros((3, model.nv))
-    axis, tilt = np.zeros((len(points), model.nv)), np.zeros((len(points), model.nv))
+    shape = (len(points), 3, model.nv)
+    moved, turned, direction = np.zeros(shape), np.zeros(shape), np.zeros((len(points), 3))
     for k, point in enumerate(points):
-        site = model.site(DRIVE_SITE if point.site == DRIVE_SITE else point.site).id
-        mujoco.mj_jacSite(model, data, moved[k], turned, site)
-        direction = data.site_xmat[site].reshape(3, 3) @ point.axis
-        axis[k] = direction @ moved[k]
-        tilt[k] = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ turned
-    return moved, axis, tilt
+        site = model.site(point.site).id
+        mujoco.mj_jacSite(model, data, moved[k], turned[k], site)
+        direction[k] = data.site_xmat[site].reshape(3, 3) @ point.axis
+    along, felt = direction[:, None], GRAVITY_M_PER_S2 * np.cross(direction, _UP)[:, None]
+    return moved, (along @ moved)[:, 0], (felt @ turned)[:, 0]

@@ -56,12 +56,9 @@ class StationTable:
 
     def nearest_arc_m(self, position_m: NDArray[np.float64]) -> float:
         """Arc length of the point of the axis nearest to a position (3,)."""
-        leg = np.diff(self.axis.position_m, axis=0)
-        start = self.axis.position_m[:-1]
-        along = np.clip(((position_m - start) * leg).sum(axis=1) / (leg**2).sum(axis=1), 0.0, 1.0)
-        distance = np.linalg.norm(position_m - start - along[:, None] * leg, axis=1)
-        i = int(np.argmin(distance))
-        return float(self.axis.arc_length_m[i] + along[i] * self.axis.segment_length_m[i])
+        axis, point = self.axis, np.asarray(position_m, dtype=float)
+        i, along = _nearest(axis.position_m.tobytes(), point.tobytes())
+        return float(axis.arc_length_m[i] + along * axis.segment_length_m[i])
 
     def compliances(self, name: str, edges_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Integral of 1/stiffness over the cells between edges (K + 1,), rad/(N m), and the arcs of its centroids."""
@@ -93,6 +90,17 @@ class StationTable:
     def _gauss(self, edges_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
         """Gauss points and weights (G,) between edges (K + 1,), split at the stations, and each piece's first (K,)."""
         return _gauss(self.axis.arc_length_m.tobytes(), np.asarray(edges_m, dtype=float).tobytes())
+
+
+# Every variant of an aircraft asks for the same things, most of which stay where they are.
+@lru_cache(maxsize=4096)
+def _nearest(axis: bytes, position: bytes) -> tuple[int, float]:
+    """The segment of an axis (K, 3) that is nearest to a position (3,), and the share of it that is passed there."""
+    points, place = np.frombuffer(axis).reshape(-1, 3), np.frombuffer(position)
+    leg, start = np.diff(points, axis=0), points[:-1]
+    along = np.clip(((place - start) * leg).sum(axis=1) / (leg**2).sum(axis=1), 0.0, 1.0)
+    i = int(np.argmin(np.linalg.norm(place - start - along[:, None] * leg, axis=1)))
+    return i, float(along[i])
 
 
 # The same for every variant of an aircraft whose stations stay where they are. To be read, not changed.
