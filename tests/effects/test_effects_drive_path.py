@@ -107,7 +107,7 @@ def test_moment_effects_refuse_a_drive_point_on_a_wing(rig: Scenario) -> None:
     on_wing = revised(rig, shaker={"attached_to": layout.part, "position_m": tuple(map(float, layout.position_m))})
     for name, values in (
         ("stinger-moment", {"rotational_stiffness_n_m_per_rad": 1.0}),
-        ("base-strain", {"apparent_force_per_moment_per_m": 1.0}),
+        ("base-strain", {"rotational_stiffness_n_m_per_rad": 1.0}),
     ):
         with pytest.raises(InputError, match="centre body"):
             truth_of(having(on_wing, name, **values))

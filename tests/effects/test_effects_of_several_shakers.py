@@ -13,7 +13,7 @@ from vgvt.simulation.assembly import Plan, driven_rig, plans
 from vgvt.simulation.state_space import StateSpace, state_space
 
 ON_A_DRIVE_PATH: dict[str, dict[str, float]] = {
-    "base-strain": {"apparent_force_per_moment_per_m": 10.0},
+    "base-strain": {"rotational_stiffness_n_m_per_rad": 10.0},
     "drive-point-offset": {"dx_m": 0.02},
     "drive-remount": {"shift_x_m": 0.02, "from_run": 2},
     "lateral-force": {"angle_rad": 0.05},
@@ -80,8 +80,9 @@ def test_every_effect_with_a_mount_or_a_drive_path_of_one_shaker_is_tried() -> N
 
 def test_base_strain_is_read_by_its_own_gauge(two_shakers: Scenario) -> None:
     """The moment is the same wherever it is read; the other gauge reads what it reads without the strain."""
+    held = {"shaker": 2, "rotational_stiffness_n_m_per_rad": 10.0}
     models = [
-        driven(last_plan(two_shakers, "base-strain", shaker=2, apparent_force_per_moment_per_m=s)) for s in (1e-9, 10.0)
+        driven(last_plan(two_shakers, "base-strain", apparent_force_per_moment_per_m=s, **held)) for s in (0.0, 10.0)
     ]
     without, with_it = (model.output_matrix[-2:] for model in models)
     np.testing.assert_allclose(with_it[0], without[0], rtol=1e-6, atol=1e-9 * np.abs(without[0]).max())

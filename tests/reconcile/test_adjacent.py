@@ -62,7 +62,7 @@ def test_the_adjoint_gives_the_slopes_that_differences_give(case: Problem) -> No
         ("stiffness-asymmetry", {"bending": 0.03}),
         ("sensor-position-error", {"node": 1, "dx_m": 0.02}),
         ("stinger-moment", {"rotational_stiffness_n_m_per_rad": 5.0}),
-        ("base-strain", {"apparent_force_per_moment_per_m": 5.0}),
+        ("base-strain", {"rotational_stiffness_n_m_per_rad": 5.0}),
         ("roving-sensor-mass", {"mass_kg": 0.008}),
         ("root-compliance", {"bending": 0.01}),
     ],

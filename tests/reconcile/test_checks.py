@@ -54,8 +54,9 @@ def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
     assert shown(case, "weigh the force transducer", "transducer-mass", mass_kg=0.02) == pytest.approx([0.02])
     for axis, reads in (("roll", [3.0, 0.0]), ("pitch", [0.0, 3.0])):
         felt = shown(
-            case, "off the force transducer's axis", "base-strain", apparent_force_per_moment_per_m=3.0, axis=axis
-        )
+            case, "off the force transducer's axis", "base-strain", apparent_force_per_moment_per_m=3.0,
+            rotational_stiffness_n_m_per_rad=10.0, axis=axis,
+        )  # fmt: skip
         assert felt == pytest.approx(reads)
     stiff = shown(case, "off the force transducer's axis", "stinger-moment", rotational_stiffness_n_m_per_rad=9.0)
     assert stiff == pytest.approx([0.0, 0.0])

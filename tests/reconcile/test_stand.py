@@ -7,8 +7,10 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
+from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.stand import Stand, step_from_neutral
 from vgvt.reconcile.surrogate import Anchor
 
@@ -79,3 +81,24 @@ def test_a_response_that_runs_away_is_no_candidate(stand: Stand, monkeypatch: py
     monkeypatch.setattr(Anchor, "mechanical", lambda self, u, e, **ended: np.full(shape, np.nan + 0j))
     assert stand.change(heavier(), {"mass_kg": 1e-3}) is None
     assert stand.followed(heavier(), {"mass_kg": 1e-3}) is None
+
+
+# Taken off the airframe, its mass has no part in the modes that structural damping refers to.
+TAKEN_OFF = {"control-surface"}
+
+
+@pytest.mark.parametrize("name", sorted({n for n, c in available_effects().items() if c.linear} - TAKEN_OFF))
+def test_nothing_is_there_of_an_effect_at_no_size(stand: Stand, name: str) -> None:
+    """A damper that stayed behind its spring was taken for the slope of the spring: 0.4 N/m seemed to get a name."""
+    (hypothesis, *_) = candidates(stand.fit.problem, {name: available_effects()[name]})
+    sizes = [p for p in hypothesis.parameters if p.neutral is not None]
+    none = {p.name: float(p.neutral or 0.0) for p in sizes}
+    for p in sizes:
+        step = step_from_neutral(p)
+        small, whole = (
+            stand._linear_change(hypothesis, {**start_values(hypothesis), **none, p.name: none[p.name] + share * step})
+            for share in (0.01, 1.0)
+        )
+        # A joint more is there at any size, and is known for that.
+        if small is not None and whole is not None and not whole[1]:
+            assert np.linalg.norm(small[0]) < 0.1 * np.linalg.norm(whole[0]) + 1e-9, p.name

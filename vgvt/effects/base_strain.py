@@ -19,7 +19,8 @@ from vgvt.scenario.model import Scenario
 class BaseStrain:
     """The gauge reads F + s M, with M = -k θ - c θ' the moment of a stinger that resists rotation about one axis.
 
-    The moment path is its own, so that the effect stands alone; for a drive point on the centre body only.
+    The moment path is its own, so that the effect stands alone and is gone with it: where nothing resists, nothing is
+    read. For a drive point on the centre body only.
     """
 
     name: ClassVar[str] = "base-strain"
@@ -34,10 +35,10 @@ class BaseStrain:
     )
 
     apparent_force_per_moment_per_m: float = parameter(
-        "1/m", -20.0, 20.0, "apparent force s per bending moment, N per N m", neutral=0.0
+        "1/m", -20.0, 20.0, "apparent force s per bending moment, N per N m", default=10.0
     )
     rotational_stiffness_n_m_per_rad: float = parameter(
-        "N m/rad", 0.5, 30.0, "stiffness of what holds the drive point", default=10.0, scale="log", least=0.0
+        "N m/rad", 0.5, 30.0, "stiffness of what holds the drive point", neutral=0.0, scale="log", least=0.0
     )
     loss_factor: float = parameter(
         "", 0.01, 0.5, "loss factor of the moment path", default=0.05, scale="log", least=0.0
@@ -51,7 +52,7 @@ class BaseStrain:
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the moment path and let the gauge feel it, in every run; InputError for a drive point on a beam."""
         del run
-        if self.apparent_force_per_moment_per_m == 0:
+        if self.rotational_stiffness_n_m_per_rad == 0:
             return NOTHING
         chosen = chosen_shakers(scenario, self.shaker, self.name)
         require_body_drive(scenario, chosen, self.name)

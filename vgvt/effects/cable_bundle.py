@@ -38,7 +38,7 @@ class CableBundle:
     stiffness_n_per_m: float = parameter(
         "N/m", 1.0, 100.0, "force per difference of height", neutral=0.0, scale="log", least=0.0
     )
-    damping_n_s_per_m: float = parameter("N s/m", 0.001, 1.0, "damper beside it", default=0.05, scale="log", least=0.0)
+    damping_n_s_per_m: float = parameter("N s/m", 0.001, 1.0, "damper beside it", neutral=0.0, scale="log", least=0.0)
     x_m: float = parameter("m", 0.0, 1.2, "one end, aft of the nose", default=0.9)
     y_m: float = parameter("m", -1.5, 1.5, "one end, to the right", default=1.2)
     other_x_m: float = parameter("m", 0.0, 1.2, "the other end, aft of the nose", default=0.45)
@@ -47,7 +47,7 @@ class CableBundle:
     def act(self, scenario: Scenario, run: int) -> Action:
         """Tie the two places together, in every run."""
         del run
-        if self.stiffness_n_per_m == 0:
+        if self.stiffness_n_per_m == 0 and self.damping_n_s_per_m == 0:
             return NOTHING
         ends = (_end(scenario, self.x_m, self.y_m), _end(scenario, self.other_x_m, self.other_y_m))
         return Action(elements=(PointPair(*ends[0], *ends[1], self.stiffness_n_per_m, self.damping_n_s_per_m),))
