@@ -144,3 +144,15 @@ def test_a_calibration_is_strained_where_its_scores_hold_more_than_a_name() -> N
     assert not shortlist._strained(quiet, 9.0)
     assert shortlist._strained(bent, 9.0)
     assert not shortlist._strained(bent, 30.0)
+
+
+def test_what_is_damped_by_a_loss_factor_is_begun_as_a_strong_damper_too(null: Fit) -> None:
+    """A moment path of clay: 0.3 at 1.9 Hz damps thirty times as much as 0.05 at 10 Hz."""
+    known = available_effects()
+    for name, starts in (("stinger-moment", 2), ("mount-compliance", 2), ("hysteretic-damping", 1), ("added-mass", 1)):
+        variants = candidates(null.problem, {name: known[name]})
+        found = scan_of(null.problem, variants[0])
+        assert (len(found.starts), found.tuned) == (starts, ""), name
+    (hypothesis,) = candidates(null.problem, {"stinger-moment": known["stinger-moment"]})
+    weak, strong = scan_of(null.problem, hypothesis).starts
+    assert strong["loss_factor"] / strong["frequency_hz"] > 15 * weak["loss_factor"] / weak["frequency_hz"]

@@ -189,7 +189,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
 ) -> None:
     """From where peaks overlap, those that were screened, with the least that a fit has left."""
     current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named, u=np.array([moved]))
-    chosen: Any = [SimpleNamespace(hypothesis=name, gain_nats=1.0) for name in ("first", "second")]
+    chosen: Any = [SimpleNamespace(hypothesis=name, gain_nats=1.0, upright=False) for name in ("first", "second")]
     left = iter((leaves + 5.0, leaves))
 
     def fitted(*args: Any) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.backward import needed, nowhere, without_last
 from vgvt.reconcile.bending import straightened
-from vgvt.reconcile.candidate_fits import FINALISTS, begun_anew, finalists, fitted_from
+from vgvt.reconcile.candidate_fits import begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.courses import best_course
 from vgvt.reconcile.doubts import strained_too_much
@@ -253,13 +253,16 @@ def _fit_all(
     """
     near, screened = not swallowed(current, before), chosen
     if not near:
-        chosen, tell = finalists(current, chosen, part(tell, 0.0, 0.4), team), part(tell, 0.4, 1.0)
+        seen = tuple(s for s in chosen if s.upright)
+        rest = tuple(s for s in chosen if not s.upright)
+        chosen = (*seen, *finalists(current, rest, part(tell, 0.0, 0.4), team))
+        tell = part(tell, 0.4, 1.0)
         last = {s.hypothesis for s in chosen}
         screened = [s for s in screened if s.hypothesis in last]
     tell, anew = part(tell, 0.0, 0.8), part(tell, 0.8, 1.0)
     found: list[Fit] = []
     # Of finalists none is left out for another one's sake: they are fitted together.
-    first = _AT_LEAST if near else FINALISTS
+    first = _AT_LEAST if near else len(chosen)
     waves = [chosen[:first], *(chosen[k : k + _AT_ONCE] for k in range(first, len(chosen), _AT_ONCE))]
     for k, wave in enumerate(waves):
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)

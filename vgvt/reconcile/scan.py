@@ -20,6 +20,8 @@ _STEP = 0.06
 _ABOVE = 3.0
 # Where a filter's own peak is looked for, and how high above what it does far from there.
 _GRID_HZ, _PEAK = np.geomspace(0.5, 2000.0, 1500), 1.5
+# Shares of the plausible range of what makes a damper strong: a high loss, and that at a low frequency.
+_HEAVY = {"loss_factor": 0.85, "frequency_hz": 0.2}
 # The damping ratio of what is as wide as half a step to either side; how much narrower is sharp.
 _WIDE, _SHARP = _STEP / 2, 3.0
 
@@ -42,7 +44,7 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
     defaults = start_values(hypothesis)
     found = _resonant(problem, hypothesis)
     if found is None:
-        return Scan((defaults,), "", 0.0)
+        return Scan((defaults, *_heavily_damped(hypothesis, defaults)), "", 0.0)
     scanned, power, first = found
     low, high = math.log(scanned.low), math.log(scanned.high)
     band, starts = problem.measured.frequency_hz, []
@@ -68,6 +70,15 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:
     """Defaults of the parameters without a neutral value."""
     return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
+
+
+def _heavily_damped(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str, float]]:
+    """The defaults with a damper that is as strong as plausible, of what is damped by a loss factor at a frequency.
+
+    A mount of clay is a damper more than it is a spring; from one that hardly damps the tangent does not lead there.
+    """
+    damped = {p.name: p.at(x) for p in hypothesis.parameters if (x := _HEAVY.get(p.name)) and p.neutral is None}
+    return [{**defaults, **damped}] if len(damped) == len(_HEAVY) else []
 
 
 def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, float, float] | None:

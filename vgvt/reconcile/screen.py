@@ -42,7 +42,8 @@ class Screened:
     ``remaining`` is the χ² that it would leave, ``start`` (scores,) those of the stand that it was screened at: of the
     unknowns and of the effects that are there already. ``tuned`` names the parameter that was scanned, as it moves a
     resonance: with a part of it the resonance is elsewhere, so it is no size. What has ``arrived`` is at the bottom of
-    a fit already: coarse steps would lead away.
+    a fit already: coarse steps would lead away. What is ``upright`` was seen from a calibration that may not bend
+    (:mod:`vgvt.reconcile.upright`), and is too small for coarse steps to tell.
     """
 
     hypothesis: Hypothesis
@@ -53,6 +54,7 @@ class Screened:
     start: Array | None = None
     tuned: str = ""
     arrived: bool = False
+    upright: bool = False
 
     @property
     def sizes(self) -> dict[str, float]:

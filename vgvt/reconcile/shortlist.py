@@ -21,6 +21,7 @@ from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.scan import tuned_to
 from vgvt.reconcile.screen import Screened, screen
 from vgvt.reconcile.team import ALONE, Task, Team
+from vgvt.reconcile.upright import upright
 
 _SHORT_LIST, _A_FAMILY = 6, 2
 BIASED = 1.5
@@ -54,7 +55,9 @@ def shortened(
         found = _in_sight(current, left, _OPEN * needed, tell)
         return short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
     straight, large = _asked(current, left, left)
-    looks: list[Task] = [(_far, (current, straight)), (_near, (current, straight)), *large]
+    # Where the data are met what stands where the unknowns are bent is as good as hidden.
+    closer = _near if before.train_chi2_per_dof >= BIASED else _upright
+    looks: list[Task] = [(_far, (current, straight)), (closer, (current, straight)), *large]
     far, near, *others = team.work_off(looks, part(tell, 0.0, 0.9))
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
@@ -68,6 +71,14 @@ def shortened(
 def _near(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
     """What is in sight from where the calibration stands."""
     return screen(current, left, tell, slots=_SHORT_LIST - 1)
+
+
+def _upright(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+    """What is in sight from a calibration that may not bend; where there is none, from where it stands."""
+    try:
+        return upright(current, _forgiving(current), left, tell)
+    except NoStructureError:
+        return _near(current, left, tell)
 
 
 def _far(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
