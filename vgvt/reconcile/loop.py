@@ -28,7 +28,7 @@ from vgvt.reconcile.verdict import (
     next_best,
     reasons_of,
     undecided,
-)  # fmt: skip
+)
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
