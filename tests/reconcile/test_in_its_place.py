@@ -25,7 +25,8 @@ from vgvt.reconcile.in_its_place import in_its_place, reconsidered
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.rivals import against
 from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.verdict import _how_well, named_effects, undecided
+from vgvt.reconcile.undecided import undecided
+from vgvt.reconcile.verdict import _how_well, named_effects
 
 fits = importlib.import_module("vgvt.reconcile.fit")
 asked_again = importlib.import_module("vgvt.reconcile.in_its_place")

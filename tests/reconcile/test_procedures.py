@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
 
-from vgvt.reconcile import verdict
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import Procedure, changed, procedures
 from vgvt.reconcile.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
-from vgvt.reconcile.verdict import next_best, undecided
+from vgvt.reconcile.undecided import next_best, undecided
 
 # The package's lazy name of the same spelling is the function.
 suggesting = importlib.import_module("vgvt.reconcile.suggest")
+undecided_module = importlib.import_module("vgvt.reconcile.undecided")
 GAIN = 0.05
 
 
@@ -178,7 +178,7 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
 
 
 def test_two_starts_that_met_are_one_explanation_and_two_places_are_two(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(verdict, "distinct_places", lambda fits: tuple(dict.fromkeys(f[0] for f in fits)))
+    monkeypatch.setattr(undecided_module, "distinct_places", lambda fits: tuple(dict.fromkeys(f[0] for f in fits)))
     starts = [SimpleNamespace(name="mass", fit=at, hypothesis="freed") for at in (("a", 1), ("a", 2), ("b", 3))]
     about: Any = SimpleNamespace(rounds=[Addition(starts[0], tuple(starts), (), None)])  # type: ignore[arg-type]
     assert undecided(about) == (("a", 1), ("b", 3))

@@ -19,16 +19,8 @@ from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
 from vgvt.reconcile.turned import counts_instead, turned, words_of_turn
-from vgvt.reconcile.verdict import (
-    Kind,
-    Verdict,
-    kind_of,
-    leads_of,
-    named_effects,
-    next_best,
-    reasons_of,
-    undecided,
-)
+from vgvt.reconcile.undecided import next_best, undecided
+from vgvt.reconcile.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]

@@ -126,48 +126,6 @@ def kind_of(found: Attribution) -> Kind:
     return Kind.AMBIGUOUS if several or rests_on_one_level(found) else Kind.EXPLAINED
 
 
-def undecided(found: Attribution) -> tuple[Fit, ...]:
-    """The fits that a next test has to tell apart: of the last round that names several effects, the best fit of each.
-
-    Where no round does, all that the last one holds: one effect at several places, or, at one level, alone.
-    """
-    for addition in reversed(found.rounds):
-        best: dict[str, Fit] = {}
-        rivals = (addition.winner, *addition.equivalent)
-        if addition.in_its_place:
-            # Fits that hold the same others: what they foretell differs by the one alone.
-            beside = addition.in_its_place[0].fit.hypotheses[:-1]
-            same = (r for r in addition.equivalent if r.fit.hypotheses[:-1] == beside)
-            rivals = (*addition.in_its_place, *same)
-        for r in rivals:
-            best.setdefault(r.name, r.fit)
-        if len(best) > 1:
-            return tuple(best.values())
-    return tuple(r.fit for r in _apart(found.rounds[-1].equivalent))
-
-
-def _apart(rivals: tuple[Rival, ...]) -> list[Rival]:
-    """Those of rivals with one name that say different things: two starts of one variant that met say the same."""
-    kept: list[Rival] = []
-    for r in rivals:
-        if not any(r.hypothesis == o.hypothesis and len(distinct_places([o.fit, r.fit])) < 2 for o in kept):
-            kept.append(r)
-    return kept
-
-
-def next_best(found: Attribution) -> tuple[Fit, ...]:
-    """What the last name that depends on level would have to be told from at another one, where it is alone.
-
-    Its fit, and that of the effect of another name that came nearest; nothing where there is none.
-    """
-    for addition in reversed(found.rounds):
-        winner = addition.winner
-        if not winner.hypothesis.linear:
-            others = [r for r in addition.rivals if r.name != winner.name]
-            return (winner.fit, max(others, key=lambda r: r.gain_nats).fit) if others else ()
-    return ()
-
-
 def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:
     """The effects of the final model with their posterior."""
     return _of_rounds(found.rounds, found.final)
