@@ -130,3 +130,29 @@ def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: p
     limits: Any = SimpleNamespace(evidence_nats=9.0)
     (said,) = verdict._lasting_alone(SimpleNamespace(last_rivals=tried), limits)  # type: ignore[arg-type]
     assert said.startswith("loose would gain 18 nats, but 3 where an error of the model lasts")
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"), [(Kind.AMBIGUOUS, True), (Kind.PARTLY_EXPLAINED, True), (Kind.EXPLAINED, False)]
+)
+def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
+    monkeypatch: pytest.MonkeyPatch, kind: Kind, told: bool
+) -> None:
+    monkeypatch.setattr(verdict, "_other_places", lambda addition: ())
+    monkeypatch.setattr(verdict, "several_levels", lambda problem: True)
+    about = found(fitted(), fitted())
+    winner: Any = SimpleNamespace(
+        name="root-freeplay", hypothesis=SimpleNamespace(label="root-freeplay", linear=False), gain_nats=90.0,
+        lasting_nats=80.0, held_out=1.4,
+    )  # fmt: skip
+    about.rounds = (Addition(winner, (winner,), (winner,), 3.6),)
+    about.null.problem = SimpleNamespace(names=NAMES, measured=SimpleNamespace(harmonics=()))
+    monkeypatch.setattr(verdict, "rests_on_one_level", lambda found: ("root-freeplay",))
+    about.vetoed = ()
+    about.null_residual, about.final_residual = (
+        SimpleNamespace(reasons=("a",)),
+        SimpleNamespace(reasons=("2.3 is left",), adequate=False),
+    )
+    said = verdict.reasons_of(kind, about, SimpleNamespace(set_nats=5.0, evidence_nats=9.0), None)  # type: ignore[arg-type]
+    assert ("With it 2.3 is left" in said) == told
+    assert any("needs a second level" in words for words in said)

@@ -129,3 +129,21 @@ def test_an_effect_outside_the_catalogue_is_not_given_another_name(folder: Path)
     found = verdict(folder, 13, tuple(n for n in MANY if n != "local-absorber"), made)
     assert found.kind in (Kind.UNKNOWN, Kind.PARTLY_EXPLAINED), found.reasons
     assert found.localisation is not None and found.localisation.places
+
+
+def test_where_one_name_is_left_other_levels_alone_are_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With nothing to tell apart there is what came next, and what depends on level."""
+    asked = list[tuple[Any, bool]]()
+
+    def suggest(fits: Any, *, levels_alone: bool = False) -> tuple[()]:
+        asked.append((fits, levels_alone))
+        return ()
+
+    monkeypatch.setattr(loop, "kind_of", lambda found: Kind.AMBIGUOUS)
+    monkeypatch.setattr(loop, "undecided", lambda found: ("alone",))
+    monkeypatch.setattr(loop, "next_best", lambda found: ("alone", "next"))
+    monkeypatch.setattr(loop, "suggest", suggest)
+    reconcile(campaign_of(small_scenario(), 1), small_scenario(), effects={}, lines=60, folder=tmp_path)
+    assert asked == [(("alone",), False), (("alone", "next"), True)]

@@ -48,6 +48,12 @@ def test_held_unknowns_are_the_same_aircraft(swallowed: Fit) -> None:
     np.testing.assert_allclose(there, swallowed.predicted, rtol=1e-5, atol=1e-6)
     free = [k for k, name in enumerate(problem.names) if name == CELLS.name or k >= len(problem.unknowns)]
     assert (shares[free] == 1).all() and (np.delete(shares, free) == 0.1).all()
+    # So are the scores where slopes were taken.
+    moved = replace(problem, centre=np.arange(1.0, len(problem.unknowns) + 1))
+    again, _ = held(moved, 0.1)
+    assert [k.amount(float(u)) for k, u in zip(again.unknowns, again.at, strict=True)] == pytest.approx(
+        [k.amount(float(u)) for k, u in zip(moved.unknowns, moved.at, strict=True)]
+    )
 
 
 def test_what_was_imitated_comes_first_and_leads_to_the_truth(swallowed: Fit) -> None:
@@ -58,6 +64,9 @@ def test_what_was_imitated_comes_first_and_leads_to_the_truth(swallowed: Fit) ->
     assert first.gain_nats > 5 * max(s.gain_nats for s in rest if s.hypothesis.name != first.hypothesis.name)
     # From where the unknowns are bent it promises a hundredth of that.
     assert first.gain_nats > 20 * max(s.gain_nats for s in screen(swallowed, offered))
+    # Its start is in scores of the problem as it is, and within the tolerances.
+    assert first.start is not None
+    assert np.abs(first.start).max() < 4 < np.abs(swallowed.u).max()
     found = fitted_from(swallowed, first, FAR, silent)
     assert found is not None
     assert found.values(0)["roll_inertia_kg_m2"][0] == pytest.approx(TRUE_KG_M2, rel=0.1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -102,3 +104,13 @@ def test_a_neighbours_stiffness_leads_to_the_same_rest(
     turn = np.eye(len(alone.joints))
     turn[:6, :6] = alone.root
     np.testing.assert_allclose(turn.T @ np.linalg.inv(alone.softness()) @ turn, alone.stiffness, atol=1e-6)
+
+
+def test_a_sensor_that_looks_ahead_feels_gravity_as_the_nose_goes_down() -> None:
+    """Turned by θ to the right-hand side's axis, x points down by θ: at rest it reads -g θ, whatever the model says."""
+    scenario = load_scenario("quick")
+    layout = plan(scenario)
+    ahead = replace(layout.grid[0], axis=np.array([1.0, 0.0, 0.0]))
+    found = structure(layout, (ahead,))
+    # Centre body's translations, then its rotations.
+    np.testing.assert_allclose(found.tilt[0, 3:6], [0.0, -9.80665, 0.0], atol=0.05 * 9.80665)
