@@ -70,6 +70,25 @@ def test_a_course_that_fitted_data_tell_is_left_alone(remounted: Problem) -> Non
         assert best_course(found, every) is found
 
 
+def test_a_course_that_only_a_channel_held_out_alone_could_tell_is_chosen_by_it() -> None:
+    """The first accelerometer loses a tenth before the last run; where it sat in the run before, nothing is fitted."""
+    scenario, drift = without_instrument_noise(roving_scenario()), available_effects()["gain-drift"]
+    settings, size = {"channels": "sensor-1", "shape": "step"}, {"drift": -0.1}
+    truth = scenario.model_copy(update={"effect": (table_of(drift(from_run=4, **settings, **size)),)})
+    whole = make_problem(simulate(truth, engine="linear").campaign, scenario, lines=80)
+    alone = np.array([c.run == 2 and c.instrument == 0 for c in whole.measured.channels])
+    unseen = replace(whole, split=Split(~alone, np.zeros_like(alone), alone))
+    seen = replace(whole, split=Split(np.ones_like(alone), np.zeros_like(alone), np.zeros_like(alone)))
+    every = candidates(unseen, {"gain-drift": drift})
+    chosen = best_course(claimed(unseen, drift, size, from_run=3, **settings), every)
+    assert chosen.hypotheses[-1].settings["from_run"] == 4
+    assert chosen.held_out_chi2_per_dof is not None
+    # A run earlier it acts on a channel that is fitted, and with nothing held out nothing may choose.
+    for case, run in ((unseen, 2), (seen, 3)):
+        found = claimed(case, drift, size, from_run=run, **settings)
+        assert best_course(found, every) is found
+
+
 def test_what_has_no_course_is_left_alone(remounted: Problem) -> None:
     gain = available_effects()["channel-gain"]
     found = claimed(remounted, gain, {"gain_error": 0.1}, channels="response")

@@ -1,7 +1,8 @@
-"""Changes between runs whose courses differ in runs that are held out alone: fitted data cannot tell them apart.
+"""Changes between runs whose courses differ in what is held out alone: fitted data cannot tell them apart.
 
-A shaker remounted before the third run or before the fourth is the same to a fit that sees neither: which of them it
-tried says nothing, and what was held out must not refuse the effect for it. Each course has paid for being one of many
+A shaker remounted before the third run or before the fourth is the same to a fit that does not see the third, and so is
+a gain to one that does not see its channel there: which of them it tried says nothing, and what was held out must not
+refuse the effect for it. Each course has paid for being one of many
 (:attr:`~vgvt.reconcile.hypothesis.Hypothesis.share`), so that held-out data may choose.
 """
 
@@ -31,7 +32,7 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
     ``hypotheses`` are all variants; the fit itself where its effect has no course, or where every other one differs.
     """
     problem, own = found.problem, found.hypotheses[-1]
-    if not problem.split.held_runs.any() or not set(_COURSE) & set(own.settings):
+    if not problem.split.held.any() or not set(_COURSE) & set(own.settings):
         return found
     scores = found.e[found.e.size - len(own.parameters) :]
     here, alike = _done(problem, own, scores), [found]
@@ -57,21 +58,32 @@ def _other_course(h: Hypothesis, own: Hypothesis) -> bool:
 def _done(problem: Problem, hypothesis: Hypothesis, scores: Array) -> tuple[Action, ...] | None:
     """What an effect does to every run of which a channel is fitted; None where it refuses its values."""
     effect = hypothesis.effect(hypothesis.values(scores))
-    runs = sorted({c.run for c, fitted in zip(problem.measured.channels, problem.split.train, strict=True) if fitted})
     try:
-        return None if effect is None else tuple(effect.act(problem.scenario, run) for run in runs)
+        return None if effect is None else tuple(effect.act(problem.scenario, run) for run in sorted(_fitted(problem)))
     except (InputError, ValueError):
         return None
 
 
+def _fitted(problem: Problem) -> dict[int, set[str]]:
+    """Labels of the points whose channels are fitted, of every run that has any."""
+    found: dict[int, set[str]] = {}
+    for channel, train in zip(problem.measured.channels, problem.split.train, strict=True):
+        if train:
+            found.setdefault(channel.run, set()).add(str(channel.dof))
+    return found
+
+
 def _alike(problem: Problem, one: tuple[Action, ...] | None, other: tuple[Action, ...] | None) -> bool:
-    """Whether two courses do the same to fitted runs."""
+    """Whether two courses do the same to what is fitted."""
     if one is None or other is None:
         return False
-    frequency = problem.measured.frequency_hz
+    frequency, fitted = problem.measured.frequency_hz, _fitted(problem)
+    measured = {str(channel.dof) for channel in problem.measured.channels}
 
-    def filters(action: Action) -> list[tuple[str, bytes]]:
-        linear = [c for c in action.channels if isinstance(c, ChannelFilter)]
+    def filters(action: Action, run: int) -> list[tuple[str, bytes]]:
+        unseen = measured - fitted[run]
+        linear = [c for c in action.channels if isinstance(c, ChannelFilter) and c.channels not in unseen]
         return [(c.channels, np.asarray(c.response(frequency)).tobytes()) for c in linear]
 
-    return all(a.same_rig(b) and filters(a) == filters(b) for a, b in zip(one, other, strict=True))
+    same = zip(one, other, sorted(fitted), strict=True)
+    return all(a.same_rig(b) and filters(a, run) == filters(b, run) for a, b, run in same)
