@@ -54,6 +54,17 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
     assert found.document()["verdict"] == "explained"
 
 
+def test_a_small_second_effect_has_its_name_where_the_first_one_meets_the_data(folder: Path) -> None:
+    """The delay leaves noise alone, and a gain that its tolerance of 2 % takes for three deviations of its own."""
+    known = available_effects()
+    delay = known["channel-delay"](channels="12+Z", delay_s=1.5e-4)
+    found = verdict(folder, 3, SOME, delay, known["channel-gain"](channels="4+Z", gain_error=0.06))
+    assert {e.name: e.settings["channels"] for e in found.effects} == {"channel-delay": "12+Z", "channel-gain": "4+Z"}
+    first = found.attribution.rounds[0].winner
+    assert first.name == "channel-delay"
+    assert first.fit.chi2_per_dof < 1.02 * found.after.train.chi2_per_dof
+
+
 def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: demoted(found))
     found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))

@@ -117,23 +117,18 @@ def test_what_a_name_takes_of_its_own_data_is_asked_at_the_end_of_its_fit(
     asked: list[Any] = []
     begun, ended = a_fit(0.9), a_fit(0.7)
     a_round(monkeypatch, begun, ended)
-    monkeypatch.setattr(rounds, "strained_too_much", lambda fit: False)
     monkeypatch.setattr(rounds, "takes_enough", lambda fit, *given: asked.append(fit) or enough)
-    found = rounds.attribute(a_fit(1.0), (), THRESHOLDS)
+    found = rounds.attribute(a_fit(1.0), (), THRESHOLDS, most=1)
     assert asked == [ended]
     assert [r.winner.fit for r in found.rounds] == ([ended] if enough else [])
     assert [r.fit for r in found.vetoed] == ([] if enough else [ended])
 
 
-@pytest.mark.parametrize("strained", [True, False])
-def test_a_name_beside_which_tolerances_are_far_exceeded_is_not_the_last(
-    monkeypatch: pytest.MonkeyPatch, strained: bool
-) -> None:
+def test_rounds_go_on_beside_data_that_are_met(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mass that 4.7 deviations of the body's imitated was left behind where a mount had its name: 89 nats."""
     a_round(monkeypatch, a_fit(0.9), a_fit(0.7))
     monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
-    monkeypatch.setattr(rounds, "strained_too_much", lambda fit: strained)
-    assert len(rounds.attribute(a_fit(1.0), (), THRESHOLDS, most=2).rounds) == (2 if strained else 1)
+    assert len(rounds.attribute(a_fit(1.0), (), THRESHOLDS, most=2).rounds) == 2
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.courses import best_course
-from vgvt.reconcile.doubts import strained_too_much
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -74,6 +73,9 @@ def attribute(
 ) -> Attribution:
     """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
 
+    It ends where no other effect gains a name, not where the data are met: a small second effect hides in what all the
+    data together allow, as it would if it were alone.
+
     ``thresholds`` are those of the campaign (:meth:`~vgvt.reconcile.thresholds.Thresholds.at`).
     ``begun`` are the null model and the rounds of a call that was broken off; ``keep`` is told both after each round.
     ``workers`` processes share what can be done at once; the answer is the same with any number.
@@ -100,8 +102,6 @@ def _selected(
     vetoed: list[Rival] = []
     rivals: tuple[Rival, ...] = rounds[-1].rivals if rounds else ()
     for k in range(len(rounds), most):
-        if k > 0 and residual(current, thresholds).adequate and not strained_too_much(current):
-            break
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
         straight, bent = linear_first(current.problem, left)
         before = residual(current, thresholds)
