@@ -21,6 +21,7 @@ from vgvt.reconcile.in_its_place import reconsidered
 from vgvt.reconcile.last_steps import ended
 from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.localise import localise
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.plausible import implausible, likelier
 from vgvt.reconcile.progress import Progress, part
@@ -60,6 +61,7 @@ class Attribution:
     led: Fit | None = None
 
 
+@one_thread
 def attribute(
     null: Fit,
     hypotheses: Sequence[Hypothesis],

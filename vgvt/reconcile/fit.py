@@ -18,6 +18,7 @@ from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import SERVE, origin_near
 from vgvt.reconcile.misfit import coarse_sigma, data_misfit, jacobian
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.problem import Problem, recentred
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.surrogate import Anchor, anchor
@@ -122,6 +123,7 @@ class Fit:
         return out
 
 
+@one_thread
 def calibrate(
     problem: Problem,
     start: Array | None = None,
@@ -145,6 +147,7 @@ def calibrate(
     return fit(problem, (), found.u, np.zeros(0), TO_THE_END, progress, exact=True)
 
 
+@one_thread
 def fit(
     problem: Problem,
     hypotheses: tuple[Hypothesis, ...],

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.response import accelerances
 from vgvt.reconcile.surrogate import Anchor, Reduced, anchor
@@ -63,6 +64,7 @@ class _Candidate:
     mask: NDArray[np.bool_] | None
 
 
+@one_thread
 def localise(null: Fit, progress: Callable[[float, str], None] | None = None) -> Localisation:
     """Rank every place by the residual that a force, a gain or a single sensor there would explain."""
     problem = null.problem

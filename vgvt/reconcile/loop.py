@@ -15,6 +15,7 @@ from vgvt.reconcile.figures_of_merit import compare
 from vgvt.reconcile.fit import FAR, Fit, calibrate
 from vgvt.reconcile.leads import as_leads, does_without, strange_names, telling
 from vgvt.reconcile.localise import localise
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
@@ -29,6 +30,7 @@ _CALIBRATED, _ATTRIBUTED, _TURNED, _LOCALISED = 0.15, 0.80, 0.90, 0.95
 _SEARCHED = 0.9
 
 
+@one_thread
 def reconcile(
     campaign: Campaign,
     scenario: Scenario,
@@ -49,7 +51,7 @@ def reconcile(
     error (default: the scenario's tolerance); ``folder`` takes ``reconciled.toml``, the derivatives that a second
     call can use again, and each round, so that a call that was broken off goes on.
     ``progress(fraction, message, seconds_left)``; ``workers`` processes share the work and change nothing but the time;
-    hold linear algebra to one thread then (OMP_NUM_THREADS=1 before numpy is loaded, as the command does).
+    each does linear algebra in one thread, whatever the environment says.
     Without ``with_tests`` no test is suggested that would tell an ambiguous answer apart: a quarter of the time then.
     Nothing here is random but the hold-out split, which follows from the scenario's seed: the same call gives the same
     verdict. Where the fit meets its own data and only those held out are missed, another hold-out is tried: what

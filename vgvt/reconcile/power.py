@@ -15,6 +15,7 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.lasting import Imitated
 from vgvt.reconcile.nameable import nameable_ratio
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.scan import start_values
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
@@ -55,6 +56,7 @@ class Power:
         return asdict(self) | {k: v if np.isfinite(v) else None for k, v in sizes.items()}
 
 
+@one_thread
 def power(
     null: Fit,
     hypotheses: Sequence[Hypothesis],

@@ -20,6 +20,7 @@ from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level, level_grid
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.scan import scan_of
 from vgvt.reconcile.stand import Stand, step_from_neutral
 
@@ -63,6 +64,7 @@ class Screened:
         return {p.name: float(p.neutral) for p in mine if p.neutral is not None}
 
 
+@one_thread
 def screen(
     null: Fit,
     hypotheses: Sequence[Hypothesis],

@@ -16,6 +16,7 @@ from vgvt.reconcile.descent import solved
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.misfit import data_misfit, jacobian
+from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.procedures import Procedure, changed, levels_to_try, procedures
 from vgvt.reconcile.surrogate import anchor
@@ -67,6 +68,7 @@ class _Test:
         return None if least is None else Suggestion(self.words, least[1], least[0], self.minutes)
 
 
+@one_thread
 def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) -> tuple[Suggestion, ...]:
     """Rank tests for every pair of the first three rival fits by expected nats a lab minute; the smallest pair counts.
 
