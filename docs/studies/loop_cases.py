@@ -48,8 +48,8 @@ SHORT = (
 class Case:
     """One campaign and one question.
 
-    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry) or 'never' (in it); ``truth`` names the
-    effects that act; ``size`` is a multiple of what gets a name in 95 of 100 campaigns, as ``vgvt reconcile --power``
+    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry), 'never' (in it) or 'alone' (the only one in
+    it); ``truth`` names the effects that act; ``size`` is a multiple of what gets a name in 95 of 100 campaigns, as ``vgvt reconcile --power``
     states it; ``source`` is the laboratory, ``engine`` its solver.
     """
 
@@ -67,6 +67,8 @@ class Case:
     def catalogue(self) -> dict[str, type]:
         """What the analysis may name: the installed effects or the short list, less what is removed."""
         known = available_effects()
+        if self.group == "alone":
+            return {n: known[n] for n in self.truth}
         names = [n for n in known if not self.short or n in SHORT]
         return {n: known[n] for n in names if self.group != "removed" or n not in self.truth}
 

@@ -110,7 +110,7 @@ def best_rival(verdict: Verdict) -> float:
 
 def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
     """Held-out χ² per degree of freedom of a fit that is told which effect acts, with which settings and sizes."""
-    if case.group != "effect" or not all(stage.truth.values()):
+    if case.group not in ("effect", "alone") or not all(stage.truth.values()):
         return None
     hypotheses, start = [], []
     for name, values in stage.truth.items():

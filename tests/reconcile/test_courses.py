@@ -93,3 +93,16 @@ def test_what_has_no_course_is_left_alone(remounted: Problem) -> None:
     gain = available_effects()["channel-gain"]
     found = claimed(remounted, gain, {"gain_error": 0.1}, channels="response")
     assert best_course(found, candidates(remounted, {"channel-gain": gain})) is found
+
+
+def test_a_course_is_chosen_where_the_place_is_fitted_too() -> None:
+    """What is put in before the third run: each variant has a place among its settings, and the fit has freed it."""
+    scenario, payload = without_instrument_noise(roving_scenario()), available_effects()["payload-change"]
+    there = {"mass_kg": 0.03, "x_m": 0.8, "y_m": 0.9}
+    truth = scenario.model_copy(update={"effect": (table_of(payload(from_run=3, **there)),)})
+    case = holding_out(make_problem(simulate(truth, engine="linear").campaign, scenario, lines=80), 3)
+    later = claimed(case, payload, there, from_run=4)
+    chosen = best_course(later, candidates(case, {"payload-change": payload}))
+    assert dict(chosen.hypotheses[-1].settings) == {"from_run": 3}
+    here, there_only = chosen.held_out_chi2_per_dof, later.held_out_chi2_per_dof
+    assert here is not None and there_only is not None and here < 0.1 * there_only

@@ -33,3 +33,19 @@ def test_a_gauge_on_clay_is_the_same_in_reduced_coordinates_at_every_size(
     wanted = whole.predict(u, e)
     assert np.linalg.norm(found - wanted) < 1e-4 * np.linalg.norm(wanted)
     assert np.abs(found / wanted - 1).max() < 0.01
+
+
+@pytest.mark.parametrize("felt_per_m", [-15.0, 10.0])
+@pytest.mark.parametrize("stiffness", [1.0, 10.0, 30.0])
+def test_a_gauge_that_reads_moments_is_the_same_in_reduced_coordinates(
+    case: Problem, monkeypatch: pytest.MonkeyPatch, felt_per_m: float, stiffness: float
+) -> None:
+    """What it reads of the motion is fed back: what modes left out of that was 4 % of A/F at 10 N m/rad."""
+    hypothesis, u = Hypothesis(available_effects()["base-strain"], {"axis": "pitch"}), np.zeros(case.size)
+    values = {"apparent_force_per_moment_per_m": felt_per_m, "rotational_stiffness_n_m_per_rad": stiffness}
+    e = hypothesis.scores({**values, "loss_factor": 0.05, "frequency_hz": 10.0})
+    found = anchor(case, u, (hypothesis,), e, slopes=False).predict(u, e)
+    monkeypatch.setattr(surrogate, "_MODES_PER_BAND", 1e6)
+    whole = anchor(case, u, (hypothesis,), e, slopes=False)
+    assert whole.groups[0].basis.shape[0] == whole.groups[0].basis.shape[1]
+    assert np.median(np.abs(found / whole.predict(u, e) - 1)) < 1e-3

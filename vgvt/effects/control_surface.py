@@ -67,7 +67,8 @@ class ControlSurface:
         beams = {b.name: b for b in expanded_beams(scenario.airframe)}
         fixed = tuple(i for i in items if i not in moving)
         flaps: tuple[Element, ...] = tuple(self._flap(beams[i.attached_to], i) for i in moving)
-        return Action(scenario=with_airframe(scenario, item=fixed), elements=flaps)
+        hinged = (*scenario.airframe.hinged, *moving)
+        return Action(scenario=with_airframe(scenario, item=fixed, hinged=hinged), elements=flaps)
 
     def _means(self, item: Item) -> bool:
         sides = ("right", "left") if self.side == "both" else (self.side,)

@@ -36,8 +36,7 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
         return found
     scores = found.e[found.e.size - len(own.parameters) :]
     here, alike = _done(problem, own, scores), [found]
-    for course in (h for h in hypotheses if _other_course(h, own)):
-        there = replace(own, settings=course.settings)
+    for there in _other_courses(hypotheses, own):
         if not _alike(problem, here, _done(problem, there, scores)):
             continue
         joined = (*found.hypotheses[:-1], there)
@@ -49,10 +48,15 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
     return min(alike, key=lambda f: f.held_out_chi2_per_dof or 0.0)
 
 
-def _other_course(h: Hypothesis, own: Hypothesis) -> bool:
-    """Whether a variant differs from another one by its course alone."""
-    rest, own_rest = ({k: v for k, v in x.settings.items() if k not in _COURSE} for x in (h, own))
-    return h.cls is own.cls and rest == own_rest and h.settings != own.settings
+def _other_courses(hypotheses: Sequence[Hypothesis], own: Hypothesis) -> list[Hypothesis]:
+    """A hypothesis with each other course that variants differ in from it alone; what is fitted of it is no setting."""
+    found: dict[str, Hypothesis] = {}
+    rest = {k: v for k, v in own.settings.items() if k not in _COURSE}
+    for h in hypotheses:
+        settings = {**rest, **{k: v for k, v in h.settings.items() if k in _COURSE}}
+        if h.cls is own.cls and all(h.settings.get(k) == v for k, v in rest.items()) and settings != own.settings:
+            found[repr(sorted(settings.items()))] = replace(own, settings=settings)
+    return list(found.values())
 
 
 def _done(problem: Problem, hypothesis: Hypothesis, scores: Array) -> tuple[Action, ...] | None:

@@ -44,7 +44,7 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
     defaults = start_values(hypothesis)
     found = _resonant(problem, hypothesis)
     if found is None:
-        return Scan((defaults, *_heavily_damped(hypothesis, defaults)), "", 0.0)
+        return Scan((*_turned(hypothesis, defaults), *_heavily_damped(hypothesis, defaults)), "", 0.0)
     scanned, power, first = found
     low, high = math.log(scanned.low), math.log(scanned.high)
     band, starts = problem.measured.frequency_hz, []
@@ -64,12 +64,34 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
     for start, apart in dense:
         count = max(2, math.ceil((high - low) * power / apart))
         starts += [{**start, scanned.name: float(v)} for v in np.exp(np.linspace(low, high, count))]
+        if scanned.unit != "Hz":
+            starts += _beyond(problem, hypothesis, scanned, start, apart)
     return Scan(tuple(starts), scanned.name, step / power)
 
 
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:
     """Defaults of the parameters without a neutral value."""
     return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
+
+
+def _turned(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str, float]]:
+    """The defaults, and those with what may have either sign the other way round, an angle by every quarter of a turn.
+
+    A size that is never negative says nothing of an effect that acts the opposite way: a lean to the left is no
+    amount of a lean to the right.
+    """
+    found = [defaults]
+    for p in hypothesis.parameters:
+        value = defaults.get(p.name, 0.0)
+        if p.neutral is not None or not p.low < 0 < p.high:
+            continue
+        if p.unit == "rad":
+            others = [value + k * math.pi / 2 for k in (1, 2, -1)]
+            others = [v - 2 * math.pi if v > math.pi else v for v in others]
+        else:
+            others = [-value] if value else []
+        found += [{**start, p.name: v} for v in others for start in tuple(found)]
+    return found
 
 
 def _heavily_damped(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str, float]]:
@@ -85,15 +107,46 @@ def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, floa
     """The parameter that moves the resonance of what an effect adds, the power of it that the frequency goes with.
 
     And the angular frequency at its lower end. Which parameter it is shows in the effect's elements, or in what it
-    does to a channel, at either end of its range.
+    does to a channel, at either end of its range: a frequency, or else what moves it farthest. A hinge moves the
+    resonance of its flap ten times as far as the place of the flap's centre of gravity does.
     """
-    for p in sorted(hypothesis.parameters, key=lambda p: (p.unit != "Hz", p.neutral is not None)):
+    best, farthest = None, 0.1
+    for p in sorted(hypothesis.parameters, key=lambda p: p.unit != "Hz"):
         if p.scale == "log":
             (low, _), (high, _) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
             moved = abs(math.log(low / high)) if low and high else 0.0
-            if moved > 0.1:
-                return p, moved / math.log(p.high / p.low), low
-    return None
+            if moved > farthest:
+                best, farthest = (p, moved / math.log(p.high / p.low), low), moved
+            if best is not None and p.unit == "Hz":
+                break
+    return best
+
+
+def _beyond(
+    problem: Problem, hypothesis: Hypothesis, scanned: Parameter, start: dict[str, float], step: float
+) -> list[dict[str, float]]:
+    """Starts past both ends of what is scanned, as far as the band goes, by what else moves the resonance.
+
+    The stiffest plausible hinge on the usual arm may leave a flap within the band; on a short arm it is faster.
+    """
+    band, found = problem.measured.frequency_hz, []
+    limits = (2 * math.pi * 0.85 * float(band[0]), 2 * math.pi * 1.15 * float(band[-1]))
+    ends = [({**start, scanned.name: value}) for value in (scanned.low, scanned.high)]
+    low, high = sorted(ends, key=lambda values: _resonance(problem, hypothesis, values)[0])
+    for end, limit, outward in ((low, limits[0], -1.0), (high, limits[1], 1.0)):
+        here = _resonance(problem, hypothesis, end)[0]
+        for p in hypothesis.parameters:
+            if p.name not in start or p.scale != "log":
+                continue
+            reached = {v: _resonance(problem, hypothesis, {**end, p.name: v})[0] for v in (p.low, p.high)}
+            bound = max(reached, key=lambda v: outward * reached[v])
+            whole = outward * math.log(reached[bound] / here)
+            wanted = min(whole, outward * math.log(limit / here))
+            if whole > 0.1 and wanted > 0:
+                count = math.ceil(wanted / step)
+                way = np.linspace(0, wanted / whole, count + 1)[1:]
+                found += [{**end, p.name: float(end[p.name] * (bound / end[p.name]) ** share)} for share in way]
+    return found
 
 
 def tuned_to(

@@ -229,7 +229,7 @@ def _reduced(
     limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
     # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt.
     added = np.array([joint not in problem.nominal.joints for joint in s.joints])
-    basis = reduction(full.mass, full.stiffness, limit, added)
+    basis = reduction(full.mass, full.stiffness, s.drive, limit, added)
     matrices = _project(full, basis, group.rows)
     missing = spare_flexibility(problem, cells_at(problem, u), s, group.rows)
     matrices = replace(matrices, spare=matrices.spare + missing)

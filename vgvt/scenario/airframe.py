@@ -182,6 +182,8 @@ class Airframe(Table):
     """The flexible surfaces."""
     item: tuple[Item, ...] = ()
     """The lumped masses."""
+    hinged: tuple[Item, ...] = ()
+    """What effects have hung on hinges of their own: weighed there, and locked where structural damping is found."""
     damping: Damping = Damping()
     """Structural damping."""
     sources: tuple[str, ...] = ()

@@ -13,7 +13,7 @@ joints, and each has half of the mass and inertia at the common centre of gravit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -47,6 +47,16 @@ class AirframeParts:
     def halved(self) -> bool:
         """Whether the centre body is two halves on a carry-through spring."""
         return self.airframe.body.carry_through_stiffness_n_m_per_rad is not None
+
+    @property
+    def locked(self) -> AirframeParts:
+        """The parts with whatever hangs on hinges of its own fixed where it is."""
+        airframe = self.airframe
+        if not airframe.hinged:
+            return self
+        return replace(
+            self, airframe=airframe.model_copy(update={"item": (*airframe.item, *airframe.hinged), "hinged": ()})
+        )
 
     def carrier(self, part: str, position_m: NDArray[np.float64]) -> str:
         """Name of the rigid body that carries a point (3,) of a part ('body' or a beam)."""

@@ -40,7 +40,10 @@ class StructuralDamping:
 
     @classmethod
     def of(cls, spec: mujoco.MjSpec, damping: Damping) -> StructuralDamping:
-        """What gives the bare airframe of ``spec`` the ratios that a scenario states."""
+        """What gives the bare airframe of ``spec`` the ratios that a scenario states.
+
+        A control surface that is loose changes the modes, not what the structure loses: ``spec`` has it locked.
+        """
         model = spec.compile()
         # In its unloaded shape and without weight the bare airframe has the stiffness of its joints and no other.
         mass = mass_matrix(model, mujoco.MjData(model))
@@ -80,9 +83,8 @@ class StructuralDamping:
         return out
 
 
-def add_structural_damping(spec: mujoco.MjSpec, damping: Damping) -> None:
+def add_structural_damping(spec: mujoco.MjSpec, found: StructuralDamping) -> None:
     """Add tendons and joint dampers to the bare airframe's ``spec`` (before rig and instruments are)."""
-    found = StructuralDamping.of(spec, damping)
     found.damp_joints(spec)
     for r, (coefficient, weights) in enumerate(zip(found.coefficients, found.weights, strict=True)):
         tendon = spec.add_tendon(name=f"{MODAL_DAMPING}{r + 1}", damping=[coefficient, 0.0, 0.0])

@@ -25,6 +25,7 @@ from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_element
 from vgvt.simulation.linear import joint_force, linearise, settle
+from vgvt.simulation.once import structural_damping
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
 from vgvt.simulation.silence import silent
 
@@ -231,7 +232,7 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     """
     scenario, parts = layout.scenario, layout.parts
     spec = airframe_spec(parts)
-    damped = StructuralDamping.of(spec, scenario.airframe.damping)
+    damped = structural_damping(parts, spec)
     damped.damp_joints(spec)
     for name, element in layout.elements:
         if element.owner == "airframe":

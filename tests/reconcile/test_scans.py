@@ -1,0 +1,91 @@
+"""Where a screen begins: what resonates is scanned over the band, what acts either way is begun either way."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, drawn_scores, problem, small_scenario
+
+from vgvt.effects.base_strain import BaseStrain
+from vgvt.effects.control_surface import ControlSurface
+from vgvt.effects.lateral_force import LateralForce
+from vgvt.effects.sensor_tilt import SensorTilt
+from vgvt.reconcile import reconcile
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.scan import scan_of
+from vgvt.reconcile.screen import at_sizes
+from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.verdict import Kind
+
+FLAP: dict[str, Any] = {"item": "winglet", "side": "both"}
+
+
+def all_else_known(folder: Path, effect: Any) -> Fit:
+    """The scenario with all that was drawn from its tolerances, against a campaign with an effect besides."""
+    case = problem(folder, 1, effect)
+    return fit(case, (), drawn_scores(case, 1), np.zeros(0), ())
+
+
+def flap_hz(item: Any, compliance: float, arm: float) -> float:
+    """Of a flap on a fixed wing; its own inertia about a spanwise hinge is Iyy, or nearly."""
+    return math.sqrt(1 / (compliance * (item.mass_kg * arm**2 + item.inertia_kg_m2[1]))) / (2 * math.pi)
+
+
+@pytest.mark.slow
+def test_a_loose_flap_is_named(tmp_path: Path) -> None:
+    """The slope of a rigid hinge says nothing of one that lets a winglet resonate in the band: hinges are tried."""
+    scenario = small_scenario()
+    campaign = campaign_of(scenario, 1, ControlSurface(compliance_rad_per_n_m=2.0, damping_ratio=0.02, **FLAP))
+    verdict = reconcile(campaign, scenario, effects={"control-surface": ControlSurface}, lines=200)
+    assert [e.name for e in verdict.effects] == ["control-surface"]
+    assert verdict.effects[0].parameters["compliance_rad_per_n_m"][0] == pytest.approx(2.0, rel=0.1)
+    assert verdict.kind is Kind.EXPLAINED
+
+
+def test_where_the_stiffest_hinge_ends_the_scan_goes_on_with_the_arm(tmp_path: Path) -> None:
+    """To the end of the band, in steps no wider than those of the hinge."""
+    null = all_else_known(tmp_path, ControlSurface(compliance_rad_per_n_m=2.0, **FLAP))
+    variants = candidates(null.problem, {"control-surface": ControlSurface})
+    (hypothesis,) = (h for h in variants if h.settings == {"item": "flap-outer", "side": "right"})
+    (item,) = (i for i in null.problem.scenario.airframe.item if i.name == "flap-outer")
+    scan = scan_of(null.problem, hypothesis)
+    usual = [s for s in scan.starts if s["damping_ratio"] == ControlSurface().damping_ratio]
+    hz = sorted(flap_hz(item, s[scan.tuned], s["arm_m"]) for s in usual)
+    stiffest = flap_hz(item, 1.0, ControlSurface().arm_m)
+    band = null.problem.measured.frequency_hz
+    assert stiffest < band[-1], "the arm must be needed in this test"
+    assert hz[0] < 1.1 * band[0] and hz[-1] == pytest.approx(1.15 * band[-1], rel=0.05)
+    assert np.diff(np.log(hz)).max() < 0.07
+    assert all(s["arm_m"] == ControlSurface().arm_m or s[scan.tuned] in (1.0, 100.0) for s in usual)
+
+
+@pytest.mark.parametrize(
+    ("effect", "settings", "either_way"),
+    [
+        (BaseStrain(-10.0, 3.0, axis="pitch"), {"axis": "pitch"}, "apparent_force_per_moment_per_m"),
+        (SensorTilt(angle_rad=0.08, azimuth_rad=2.6, sensors="6+Z"), {"sensors": "6+Z"}, "azimuth_rad"),
+    ],
+    ids=["base-strain", "sensor-tilt"],
+)
+def test_what_acts_the_opposite_way_is_met(
+    tmp_path: Path, effect: Any, settings: dict[str, str], either_way: str
+) -> None:
+    """Sizes are never negative: begun at one sign or azimuth alone, half of all that there can be promises nothing."""
+    stand = Stand.of(all_else_known(tmp_path, effect))
+    told = {**settings, either_way: getattr(effect, either_way)}
+    known, best = (at_sizes(stand, Hypothesis(type(effect), s))[0].gain_nats for s in (told, settings))
+    assert best > 0.5 * known > 0.5
+
+
+def test_an_angle_is_begun_by_quarter_turns(tmp_path: Path) -> None:
+    """Within its range, the default first."""
+    case = problem(tmp_path, 1)
+    (hypothesis,) = candidates(case, {"lateral-force": LateralForce})
+    turns = [s["azimuth_rad"] / (math.pi / 2) for s in scan_of(case, hypothesis).starts]
+    assert turns == pytest.approx([1.0, 2.0, -1.0, 0.0])
