@@ -23,7 +23,7 @@ from vgvt.reconcile.screen import Screened, screen
 from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.upright import upright
 
-_SHORT_LIST, _A_FAMILY = 6, 2
+_SHORT_LIST, _A_FAMILY, _BEHIND = 6, 2, 2
 BIASED = 1.5
 """Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
@@ -55,17 +55,21 @@ def shortened(
         found = _in_sight(current, left, _OPEN * needed, tell)
         return short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
     straight, large = _asked(current, left, left)
-    # Where the data are met what stands where the unknowns are bent is as good as hidden.
-    closer = _near if before.train_chi2_per_dof >= BIASED else _upright
-    looks: list[Task] = [(_far, (current, straight)), (closer, (current, straight)), *large]
-    far, near, *others = team.work_off(looks, part(tell, 0.0, 0.9))
+    # Where the data are met what stands where the unknowns are bent is as good as hidden. Where they are not, what
+    # bends unknowns most may still be what they imitate worst.
+    met = before.train_chi2_per_dof < BIASED
+    closer = [_upright] if met else [_near, *([_upright] if bent(current) else [])]
+    looks: list[Task] = [(look, (current, straight)) for look in (_far, *closer)]
+    far, near, *others = team.work_off([*looks, *large], part(tell, 0.0, 0.9))
+    behind = others.pop(0) if len(closer) > 1 else ()
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
     chosen = [] if place is None else _swinging(current, far, place)
     tries: list[Task] = [(_best_place, (current, far, s, spot)) for s in short_list(far, _SHORT_LIST, forgiving=True)]
     chosen += team.work_off(tries, part(tell, 0.9, 1.0))
-    return (*chosen, *(s for found in others for s in found), *short_list(near, _SHORT_LIST // 2, forgiving=True))
+    seen = (*short_list(near, _SHORT_LIST // 2, forgiving=True), *short_list(behind, _BEHIND, forgiving=True))
+    return (*chosen, *(s for found in others for s in found), *seen)
 
 
 def _near(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
