@@ -13,7 +13,7 @@ from vgvt.reconcile.backward import needed, nowhere, without_last
 from vgvt.reconcile.bending import straightened
 from vgvt.reconcile.candidate_fits import begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
-from vgvt.reconcile.courses import best_course
+from vgvt.reconcile.courses import best_course, in_other_courses
 from vgvt.reconcile.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -279,6 +279,7 @@ def _fit_all(
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
+    found += in_other_courses(current, found, hypotheses, anew, team)
     return against(current, [best_course(f, hypotheses) for f in found])
 
 

@@ -16,14 +16,18 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.effects.action import Action, ChannelFilter
-from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.fit import NEAR, Fit, cost_at, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.progress import Progress, naming
 from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.team import ALONE, Team
 
 Array = NDArray[np.float64]
 _COURSE = ("from_run", "shape")
+# Of the best fit's gain, from which on a change is worth other courses, and how many are fitted.
+_AHEAD, _TRIED = 0.25, 2
 
 
 def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
@@ -46,6 +50,37 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
             continue
         alike.append(replace(found, hypotheses=joined, predicted=predicted))
     return min(alike, key=lambda f: f.held_out_chi2_per_dof or 0.0)
+
+
+def in_other_courses(
+    current: Fit, found: Sequence[Fit], hypotheses: Sequence[Hypothesis], tell: Progress, team: Team = ALONE
+) -> list[Fit]:
+    """The best fit of a change between runs, from where it arrived in the other courses that do best there.
+
+    A screen from where unknowns are bent knows which effect it is sooner than when it happened.
+    """
+    changes = [f for f in found if set(_COURSE) & set(f.hypotheses[-1].settings)]
+    best = max(changes, key=lambda f: f.evidence_nats, default=None)
+    if best is None or best.evidence_nats - current.evidence_nats < _AHEAD * max(
+        f.evidence_nats - current.evidence_nats for f in found
+    ):
+        return []
+    problem, own = best.problem, best.hypotheses[-1]
+    fitted = [repr(f.hypotheses[-1].settings) for f in changes]
+    others = [h for h in _other_courses(hypotheses, own) if repr(h.settings) not in fitted]
+    joined = [(*best.hypotheses[:-1], h) for h in others]
+    costs = [(cost_at(problem, j, best.u, best.e), j) for j in joined]
+    nearest = [j for cost, j in sorted(costs, key=lambda c: c[0])[:_TRIED] if np.isfinite(cost)]
+    fits = team.work_off([(_fitted_in, (best, j)) for j in nearest], tell)
+    return [f for f in fits if f is not None]
+
+
+def _fitted_in(found: Fit, hypotheses: tuple[Hypothesis, ...], tell: Progress) -> Fit | None:
+    """Hypotheses fitted from where another fit of as many parameters arrived; None where there is no such aircraft."""
+    try:
+        return fit(found.problem, hypotheses, found.u, found.e, NEAR, naming(tell, hypotheses[-1]))
+    except NoStructureError:
+        return None
 
 
 def _other_courses(hypotheses: Sequence[Hypothesis], own: Hypothesis) -> list[Hypothesis]:
