@@ -12,11 +12,12 @@ from reconciled_case import roving_scenario, without_instrument_noise
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
 from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.courses import best_course
+from vgvt.reconcile.courses import best_course, in_other_courses
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.holdout import Split
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
+from vgvt.reconcile.progress import silent
 from vgvt.simulation import simulate
 
 REMOUNT = available_effects()["drive-remount"]
@@ -106,3 +107,20 @@ def test_a_course_is_chosen_where_the_place_is_fitted_too() -> None:
     assert dict(chosen.hypotheses[-1].settings) == {"from_run": 3}
     here, there_only = chosen.held_out_chi2_per_dof, later.held_out_chi2_per_dof
     assert here is not None and there_only is not None and here < 0.1 * there_only
+
+
+def test_from_where_a_wrong_course_arrived_the_right_one_is_found(remounted: Problem) -> None:
+    """A screen from where unknowns are bent took a root that gave way at once for one that crept."""
+    case = holding_out(remounted, 1)
+    every = candidates(case, {"drive-remount": REMOUNT})
+    null = replace(claimed(case, REMOUNT, {**SHIFT, "shift_y_m": 0.0}, from_run=2), hypotheses=())
+    wrong = claimed(case, REMOUNT, {**SHIFT, "shift_y_m": 0.006}, from_run=2)
+    assert wrong.evidence_nats > null.evidence_nats, "it must be worth something in this test"
+    found = in_other_courses(null, [wrong], every, silent)
+    best = max(found, key=lambda f: f.evidence_nats)
+    assert dict(best.hypotheses[-1].settings) == {"from_run": 3}
+    assert best.chi2 < 0.2 * wrong.chi2
+    # What is far behind another effect has no other course worth a fit.
+    ahead = replace(wrong, evidence_nats=null.evidence_nats + 10 * (wrong.evidence_nats - null.evidence_nats))
+    other = replace(ahead, hypotheses=(Hypothesis(available_effects()["channel-gain"], {}),))
+    assert in_other_courses(null, [wrong, other], every, silent) == []

@@ -83,7 +83,7 @@ def test_a_response_that_runs_away_is_no_candidate(stand: Stand, monkeypatch: py
     assert stand.followed(heavier(), {"mass_kg": 1e-3}) is None
 
 
-# Taken off the airframe, its mass has no part in the modes that structural damping refers to.
+# A flap hangs on one link, where an item of the airframe is shared by the two around it.
 TAKEN_OFF = {"control-surface"}
 
 
