@@ -22,9 +22,11 @@ from loop_cases import NOISE, SECOND, SHORT, SIMULATION, SIZES, Case, linear_eff
 from loop_results import (
     JUDGED,
     Row,
+    alone,
     by_key,
     confusion,
     headline,
+    judged,
     picture,
     placebo_limits,
     with_laboratory,
@@ -79,6 +81,14 @@ def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, 
         [Case("pair", p, k, SIZES[2], NOISE[(k + 1) % 3], base=base) for k, p in enumerate(pair) if p[0] != p[1]]
     )
     return [replace(case, short=short) for case in interleaved(queues)]
+
+
+def alone_plan(draws: int, base: int = 1) -> list[Case]:
+    """Every effect of the catalogue as the only one that is known: whether it is found at all, draw by draw."""
+    return [
+        Case("alone", (name,), k, SIZES[(2 - k) % 3], NOISE[(i + k + k // 3) % 3], base=base)
+        for k in range(draws) for i, name in enumerate(linear_effects())
+    ]  # fmt: skip
 
 
 def interleaved(queues: Sequence[Sequence[Case]]) -> list[Case]:
@@ -195,12 +205,19 @@ def report(rows: Sequence[Row], folder: Path) -> None:
         Console(stderr=True).print(f"no thresholds: {error}", highlight=False)
 
 
+def report_alone(rows: Sequence[Row]) -> None:
+    """Fill that part of the page and write its baseline."""
+    write_results(PAGES / "closing-the-loop.md", alone(rows), "of each effect alone")
+    write_table(judged(rows, "alone"), PAGES.parents[1] / "scoreboard" / "baselines" / "closing-the-loop-alone.csv")
+
+
 def arguments() -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="where the cases are kept")
     parser.add_argument("--small", action="store_true", help="a handful of cases instead of all")
     parser.add_argument("--short", action="store_true", help="a catalogue of twenty effects instead of all")
+    parser.add_argument("--alone", action="store_true", help="each effect with itself alone to choose from")
     parser.add_argument("--draws", type=int, default=DRAWS, help="campaigns an effect")
     parser.add_argument("--placebos", type=int, default=PLACEBOS)
     parser.add_argument("--only", default="", help="only this group: placebo, effect, never, removed or pair")
@@ -216,6 +233,8 @@ if __name__ == "__main__":
     given = arguments()
     if given.small:
         every = small_plan(given.seed, given.short)
+    elif given.alone:
+        every = alone_plan(given.draws, given.seed)
     else:
         every = plan(given.draws, given.placebos, OPEN_DRAWS, PAIRS, given.seed, given.short)
     every = [c for c in every if given.only in ("", c.group)]
@@ -225,5 +244,7 @@ if __name__ == "__main__":
     if not given.report:
         run(every, given.folder, given.workers, given.minutes)
     write_table(kept(given.folder), given.folder / "cases.csv")
-    if given.report:
+    if given.report and given.alone:
+        report_alone(kept(given.folder))
+    elif given.report:
         report(kept(given.folder), given.folder)

@@ -48,9 +48,9 @@ SHORT = (
 class Case:
     """One campaign and one question.
 
-    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry), 'never' (in it) or 'alone' (the only one in
-    it); ``truth`` names the effects that act; ``size`` is a multiple of what gets a name in 95 of 100 campaigns, as ``vgvt reconcile --power``
-    states it; ``source`` is the laboratory, ``engine`` its solver.
+    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry), 'never' (in it) or 'alone' (the only one
+    in it); ``truth`` names the effects that act; ``size`` is a multiple of what gets a name in 95 of 100 campaigns, as
+    ``vgvt reconcile --power`` states it; ``source`` is the laboratory, ``engine`` its solver.
     """
 
     group: str

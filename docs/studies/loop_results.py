@@ -125,6 +125,36 @@ def by_key(rows: Sequence[Row], key: str) -> str:
     return table((key, "truth in the set", "wrong single name", "median held-out χ²/ν", "median held-out NRMSE"), lines)
 
 
+def alone(rows: Sequence[Row]) -> str:
+    """Effects that had themselves alone to be chosen from: whether they are found, and what held-out data say."""
+    mine = judged(rows, "alone")
+    beyond, at = ([r for r in mine if visible(r) and at_the_limit(r) is near] for near in (False, True))
+    told = [r for r in mine if r["oracle_held_out"] and named(r)]
+    lines = [
+        ("named, beyond a tenth above what gets a name", rate(beyond, named)),
+        ("named, within a tenth of it", rate(at, named)),
+        ("named, below", rate([r for r in mine if not visible(r) and not at_the_limit(r)], named)),
+        ("held-out χ² ≤ 1.15 of a fit that is told, where named",
+         rate(told, lambda r: r["held_after"] <= 1.15 * r["oracle_held_out"])),
+        ("stated intervals of 95 % that hold the truth", rate(
+            [{"off": d} for r in mine if named(r) for d in deviations_of(r)], lambda d: abs(d["off"]) <= CONFIDENCE_Z)),
+    ]  # fmt: skip
+    each: dict[str, list[str]] = defaultdict(list)
+    for r in sorted(mine, key=lambda r: (r["truth"], -r["size"], r["draw"])):
+        told_left = f"{r['oracle_held_out']:.3g}" if r["oracle_held_out"] else "–"
+        each[r["truth"]].append(
+            f"{r['ratio']:.2g} × at {100 * r['noise']:g} %: {r['verdict'].replace('_', ' ')}, "
+            f"{r['held_before']:.3g} → {r['held_after']:.3g} ({told_left}), "
+            f"{r['nrmse_before']:.1f} → {r['nrmse_after']:.1f} %"
+        )
+    versions = ", ".join(f"{core} ({n})" for core, n in Counter(r["core"] for r in mine).most_common())
+    unseen = sum(r["verdict"] == "not visible" for r in rows)
+    said = f"{len(mine)} campaigns, {unseen} more in which nothing can be seen. Source of the analysis: {versions}."
+    head = ("effect", "size over what gets a name, noise: verdict, held-out χ²/ν (a fit that is told), held-out NRMSE")
+    draws = [(name, "; ".join(found)) for name, found in each.items()]
+    return f"{said}\n\n{table(('rate', 'measured (95 % Wilson interval)'), lines)}\n\n{table(head, draws)}"
+
+
 def with_laboratory(rows: Sequence[Row]) -> list[Row]:
     """Rows with a column for where their records come from: the simulator by one of its engines, or the second one."""
     stepped = "simulation, stepped in time"

@@ -79,8 +79,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def write_results(page: Path, text: str) -> None:
-    """Replace what stands between the two marks of a page."""
-    before, rest = page.read_text(encoding="utf-8").split(START)
-    after = rest.split(END)[1]
-    page.write_text(f"{before}{START}\n\n{text}\n\n{END}{after}", encoding="utf-8")
+def write_results(page: Path, text: str, of: str = "of the script") -> None:
+    """Replace what stands between the two marks of a page, or of a part of it."""
+    start, end = (mark.replace("of the script", of) for mark in (START, END))
+    before, rest = page.read_text(encoding="utf-8").split(start)
+    after = rest.split(end)[1]
+    page.write_text(f"{before}{start}\n\n{text}\n\n{end}{after}", encoding="utf-8")

@@ -240,3 +240,21 @@ def test_a_root_of_the_second_laboratory_stands_out_from_the_stated_values(draw:
     assert (first.hypothesis.name, first.hypothesis.settings["side"]) == ("root-compliance", truth["side"])
     assert first.values["bending"] == pytest.approx(truth["bending"], rel=0.1)
     assert first.values["torsion"] == pytest.approx(truth["torsion"], rel=0.1)
+
+
+def test_each_effect_alone_has_itself_alone_to_choose_from() -> None:
+    """Every effect of the catalogue, at every size; the page's part and its baseline come from the rows."""
+    cases = study.alone_plan(3, base=5)
+    assert {c.truth[0] for c in cases} == set(loop_cases.linear_effects())
+    assert {(c.truth, c.size) for c in cases} == {(c.truth, s) for c in cases for s in loop_cases.SIZES}
+    assert all(set(c.catalogue) == set(c.truth) for c in cases)
+    row = {"group": "alone", "truth": "added-mass", "draw": 0, "size": 6.0, "noise": 0.01, "ratio": 6.0, "core": "a"}
+    row |= {"verdict": "explained", "named": "added-mass", "answer": "right", "deviations": "mass_kg -0.7"}
+    row |= {"held_before": 3.0, "held_after": 0.7, "nrmse_before": 97.0, "nrmse_after": 99.0, "oracle_held_out": 0.5}
+    missed = row | {"verdict": "unknown", "named": "", "ratio": 1.05, "held_after": 3.0, "deviations": ""}
+    said = loop_results.alone([row, missed, {"group": "alone", "verdict": "not visible"}])
+    assert "2 campaigns, 1 more" in said
+    assert "| named, beyond a tenth above what gets a name | 1 of 1" in said
+    assert "| named, within a tenth of it | 0 of 1" in said
+    assert "where named | 0 of 1" in said  # 0.7 is more than 1.15 times 0.5
+    assert "6 × at 1 %: explained, 3 → 0.7 (0.5), 97.0 → 99.0 %" in said

@@ -199,7 +199,9 @@ def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> di
             wide, stated = p.low * (_WIDE / low) ** (1 / power), float(getattr(hypothesis.cls(), p.name))
             if wide <= _SHARP * stated:
                 # What multiplies a record shows its damping at once: too high a peak is worse than none.
-                return {p.name: min(_SHARP * stated, p.high)} if scanned.neutral is not None else {}
+                # What hangs on the structure is looked at by exact answers: as wide as the steps already, once will do.
+                of_channels = scanned.neutral is not None and _where(problem, hypothesis) is None
+                return {p.name: min(_SHARP * stated, p.high)} if of_channels else {}
             return {p.name: wide}
     return {}
 
