@@ -107,9 +107,14 @@ def test_it_is_looked_for_so_where_data_are_met_and_where_unknowns_are_bent(
     monkeypatch.setattr(shortlist, "_asked", lambda current, left, known: (list(left), []))
     monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
     before: Any = SimpleNamespace(train_chi2_per_dof=left)
-    current: Any = SimpleNamespace(u=np.array([0.1, -moved]))
+    current: Any = SimpleNamespace(u=np.array([0.1, -moved]), hypotheses=())
     assert shortened(current, (), before, 9.0, silent) == ()
     assert sorted(asked) == sorted(["far", *looked])
+    # Where data are not met once is enough, before anything has a name.
+    for later, again in ((SimpleNamespace(u=current.u, hypotheses=("known",)), False), (current, True)):
+        asked.clear()
+        shortened(later, (), before, 9.0, silent, again=again)
+        assert sorted(asked) == sorted(["far", looked[0]])
 
 
 def test_coarse_steps_have_no_say_in_it(monkeypatch: pytest.MonkeyPatch) -> None:

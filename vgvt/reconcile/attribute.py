@@ -116,7 +116,7 @@ def _selected(
                 found = [r.fit for r in rivals]
                 if before.train_chi2_per_dof < BIASED <= null.chi2_per_dof:
                     # What was screened where the calibration had lost its way says little of where it belongs.
-                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team)
+                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team, again=True)
                     found += [r.fit for r in again]
                 rivals = against(current, found)
         confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
@@ -163,9 +163,11 @@ def _tried(
     thresholds: Thresholds,
     tell: Progress,
     team: Team = ALONE,
+    *,
+    again: bool = False,
 ) -> tuple[Rival, ...]:
     """The most promising of some hypotheses, fitted."""
-    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6), team)
+    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6), team, again=again)
     return _fit_all(current, chosen, before, hypotheses, part(tell, 0.6, 1.0), team)
 
 

@@ -44,9 +44,18 @@ def swallowed(current: Fit, before: Residual) -> bool:
 
 
 def shortened(
-    current: Fit, left: Sequence[Hypothesis], before: Residual, needed: float, tell: Progress, team: Team = ALONE
+    current: Fit,
+    left: Sequence[Hypothesis],
+    before: Residual,
+    needed: float,
+    tell: Progress,
+    team: Team = ALONE,
+    *,
+    again: bool = False,
 ) -> tuple[Screened, ...]:
     """The short list of a round. Where much is left, some of it from a stand that still forgives misplaced peaks.
+
+    Where it is asked ``again`` in a round, what does not hang on where the calibration stands is known.
 
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
@@ -56,9 +65,9 @@ def shortened(
         return short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
     straight, large = _asked(current, left, left)
     # Where the data are met what stands where the unknowns are bent is as good as hidden. Where they are not, what
-    # bends unknowns most may still be what they imitate worst.
-    met = before.train_chi2_per_dof < BIASED
-    closer = [_upright] if met else [_near, *([_upright] if bent(current) else [])]
+    # bends unknowns before anything has a name may still be what they imitate worst.
+    met, first = before.train_chi2_per_dof < BIASED, not current.hypotheses and not again
+    closer = [_upright] if met else [_near, *([_upright] if first and bent(current) else [])]
     looks: list[Task] = [(look, (current, straight)) for look in (_far, *closer)]
     far, near, *others = team.work_off([*looks, *large], part(tell, 0.0, 0.9))
     behind = others.pop(0) if len(closer) > 1 else ()
