@@ -49,20 +49,20 @@ def test_a_loose_flap_is_named(tmp_path: Path) -> None:
 
 
 def test_where_the_stiffest_hinge_ends_the_scan_goes_on_with_the_arm(tmp_path: Path) -> None:
-    """To the end of the band, in steps no wider than those of the hinge."""
+    """To the end of the band, in steps no wider than the resonance is taken to be, to both sides."""
     null = all_else_known(tmp_path, ControlSurface(compliance_rad_per_n_m=2.0, **FLAP))
     variants = candidates(null.problem, {"control-surface": ControlSurface})
     (hypothesis,) = (h for h in variants if h.settings == {"item": "flap-outer", "side": "right"})
     (item,) = (i for i in null.problem.scenario.airframe.item if i.name == "flap-outer")
     scan = scan_of(null.problem, hypothesis)
-    usual = [s for s in scan.starts if s["damping_ratio"] == ControlSurface().damping_ratio]
-    hz = sorted(flap_hz(item, s[scan.tuned], s["arm_m"]) for s in usual)
+    (damping,) = {s["damping_ratio"] for s in scan.starts}
+    hz = sorted(flap_hz(item, s[scan.tuned], s["arm_m"]) for s in scan.starts)
     stiffest = flap_hz(item, 1.0, ControlSurface().arm_m)
     band = null.problem.measured.frequency_hz
     assert stiffest < band[-1], "the arm must be needed in this test"
     assert hz[0] < 1.1 * band[0] and hz[-1] == pytest.approx(1.15 * band[-1], rel=0.05)
-    assert np.diff(np.log(hz)).max() < 0.07
-    assert all(s["arm_m"] == ControlSurface().arm_m or s[scan.tuned] in (1.0, 100.0) for s in usual)
+    assert np.diff(np.log(hz)).max() < 2 * damping
+    assert all(s["arm_m"] == ControlSurface().arm_m or s[scan.tuned] in (1.0, 100.0) for s in scan.starts)
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,11 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
         low, starts = low + math.log(first / top) / power, [defaults]
     wide, step = _widened(problem, hypothesis, scanned), _STEP
     dense = [(defaults, step), *([({**defaults, **wide}, step)] if wide else [])]
-    if starts:
+    if _is_whole_thing(problem, hypothesis, scanned, wide):
+        # Each answer is an exact one: as wide as twice the steps, half as many will do.
+        step *= 2
+        dense = [({**defaults, **wide}, step)]
+    elif starts:
         # A sensor's own resonance is not sharp.
         step *= 2
         dense = [(start, step) for start, _ in dense]
@@ -72,6 +76,13 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
 def start_values(hypothesis: Hypothesis) -> dict[str, float]:
     """Defaults of the parameters without a neutral value."""
     return {p.name: float(getattr(hypothesis.cls(), p.name)) for p in hypothesis.parameters if p.neutral is None}
+
+
+def _is_whole_thing(problem: Problem, hypothesis: Hypothesis, scanned: Parameter, wide: dict[str, float]) -> bool:
+    """Whether what is scanned is the size of a thing on the structure that is not sharp: a flap on its hinge."""
+    own = start_values(hypothesis)
+    sharp = any(value > _SHARP * own[name] * (1 + 1e-9) for name, value in wide.items())
+    return bool(wide) and not sharp and scanned.neutral is not None and _where(problem, hypothesis) is not None
 
 
 def _turned(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str, float]]:
@@ -199,9 +210,7 @@ def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> di
             wide, stated = p.low * (_WIDE / low) ** (1 / power), float(getattr(hypothesis.cls(), p.name))
             if wide <= _SHARP * stated:
                 # What multiplies a record shows its damping at once: too high a peak is worse than none.
-                # What hangs on the structure is looked at by exact answers: as wide as the steps already, once will do.
-                of_channels = scanned.neutral is not None and _where(problem, hypothesis) is None
-                return {p.name: min(_SHARP * stated, p.high)} if of_channels else {}
+                return {p.name: min(_SHARP * stated, p.high)} if scanned.neutral is not None else {}
             return {p.name: wide}
     return {}
 
