@@ -24,7 +24,7 @@ def test_looks_again_from_where_the_calibration_belongs(
     rival = SimpleNamespace(fit="a rival", name="rival")
     seen: list[Any] = []
 
-    def tried(current: Any, *others: Any) -> tuple[Any, ...]:
+    def tried(current: Any, *others: Any, **asked: Any) -> tuple[Any, ...]:
         seen.append(current)
         return (rival,)
 
@@ -201,6 +201,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     monkeypatch.setattr(rounds, "fitted_from", fitted)
     monkeypatch.setattr(rounds, "begun_anew", begun)
     monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
+    monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
     far: Any = SimpleNamespace(train_chi2_per_dof=before)
     rivals = rounds._fit_all(current, chosen, far, (), lambda fraction, message: None)
