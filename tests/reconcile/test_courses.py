@@ -116,7 +116,9 @@ def test_from_where_a_wrong_course_arrived_the_right_one_is_found(remounted: Pro
     null = replace(claimed(case, REMOUNT, {**SHIFT, "shift_y_m": 0.0}, from_run=2), hypotheses=())
     wrong = claimed(case, REMOUNT, {**SHIFT, "shift_y_m": 0.006}, from_run=2)
     assert wrong.evidence_nats > null.evidence_nats, "it must be worth something in this test"
-    found = in_other_courses(null, [wrong], every, silent)
+    # Another effect that was fitted in that course is none of its own courses.
+    hung = replace(wrong, hypotheses=(Hypothesis(available_effects()["re-hang"], {"from_run": 3}),), evidence_nats=-1e9)
+    found = in_other_courses(null, [wrong, hung], every, silent)
     best = max(found, key=lambda f: f.evidence_nats)
     assert dict(best.hypotheses[-1].settings) == {"from_run": 3}
     assert best.chi2 < 0.2 * wrong.chi2
@@ -124,3 +126,6 @@ def test_from_where_a_wrong_course_arrived_the_right_one_is_found(remounted: Pro
     ahead = replace(wrong, evidence_nats=null.evidence_nats + 10 * (wrong.evidence_nats - null.evidence_nats))
     other = replace(ahead, hypotheses=(Hypothesis(available_effects()["channel-gain"], {}),))
     assert in_other_courses(null, [wrong, other], every, silent) == []
+    # Nor has what gains nothing, however little others gain.
+    behind = replace(wrong, evidence_nats=null.evidence_nats - 5.0)
+    assert in_other_courses(null, [behind, replace(behind, evidence_nats=-1e9)], every, silent) == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from vgvt.effects.base_strain import BaseStrain
 from vgvt.effects.control_surface import ControlSurface
 from vgvt.effects.lateral_force import LateralForce
 from vgvt.effects.sensor_tilt import SensorTilt
-from vgvt.reconcile import reconcile
+from vgvt.reconcile import reconcile, scan
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
@@ -54,15 +55,15 @@ def test_where_the_stiffest_hinge_ends_the_scan_goes_on_with_the_arm(tmp_path: P
     variants = candidates(null.problem, {"control-surface": ControlSurface})
     (hypothesis,) = (h for h in variants if h.settings == {"item": "flap-outer", "side": "right"})
     (item,) = (i for i in null.problem.scenario.airframe.item if i.name == "flap-outer")
-    scan = scan_of(null.problem, hypothesis)
-    (damping,) = {s["damping_ratio"] for s in scan.starts}
-    hz = sorted(flap_hz(item, s[scan.tuned], s["arm_m"]) for s in scan.starts)
+    found = scan_of(null.problem, hypothesis)
+    (damping,) = {s["damping_ratio"] for s in found.starts}
+    hz = sorted(flap_hz(item, s[found.tuned], s["arm_m"]) for s in found.starts)
     stiffest = flap_hz(item, 1.0, ControlSurface().arm_m)
     band = null.problem.measured.frequency_hz
     assert stiffest < band[-1], "the arm must be needed in this test"
     assert hz[0] < 1.1 * band[0] and hz[-1] == pytest.approx(1.15 * band[-1], rel=0.05)
     assert np.diff(np.log(hz)).max() < 2 * damping
-    assert all(s["arm_m"] == ControlSurface().arm_m or s[scan.tuned] in (1.0, 100.0) for s in scan.starts)
+    assert all(s["arm_m"] == ControlSurface().arm_m or s[found.tuned] in (1.0, 100.0) for s in found.starts)
 
 
 @pytest.mark.parametrize(
@@ -89,3 +90,31 @@ def test_an_angle_is_begun_by_quarter_turns(tmp_path: Path) -> None:
     (hypothesis,) = candidates(case, {"lateral-force": LateralForce})
     turns = [s["azimuth_rad"] / (math.pi / 2) for s in scan_of(case, hypothesis).starts]
     assert turns == pytest.approx([1.0, 2.0, -1.0, 0.0])
+
+
+def test_an_angle_of_a_small_range_leans_to_either_side() -> None:
+    """A quarter of a turn would be far outside it."""
+    lean = SimpleNamespace(name="lean_rad", neutral=None, low=-0.2, high=0.2, unit="rad")
+    assert scan._turned(SimpleNamespace(parameters=(lean,)), {"lean_rad": 0.1}) == [  # type: ignore[arg-type]
+        {"lean_rad": 0.1}, {"lean_rad": -0.1},
+    ]  # fmt: skip
+
+
+def test_values_that_an_effect_refuses_have_no_resonance_to_go_on_from(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As a user's own effect may: the scan goes as far as there is one."""
+    case = problem(tmp_path, 1)
+    (hypothesis,) = (
+        h for h in candidates(case, {"control-surface": ControlSurface})
+        if h.settings == {"item": "flap-outer", "side": "right"}
+    )  # fmt: skip
+    known = scan._resonance
+
+    def refusing(problem: Any, asked: Any, values: dict[str, float]) -> tuple[float, float]:
+        return (0.0, 0.0) if values.get("arm_m", 1.0) < 0.02 else known(problem, asked, values)
+
+    monkeypatch.setattr(scan, "_resonance", refusing)
+    found = scan_of(case, hypothesis)
+    assert found.tuned == "compliance_rad_per_n_m"
+    assert {s["arm_m"] for s in found.starts if s["compliance_rad_per_n_m"] == 1.0} == {ControlSurface().arm_m}

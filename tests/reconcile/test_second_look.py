@@ -23,9 +23,11 @@ def test_looks_again_from_where_the_calibration_belongs(
     null, better = (SimpleNamespace(chi2_per_dof=c, problem=None) for c in (before, after))
     rival = SimpleNamespace(fit="a rival", name="rival")
     seen: list[Any] = []
+    repeated: list[bool] = []
 
-    def tried(current: Any, *others: Any, **asked: Any) -> tuple[Any, ...]:
+    def tried(current: Any, *others: Any, again: bool = False) -> tuple[Any, ...]:
         seen.append(current)
+        repeated.append(again)
         return (rival,)
 
     def left(fit: Any, thresholds: Any) -> Any:
@@ -38,6 +40,7 @@ def test_looks_again_from_where_the_calibration_belongs(
     monkeypatch.setattr(rounds, "against", lambda current, fits: ())
     found = rounds.attribute(null, (), THRESHOLDS)
     assert seen == [null, better][:looks]
+    assert repeated == [False, True][:looks]
     assert found.null is better
 
 

@@ -71,6 +71,12 @@ _MISTAKES = [
     ("[shaker]\nnode = 4", "shaker.node", "also an accelerometer's", "number of its own"),
     ("[shaker]\nposition_m = [0.6, 0.1]", "shaker.position_m", "exactly 3 entries", "Drive point"),
     ('[shaker]\nattached_to = "wnig"', "shaker.attached_to", "not a part", "Did you mean wing"),
+    (
+        '[[airframe.hinged]]\nname = "loose"\nmass_kg = 0.1\nposition_m = [0.9, 1.0, 0.0]\nattached_to = "wnig"',
+        "airframe.hinged[0].attached_to",
+        "not a part",
+        "Did you mean wing",
+    ),
     ('[accelerometers.grid]\ndirection = ["Q"]', "accelerometers.grid.direction[0]", "'Q'", "'+Z'"),
     (
         "[accelerometers.grid]\nx_m = [0.5]",

@@ -253,7 +253,7 @@ def _fit_all(
 ) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out.
 
-    Of ``hypotheses`` come the courses of changes between runs that fitted data cannot tell.
+    Of ``hypotheses`` come other courses of changes between runs.
     """
     near, screened = not swallowed(current, before), chosen
     if not near:
@@ -263,7 +263,7 @@ def _fit_all(
         tell = part(tell, 0.4, 1.0)
         last = {s.hypothesis for s in chosen}
         screened = [s for s in screened if s.hypothesis in last]
-    tell, anew = part(tell, 0.0, 0.8), part(tell, 0.8, 1.0)
+    tell, anew, later = part(tell, 0.0, 0.7), part(tell, 0.7, 0.9), part(tell, 0.9, 1.0)
     found: list[Fit] = []
     # Of finalists none is left out for another one's sake: they are fitted together.
     first = _AT_LEAST if near else len(chosen)
@@ -281,7 +281,7 @@ def _fit_all(
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
-    found += in_other_courses(current, found, hypotheses, anew, team)
+    found += in_other_courses(current, found, hypotheses, later, team)
     return against(current, [best_course(f, hypotheses) for f in found])
 
 

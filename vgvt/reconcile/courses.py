@@ -61,13 +61,12 @@ def in_other_courses(
     """
     changes = [f for f in found if set(_COURSE) & set(f.hypotheses[-1].settings)]
     best = max(changes, key=lambda f: f.evidence_nats, default=None)
-    if best is None or best.evidence_nats - current.evidence_nats < _AHEAD * max(
-        f.evidence_nats - current.evidence_nats for f in found
-    ):
+    ahead = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
+    if best is None or best.evidence_nats - current.evidence_nats <= _AHEAD * ahead:
         return []
     problem, own = best.problem, best.hypotheses[-1]
-    fitted = [repr(f.hypotheses[-1].settings) for f in changes]
-    others = [h for h in _other_courses(hypotheses, own) if repr(h.settings) not in fitted]
+    fitted = [f.hypotheses[-1].settings for f in changes if f.hypotheses[-1].cls is own.cls]
+    others = [h for h in _other_courses(hypotheses, own) if h.settings not in fitted]
     joined = [(*best.hypotheses[:-1], h) for h in others]
     costs = [(cost_at(problem, j, best.u, best.e), j) for j in joined]
     nearest = [j for cost, j in sorted(costs, key=lambda c: c[0])[:_TRIED] if np.isfinite(cost)]

@@ -16,8 +16,6 @@ ComplexArray = NDArray[np.complex128]
 # out beyond some size of the clay, it would be a step that no fit gets over. Of a small absorber it is far less, and
 # kept it would hide what that does behind what the modes left out do.
 _LEFT_OUT = 1e-6
-# Share of the force that a gauge reads besides it of modes that are left out.
-_FED_BACK = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,21 +177,16 @@ def _real_times(values: ComplexArray, matrix: Array) -> ComplexArray:
 def reduction(mass: Array, stiffness: Array, drive: Array, limit_rad_per_s: float, always: NDArray[np.bool_]) -> Array:
     """Basis (n, m): undamped modes up to a limit, and what they leave out of the coordinates ``always`` (n,).
 
-    Modes are those of the structure without what a gauge reads besides the force at ``drive`` (n,); at least twelve are
-    kept. A coordinate whose motion is in them already adds nothing. What is read is fed back: the static answer to the
-    force, of which its motion is a part, is kept whole.
+    Modes are those of the structure without what a gauge reads besides the force at ``drive`` (n,): half of that made
+    symmetric is no aircraft's stiffness. At least twelve are kept. A coordinate whose motion is in them already adds
+    nothing.
     """
     heavy = (mass + mass.T) / 2
-    felt = _felt(stiffness, drive)
-    bare = stiffness + np.outer(drive, felt)
+    bare = stiffness + np.outer(drive, _felt(stiffness, drive))
     squares, shapes = scipy.linalg.eigh((bare + bare.T) / 2, heavy)
     count = max(12, int(np.searchsorted(squares, limit_rad_per_s**2)))
     basis = np.asarray(shapes[:, :count])
-    if count < mass.shape[0]:
-        pushed = (shapes[:, count:] / squares[count:]) @ (shapes[:, count:].T @ drive)
-        if abs(felt @ pushed) > _FED_BACK:
-            basis = np.hstack([basis, (pushed / np.sqrt(pushed @ heavy @ pushed))[:, None]])
-    if always.any() and basis.shape[1] < mass.shape[0]:
+    if always.any() and count < mass.shape[0]:
         # In units of each coordinate's own inertia, of which the modes left out hold some share.
         own = np.eye(mass.shape[0])[:, always] / np.sqrt(np.diag(heavy)[always])
         missing = own - basis @ (basis.T @ heavy @ own)

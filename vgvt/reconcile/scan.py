@@ -16,10 +16,14 @@ from vgvt.reconcile.problem import Problem
 
 # Of the logarithm of a resonance's frequency.
 _STEP = 0.06
+# How far past both ends of the band a resonance is still looked for.
+_BELOW_BAND, _ABOVE_BAND = 0.85, 1.15
 # Beyond this multiple of the band a sensor's own resonance only lifts the end of it, as its closed form says.
 _ABOVE = 3.0
 # Where a filter's own peak is looked for, and how high above what it does far from there.
 _GRID_HZ, _PEAK = np.geomspace(0.5, 2000.0, 1500), 1.5
+# An angle with more than this of a range, rad, points anywhere; one with less leans to either side.
+_WHOLE_TURN = 6.28
 # Shares of the plausible range of what makes a damper strong: a high loss, and that at a low frequency.
 _HEAVY = {"loss_factor": 0.85, "frequency_hz": 0.2}
 # The damping ratio of what is as wide as half a step to either side; how much narrower is sharp.
@@ -49,7 +53,7 @@ def scan_of(problem: Problem, hypothesis: Hypothesis) -> Scan:
     low, high = math.log(scanned.low), math.log(scanned.high)
     band, starts = problem.measured.frequency_hz, []
     if scanned.unit == "Hz":
-        low, high = max(low, math.log(0.85 * band[0])), min(high, math.log(1.15 * band[-1]))
+        low, high = max(low, math.log(_BELOW_BAND * band[0])), min(high, math.log(_ABOVE_BAND * band[-1]))
     elif scanned.neutral is not None and first > (top := 2 * math.pi * _ABOVE * float(band[-1])):
         low, starts = low + math.log(first / top) / power, [defaults]
     wide, step = _widened(problem, hypothesis, scanned), _STEP
@@ -96,7 +100,7 @@ def _turned(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str
         value = defaults.get(p.name, 0.0)
         if p.neutral is not None or not p.low < 0 < p.high:
             continue
-        if p.unit == "rad":
+        if p.unit == "rad" and p.high - p.low > _WHOLE_TURN:
             others = [value + k * math.pi / 2 for k in (1, 2, -1)]
             others = [v - 2 * math.pi if v > math.pi else v for v in others]
         else:
@@ -119,7 +123,7 @@ def _resonant(problem: Problem, hypothesis: Hypothesis) -> tuple[Parameter, floa
 
     And the angular frequency at its lower end. Which parameter it is shows in the effect's elements, or in what it
     does to a channel, at either end of its range: a frequency, or else what moves it farthest. A hinge moves the
-    resonance of its flap ten times as far as the place of the flap's centre of gravity does.
+    resonance of its flap by a factor of ten, the arm of the flap's centre of gravity by six at most.
     """
     best, farthest = None, 0.1
     for p in sorted(hypothesis.parameters, key=lambda p: p.unit != "Hz"):
@@ -141,7 +145,7 @@ def _beyond(
     The stiffest plausible hinge on the usual arm may leave a flap within the band; on a short arm it is faster.
     """
     band, found = problem.measured.frequency_hz, []
-    limits = (2 * math.pi * 0.85 * float(band[0]), 2 * math.pi * 1.15 * float(band[-1]))
+    limits = (2 * math.pi * _BELOW_BAND * float(band[0]), 2 * math.pi * _ABOVE_BAND * float(band[-1]))
     ends = [({**start, scanned.name: value}) for value in (scanned.low, scanned.high)]
     low, high = sorted(ends, key=lambda values: _resonance(problem, hypothesis, values)[0])
     for end, limit, outward in ((low, limits[0], -1.0), (high, limits[1], 1.0)):
@@ -150,6 +154,9 @@ def _beyond(
             if p.name not in start or p.scale != "log":
                 continue
             reached = {v: _resonance(problem, hypothesis, {**end, p.name: v})[0] for v in (p.low, p.high)}
+            # An effect may refuse some of its values.
+            if here == 0 or not all(reached.values()):
+                continue
             bound = max(reached, key=lambda v: outward * reached[v])
             whole = outward * math.log(reached[bound] / here)
             wanted = min(whole, outward * math.log(limit / here))

@@ -55,10 +55,10 @@ def shortened(
 ) -> tuple[Screened, ...]:
     """The short list of a round. Where much is left, some of it from a stand that still forgives misplaced peaks.
 
-    Where it is asked ``again`` in a round, what does not hang on where the calibration stands is known.
-
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
+
+    Asked ``again`` in a round, it leaves out the look that does not hang on where the calibration stands.
     """
     if not swallowed(current, before):
         found = _in_sight(current, left, _OPEN * needed, tell)

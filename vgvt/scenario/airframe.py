@@ -209,6 +209,8 @@ class Airframe(Table):
                     ("item", i, "name"), f"is {item.name!r}, which is taken", "Give it a name of its own."
                 )
             self.require_part(("item", i, "attached_to"), item.attached_to, both_sides=item.mirror)
+        for i, item in enumerate(self.hinged):
+            self.require_part(("hinged", i, "attached_to"), item.attached_to, both_sides=item.mirror)
         return self
 
     @model_validator(mode="after")
