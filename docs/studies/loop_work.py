@@ -14,13 +14,14 @@ from loop_places import said_place
 
 import vgvt.reconcile
 from vgvt.effects import available_effects, parameters_of
-from vgvt.reconcile import Verdict, reconcile
+from vgvt.reconcile import NamedEffect, Verdict, reconcile
 from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, TO_THE_END, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.placebo import best_nats
 
 Row = dict[str, Any]
 LARGEST_SET = 3
+_OTHER_END = {"x_m": "other_x_m", "y_m": "other_y_m", "other_x_m": "x_m", "other_y_m": "y_m"}
 
 
 def work(case: Case) -> list[Row]:
@@ -74,14 +75,31 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
 
 
 def deviations(truth: dict[str, dict[str, Any]], verdict: Verdict) -> str:
-    """What is true of named effects, in stated standard deviations from what the verdict says: ``mass_kg -0.7``."""
+    """What is true of named effects, in stated standard deviations from what the verdict says: ``mass_kg -0.7``.
+
+    On a logarithmic scale in those of the logarithm, as intervals are stated.
+    """
     rows = []
     for effect in verdict.effects:
+        scales = {p.name: p.scale for p in parameters_of(available_effects()[effect.name])}
+        true = truth.get(effect.name, {})
         for name, (value, std, _) in effect.parameters.items():
-            known = truth.get(effect.name, {}).get(name)
-            if known is not None and std > 0:
+            known = true.get(_OTHER_END.get(name, name) if _ends_exchanged(true, effect) else name)
+            if known is None or std <= 0:
+                continue
+            if scales[name] == "log":
+                rows.append(f"{name} {np.log(known / value) * value / std:.2f}")
+            else:
                 rows.append(f"{name} {(known - value) / std:.2f}")
     return "; ".join(rows)
+
+
+def _ends_exchanged(true: dict[str, Any], effect: NamedEffect) -> bool:
+    """Whether a verdict names the two ends of what ties two places together the other way round."""
+    if not set(_OTHER_END) <= set(true) or not set(_OTHER_END) <= set(effect.parameters):
+        return False
+    told = {name: effect.parameters[name][0] for name in _OTHER_END}
+    return sum((told[n] - true[m]) ** 2 for n, m in _OTHER_END.items()) < sum((told[n] - true[n]) ** 2 for n in told)
 
 
 def answer(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]]) -> str:
@@ -116,7 +134,9 @@ def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
     for name, values in stage.truth.items():
         cls = available_effects()[name]
         numbers = {p.name for p in parameters_of(cls)}
-        hypothesis = Hypothesis(cls, {k: v for k, v in values.items() if k not in numbers})
+        # A size that the truth has not is known to be none.
+        absent = {p.name: p.neutral for p in parameters_of(cls) if p.neutral is not None and p.name not in values}
+        hypothesis = Hypothesis(cls, absent | {k: v for k, v in values.items() if k not in numbers})
         hypotheses.append(hypothesis)
         start.append(hypothesis.scores({k: v for k, v in values.items() if k in numbers}))
     found = verdict.attribution

@@ -73,9 +73,11 @@ def test_what_others_are_fitted_next_to_has_the_slopes_of_where_it_is(case: Prob
     found = calibrate(case)
     assert stopped.converged
     assert np.array_equal(found.problem.at, stopped.u[: len(case.unknowns)])
-    assert found.evidence_nats > stopped.evidence_nats + 5
+    # A fit stops where a step promises less than so many nats: two fits of one bottom may end that far apart.
+    unsettled = 0.5 * fitting._ENOUGH * (found.chi2 + float(found.scores @ found.scores))
+    assert found.evidence_nats > stopped.evidence_nats + 2 * unsettled
     again = calibrate(found.problem, found.u)
-    assert abs(again.evidence_nats - found.evidence_nats) < 0.5
+    assert abs(again.evidence_nats - found.evidence_nats) < unsettled
 
 
 def test_a_calibration_that_imitates_something_leaves_the_slopes_at_home(

@@ -15,7 +15,7 @@ from vgvt.effects import available_effects, make_effect
 from vgvt.reconcile import shortlist
 from vgvt.reconcile.candidate_fits import fitted_from
 from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import FAR, Fit, calibrate
+from vgvt.reconcile.fit import FAR, NEAR, Fit, calibrate
 from vgvt.reconcile.from_stated import bent
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.problem import CELLS, make_problem
@@ -138,3 +138,45 @@ def test_coarse_steps_have_no_say_in_it(monkeypatch: pytest.MonkeyPatch) -> None
     rounds._fit_all(current, [*others, small], SimpleNamespace(), (), silent, team)
     assert judged == ["large", "lost"]
     assert sorted(fitted) == ["large", "small"]
+
+
+@pytest.mark.parametrize(
+    ("strain", "named", "again", "sees", "asked"),
+    [
+        (31.0, (), False, (), True),
+        (31.0, (), False, ("in sight",), False),
+        (5.0, (), False, (), False),
+        (31.0, ("known",), False, (), False),
+        (31.0, (), True, (), False),
+    ],
+)
+def test_where_tolerances_lean_and_nothing_is_in_sight_it_is_asked_too(
+    monkeypatch: pytest.MonkeyPatch, strain: float, named: Any, again: bool, sees: tuple[str, ...], asked: bool
+) -> None:
+    """What a gauge felt of a moment hid behind seven deviations, in data less missed than what is swallowed."""
+    seen = tuple(Screened(SimpleNamespace(name=n, settings={}), {}, 50.0) for n in sees)  # type: ignore[arg-type]
+    hidden = Screened(SimpleNamespace(name="hidden", settings={}), {}, 3000.0, upright=True)  # type: ignore[arg-type]
+    monkeypatch.setattr(shortlist, "_in_sight", lambda *given: seen)
+    monkeypatch.setattr(shortlist, "_upright", lambda *given: (hidden,))
+    monkeypatch.setattr(shortlist, "freed", lambda hypothesis: SimpleNamespace(parameters=()))
+    monkeypatch.setattr(shortlist, "_strained", lambda current, needed: True)
+    limits = SimpleNamespace(strain_sd=6.0)
+    before: Any = SimpleNamespace(train_chi2_per_dof=1.2, strain_sd=strain, limits=limits)
+    current: Any = SimpleNamespace(u=np.array([7.4]), hypotheses=named)
+    assert shortened(current, (), before, 9.0, silent, again=again) == ((hidden,) if asked else seen)
+
+
+def test_what_was_seen_upright_is_fitted_from_afar_though_the_rest_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
+    small: Any = Screened("small", {}, 30.0, upright=True)  # type: ignore[arg-type]
+    stages_of: dict[str, Any] = {}
+    monkeypatch.setattr(rounds, "swallowed", lambda current, before: False)
+    monkeypatch.setattr(
+        rounds, "fitted_from", lambda current, s, stages, tell: stages_of.update({s.hypothesis: stages})
+    )
+    monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
+    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
+    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=())
+    team: Any = SimpleNamespace(work_off=lambda tasks, tell: [f(*given, silent) for f, given in tasks])
+    near = replace(small, hypothesis="near", upright=False)
+    rounds._fit_all(current, [small, near], SimpleNamespace(), (), silent, team)  # type: ignore[arg-type]
+    assert stages_of == {"small": FAR, "near": NEAR}

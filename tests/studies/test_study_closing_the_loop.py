@@ -74,19 +74,33 @@ def test_the_umpire(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...
 
 
 def test_stated_deviations_are_held_against_the_truth() -> None:
-    """Of what is named and true, parameter by parameter; what an effect does not fit has no deviation."""
-    mass = SimpleNamespace(name="added-mass", parameters={"mass_kg": (0.11, 0.02, "kg"), "x_m": (0.5, 0.0, "m")})
-    other = SimpleNamespace(name="channel-gain", parameters={"gain": (1.1, 0.01, "")})
-    truth = {"added-mass": {"mass_kg": 0.1, "x_m": 0.4, "y_m": 1.0}}
+    """Of what is named and true, parameter by parameter; what an effect does not fit has no deviation.
+
+    A mass is positive: its deviations are those of its logarithm.
+    """
+    told = {"mass_kg": (0.11, 0.022, "kg"), "x_m": (0.5, 0.0, "m"), "y_m": (0.9, 0.05, "m")}
+    mass = SimpleNamespace(name="added-mass", parameters=told)
+    other = SimpleNamespace(name="channel-gain", parameters={"gain_error": (0.1, 0.01, "")})
+    truth = {"added-mass": {"mass_kg": 0.11 * np.exp(-0.1), "x_m": 0.4, "y_m": 1.0}}
     verdict: Any = SimpleNamespace(effects=(mass, other))
-    said = loop_work.deviations(truth, verdict)
-    assert said == "mass_kg -0.50"
+    assert loop_work.deviations(truth, verdict) == "mass_kg -0.50; y_m 2.00"
 
     row = {"group": "effect", "verdict": "explained", "truth": "a", "named": "a", "ratio": 3.0, "held_after": 1.0}
     rows = [{**row, "answer": a, "deviations": d} for a, d in (("right", "a 1.5; b -2.5"), ("wrong", "a 9.0"))]
     assert loop_results.deviations_of(rows[0]) == [1.5, -2.5]
     line = next(x for x in loop_results.headline(rows).splitlines() if "stated intervals" in x)
     assert "| 1 of 2, 50 % " in line
+
+
+def test_a_bundle_has_no_first_end() -> None:
+    """Named the other way round it is the same bundle."""
+    ends = {"x_m": 0.7, "y_m": 0.9, "other_x_m": 0.4, "other_y_m": 0.0}
+    for told in (ends, dict(zip(ends, (0.4, 0.0, 0.7, 0.9), strict=True))):
+        said = {name: (value + 0.01, 0.01, "m") for name, value in told.items()}
+        verdict: Any = SimpleNamespace(effects=(SimpleNamespace(name="cable-bundle", parameters=said),))
+        assert loop_work.deviations({"cable-bundle": ends}, verdict) == "; ".join(f"{name} -1.00" for name in ends)
+    alone: Any = SimpleNamespace(effects=(SimpleNamespace(name="cable-bundle", parameters={"x_m": (0.4, 0.1, "m")}),))
+    assert loop_work.deviations({"cable-bundle": ends}, alone) == "x_m 3.00"
 
 
 def test_truths_at_the_limit_are_counted_by_themselves() -> None:

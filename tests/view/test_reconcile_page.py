@@ -26,7 +26,14 @@ from vgvt.view.reconcile_account import (
 from vgvt.view.reconcile_drawing import places_drawing
 from vgvt.view.reconcile_figures import binned, evidence_figure, residual_map_figure, stiffness_figure
 from vgvt.view.reconcile_page import render_reconcile_page, write_power_page, write_reconcile_page
-from vgvt.view.reconcile_wording import disproofs, fitted_text, next_steps, verdict_sentence, warnings_of
+from vgvt.view.reconcile_wording import (
+    disproofs,
+    fitted_text,
+    next_steps,
+    parameter_text,
+    verdict_sentence,
+    warnings_of,
+)
 
 FREQUENCY = np.linspace(3.0, 35.0, 120)
 LIMITS = {
@@ -199,6 +206,16 @@ def test_without_held_out_data_the_page_says_so() -> None:
 def test_a_value_at_the_end_of_its_range_is_not_called_sharp() -> None:
     assert fitted_text("mass_kg", 0.08, 0.0021, "kg") == "mass_kg = 0.08 ± 0.0021 kg"
     assert fitted_text("torsion", 0.000163, 0.0, "") == "torsion = 0.000163 (the end of what is tried)"
+
+
+def test_a_lopsided_interval_is_told_instead_of_a_deviation() -> None:
+    """A loss factor of 0.09 ± 0.06 is none that could be nothing, and may well be 0.3."""
+    said = fitted_text("loss_factor", 0.095, 0.063, "", (0.026, 0.345))
+    assert said == "loss_factor = 0.095 (95 % from 0.026 to 0.345)"
+    assert fitted_text("mass_kg", 0.08, 0.0021, "kg", (0.0759, 0.0842)) == "mass_kg = 0.08 ± 0.0021 kg"
+    effect = account().effects[0]
+    lopsided = replace(effect, ranges={"mass_kg": (0.02, 0.2)})
+    assert "mass_kg = 0.05 kg (95 % from 0.02 to 0.2)" in parameter_text(lopsided)
 
 
 def test_cells_of_the_map_are_means_of_their_lines() -> None:

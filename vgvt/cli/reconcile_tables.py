@@ -47,7 +47,10 @@ def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
 
     rows = []
     for e in effects:
-        values = [fitted_text(k, p["value"], p["std"], p["unit"]) for k, p in e["parameters"].items()]
+        values = [
+            fitted_text(k, p["value"], p["std"], p["unit"], (p["low"], p["high"]) if "low" in p else None)
+            for k, p in e["parameters"].items()
+        ]
         values += [f"{k} = {v}" for k, v in e["settings"].items()]
         rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", ", ".join(e["equivalent"])))
     return FittedTable(

@@ -140,7 +140,7 @@ def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tupl
             EffectRow(
                 effect.name, effect.summary, effect.parameters, effect.settings, effect.evidence_nats,
                 effect.equivalent, effect.held_out_before, effect.held_out_after,
-                str(getattr(cls, "signature", "")), str(getattr(cls, "separating_test", "")),
+                str(getattr(cls, "signature", "")), str(getattr(cls, "separating_test", "")), effect.ranges,
             )
         )  # fmt: skip
     return tuple(rows)

@@ -272,7 +272,7 @@ def _fit_all(
         best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
         enough = len(found) >= _AT_LEAST and best > 0.4 * current.chi2
         tasks: list[Task] = [
-            (fitted_from, (current, s, NEAR if near else FAR))
+            (fitted_from, (current, s, NEAR if near and not s.upright else FAR))
             for s in wave
             if not (enough and best > _FAR_AHEAD * s.gain_nats)
         ]

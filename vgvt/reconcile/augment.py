@@ -67,8 +67,16 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
 def _values(effect: NamedEffect) -> list[str]:
     """Settings and parameters of an effect as comments."""
     settings = [f"#   {k} = {v}" for k, v in effect.settings.items()]
-    fitted = [f"#   {k} = {v:.5g} +- {sd:.2g} {unit}".rstrip() for k, (v, sd, unit) in effect.parameters.items()]
+    fitted = [
+        f"#   {k} = {v:.5g} +- {sd:.2g} {unit}".rstrip() + _interval(effect, k)
+        for k, (v, sd, unit) in effect.parameters.items()
+    ]
     return settings + fitted
+
+
+def _interval(effect: NamedEffect, parameter: str) -> str:
+    known = effect.ranges.get(parameter)
+    return "" if known is None else f" (95 % from {known[0]:.4g} to {known[1]:.4g})"
 
 
 def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]) -> None:

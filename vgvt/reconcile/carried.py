@@ -28,11 +28,13 @@ _CARRIED, _BESIDE = 1.5, 0.5
 class Structures:
     """What a fit asks for at its scores, keeping what it assembled last.
 
-    ``coarse`` while steps forgive misplaced peaks: structures are then carried along.
+    ``coarse`` while steps forgive misplaced peaks: structures are then carried along. ``whole`` where slopes are those
+    of the aircraft with all that acts on it, as it is there: dear, and for what is told.
     """
 
     problem: Problem
     coarse: bool = False
+    whole: bool = False
     _bare: tuple[Array, Groups] | None = None
     _others: dict[tuple[Hypothesis, ...], tuple[Array, Groups]] = field(default_factory=dict)
 

@@ -44,6 +44,8 @@ _NOTHING = 1e-4
 _THERE = 0.3
 # Standard deviations that a tolerance reaches.
 _WITHIN = 3.0
+# Of the normal distribution's middle 95 %.
+_CONFIDENCE_Z = 1.959963984540054
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,6 +124,16 @@ class Fit:
             out[p.name] = (here[p.name], abs(slope) * float(sd[k]), p.unit)
         return out
 
+    def ranges(self, index: int) -> dict[str, tuple[float, float]]:
+        """95 % intervals of a hypothesis' parameters: straight in scores, so lopsided on a logarithmic scale."""
+        start = self.u.size + sum(len(h.parameters) for h in self.hypotheses[:index])
+        hypothesis = self.hypotheses[index]
+        count = len(hypothesis.parameters)
+        scores = self.scores[start : start + count]
+        reach = _CONFIDENCE_Z * np.sqrt(np.diag(self.covariance)[start : start + count])
+        low, high = hypothesis.values(scores - reach), hypothesis.values(scores + reach)
+        return {p.name: (low[p.name], high[p.name]) for p in hypothesis.parameters}
+
 
 @one_thread
 def calibrate(
@@ -157,16 +169,18 @@ def fit(
     progress: Callable[[float, str], None] | None = None,
     judged: float = 0.0,
     exact: bool = False,
+    whole: bool = False,
 ) -> Fit:
     """Fit u and the hypotheses' e jointly from a start; NoStructureError where the start describes no aircraft.
 
     ``judged`` is the coarseness that χ², posterior and evidence refer to. ``exact`` goes on, where the unknowns end up
-    far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on.
+    far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on. ``whole``
+    has no others, and those of the aircraft with the hypotheses: for a fit whose parameters and errors are told.
     """
-    phases, passed, converged = _phases(stages, exact), 0, False
+    phases, passed, converged = _phases(stages, exact, whole), 0, False
     total = sum(n for _, n, _ in phases)
-    structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0)
-    here = anchor(problem, u, hypotheses, e, rough=True, structures=structures)
+    structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
+    here = anchor(problem, u, hypotheses, e, rough=not whole, structures=structures)
     predicted = here.predict(u, e)
     # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
     for coarse, iterations, rough in phases:
@@ -174,7 +188,7 @@ def fit(
         if structures.coarse and coarse == 0:
             structures.coarse = False
             here, predicted = _assembled(structures, u, hypotheses, e)
-        if not rough:
+        if not rough and not whole:
             if origin_near(problem, u, e, None, hypotheses) is None:
                 continue
             here = anchor(problem, u, hypotheses, e, groups=here.assembled, structures=structures)
@@ -209,11 +223,11 @@ def _assembled(
     return here, here.predict(u, e)
 
 
-def _phases(stages: tuple[tuple[float, int], ...], exact: bool) -> list[tuple[float, int, bool]]:
+def _phases(stages: tuple[tuple[float, int], ...], exact: bool, whole: bool) -> list[tuple[float, int, bool]]:
     """Coarseness, most iterations, whether rough slopes do: steps that forgive misplaced peaks need no better ones."""
     found: list[tuple[float, int, bool]] = []
     for coarse, iterations in stages:
-        found.append((coarse, iterations, True))
+        found.append((coarse, iterations, not whole))
         if exact and coarse == 0:
             found.append((coarse, iterations, False))
     return found

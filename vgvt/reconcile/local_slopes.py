@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 # way is long and every tangent rough: a share of the way, then.
 SERVE, _SERVE_SHARE = 5.0, 0.25
 _STEP = 0.02
+# Scores' distance to which slopes of the whole aircraft are the same.
+_SAME = 0.1
 # Of an effect's range: a root of this softness is some per cent of what a wing gives; and scores that change it little.
 _MUCH, _AS_LOOSE = 0.1, 0.3
 # One for each start of a round's fits, and a few on their way.
@@ -35,23 +37,28 @@ _KEPT = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Origin:
-    """Where slopes were taken: scores ``u`` (problem.size,) and those of the hypotheses, ``e``."""
+    """Where slopes were taken: scores ``u`` (problem.size,) and those of the hypotheses, ``e``.
+
+    ``whole`` where they were taken of the aircraft with all that the hypotheses do to it.
+    """
 
     u: Array
     e: Array
+    whole: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalSlopes:
     """Changes per unit of each unknown's amount, by name of the matrix, (unknowns, …) over ``joints`` and ``places``.
 
-    ``channels`` are those of the group of runs that they belong to, None for all.
+    ``channels`` are those of the group of runs that they belong to, None for all; ``whole`` as in their origin.
     """
 
     joints: tuple[str, ...]
     places: tuple[str, ...]
     values: dict[str, Array]
     channels: NDArray[np.intp] | None = None
+    whole: bool = False
 
     def rows(self, places: Sequence[str]) -> list[int]:
         """Indices of a structure's places: a misplaced sensor borrows those of its home."""
@@ -73,6 +80,15 @@ def origin_near(
         alike = not loose or bool(np.abs(e - last.e).max() <= _AS_LOOSE)
         return last if alike else Origin(u.copy(), e.copy())
     return Origin(u.copy(), e.copy())
+
+
+def whole_near(u: Array, e: Array, last: Origin | None) -> Origin:
+    """Where slopes of the whole aircraft are to be taken: the ``last`` place, or here where that is some way off."""
+    if last is not None and last.whole and last.e.size == e.size:
+        moved = np.concatenate([u - last.u, e - last.e])
+        if np.abs(moved).max(initial=0.0) <= _SAME:
+            return last
+    return Origin(u.copy(), e.copy(), whole=True)
 
 
 def _loose(problem: Problem, hypotheses: tuple[Hypothesis, ...], e: Array) -> bool:
@@ -108,8 +124,8 @@ def slopes_for(
 ) -> LocalSlopes:
     """The slopes that serve one group of runs: the problem's own where there is no ``origin``.
 
-    Left out are effects whose values are fixed, which are only looked at, and those that leave the aircraft's own
-    coordinates alone: what is hung on it moves with it, whatever the unknowns are.
+    Left out, unless they are those of the ``whole``, are effects whose values are fixed, which are only looked at, and
+    those that leave the aircraft's own coordinates alone: what is hung on it moves with it, whatever the unknowns are.
     """
     own = LocalSlopes(problem.nominal.joints, problem.nominal.places, problem.slopes)
     if origin is None:
@@ -117,11 +133,11 @@ def slopes_for(
     kept, scores = [], []
     ends = np.cumsum([0, *(len(h.parameters) for h in hypotheses)])
     for hypothesis, start, stop in zip(hypotheses, ends[:-1], ends[1:], strict=True):
-        if hypothesis.parameters and _edited_airframes(problem, hypothesis, origin.e[start:stop]):
+        if origin.whole or (hypothesis.parameters and _edited_airframes(problem, hypothesis, origin.e[start:stop])):
             kept.append(hypothesis)
             scores.append(origin.e[start:stop])
     e = np.concatenate([np.zeros(0), *scores])
-    for found in _slopes(problem, tuple(kept), origin.u.tobytes(), e.tobytes()):
+    for found in _slopes(problem, tuple(kept), origin.u.tobytes(), e.tobytes(), origin.whole):
         covers = found.channels is None or bool(np.isin(group.channels, found.channels).all())
         if covers and set(found.joints) <= set(group.structure.joints):
             return found
@@ -140,7 +156,9 @@ def _edited_airframes(
 
 
 @lru_cache(maxsize=_KEPT)
-def _slopes(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: bytes, e: bytes) -> tuple[LocalSlopes, ...]:
+def _slopes(
+    problem: Problem, hypotheses: tuple[Hypothesis, ...], u: bytes, e: bytes, whole: bool
+) -> tuple[LocalSlopes, ...]:
     origin, scores = np.frombuffer(u), np.frombuffer(e)
     here = assembled(problem, origin, hypotheses, scores)
     if here is None:
@@ -161,7 +179,8 @@ def _slopes(problem: Problem, hypotheses: tuple[Hypothesis, ...], u: bytes, e: b
             for name, values in own.items():
                 values[k] = (getattr(other.structure, name) - getattr(one.structure, name)) / span
     return tuple(
-        LocalSlopes(g.structure.joints, g.structure.places, own, g.channels) for g, own in zip(here, found, strict=True)
+        LocalSlopes(g.structure.joints, g.structure.places, own, g.channels, whole)
+        for g, own in zip(here, found, strict=True)
     )
 
 

@@ -19,6 +19,7 @@ from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
+from vgvt.reconcile.told import with_told_parameters
 from vgvt.reconcile.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.undecided import next_best, undecided
 from vgvt.reconcile.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of
@@ -98,6 +99,7 @@ def reconcile(
         again = as_leads(attributed(start, "rounds-turned", _ATTRIBUTED, _TURNED), limits)
         if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
+    found = with_told_parameters(found, limits, lambda f, m: tell(_TURNED, m), workers)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)
     places = None

@@ -182,7 +182,7 @@ def reduction(mass: Array, stiffness: Array, drive: Array, limit_rad_per_s: floa
     nothing.
     """
     heavy = (mass + mass.T) / 2
-    bare = stiffness + np.outer(drive, _felt(stiffness, drive))
+    bare = unfelt(stiffness, drive)
     squares, shapes = scipy.linalg.eigh((bare + bare.T) / 2, heavy)
     count = max(12, int(np.searchsorted(squares, limit_rad_per_s**2)))
     basis = np.asarray(shapes[:, :count])
@@ -194,6 +194,11 @@ def reduction(mass: Array, stiffness: Array, drive: Array, limit_rad_per_s: floa
         kept = shares > _LEFT_OUT
         basis = np.hstack([basis, missing @ turned[:, kept] / np.sqrt(shares[kept])])
     return basis
+
+
+def unfelt(stiffness: Array, drive: Array) -> Array:
+    """The stiffness (n, n) without what a gauge reads of it besides the force at ``drive`` (n,)."""
+    return np.asarray(stiffness + np.outer(drive, _felt(stiffness, drive)))
 
 
 def _felt(stiffness: Array, drive: Array) -> Array:

@@ -58,11 +58,16 @@ def shortened(
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
 
+    Where nothing is in sight of what all tolerances together lean on, a calibration that may not bend is asked.
     Asked ``again`` in a round, it leaves out the look that does not hang on where the calibration stands.
     """
     if not swallowed(current, before):
-        found = _in_sight(current, left, _OPEN * needed, tell)
-        return short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
+        found = _in_sight(current, left, _OPEN * needed, part(tell, 0.0, 0.6))
+        listed = short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
+        if listed or again or current.hypotheses or before.strain_sd <= before.limits.strain_sd:
+            return listed
+        # Tolerances lean on something, and from where they lean nothing is in sight.
+        return short_list(_upright(current, left, part(tell, 0.6, 1.0)), _SHORT_LIST // 2, forgiving=True)
     straight, large = _asked(current, left, left)
     # Where the data are met what stands where the unknowns are bent is as good as hidden. Where they are not, what
     # bends unknowns before anything has a name may still be what they imitate worst.

@@ -83,11 +83,15 @@ def _apart(hypotheses: tuple[Hypothesis, ...], e: Array) -> Iterator[_Apart]:
 def sides_of(
     structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
 ) -> list[Side]:
-    """For every parameter of the hypotheses, groups a step away from those at e."""
+    """For every parameter of the hypotheses, groups a step away from those at e.
+
+    A step is added to the rig without the effect, as the stated aircraft has it; of ``whole`` structures it is
+    assembled: what a hook does by moving depends on how high it is.
+    """
     problem, sides = structures.problem, list[Side]()
     for one in _apart(hypotheses, e):
         mine = one.mine
-        bare = structures.beside(u, one.others, one.rest) if mine.size else None
+        bare = structures.beside(u, one.others, one.rest) if mine.size and not structures.whole else None
         here = None if bare is None else one.beside(problem, u, bare, mine, groups)
         for j in range(mine.size):
             side = None

@@ -30,9 +30,9 @@ from vgvt.reconcile.grouping import (
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_slopes import level_accelerance_slopes
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
-from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for
+from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for, whole_near
 from vgvt.reconcile.problem import MATRICES, Problem
-from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, by_rate, reduction
+from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, by_rate, reduction, unfelt
 from vgvt.reconcile.sides import Side, pulled_by, sides_of
 from vgvt.simulation.reduced import Structure
 
@@ -196,10 +196,17 @@ def anchor(
     if groups is None:
         raise NoStructureError("no such structure")
     sides = sides_of(kept, u, hypotheses, scores, groups) if slopes else None
-    pulled = pulled_by(kept, u, hypotheses, scores, groups) if slopes else []
-    origin = None if rough or not slopes else origin_near(problem, u, scores, origin, hypotheses)
+    if rough or not slopes:
+        origin = None
+    elif kept.whole:
+        origin = whole_near(u, scores, origin)
+    else:
+        origin = origin_near(problem, u, scores, origin, hypotheses)
     try:
         known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
+        # Slopes of the whole hold what follows from an unknown.
+        pulls = slopes and not all(k.whole for k in known)
+        pulled = pulled_by(kept, u, hypotheses, scores, groups) if pulls else []
         reduced = tuple(
             _reduced(problem, u, groups, g, sides, pulled, scores.size, known[g]) for g in range(len(groups))
         )
@@ -317,7 +324,9 @@ def _riding(drive: Array, known: NDArray[np.bool_]) -> Array:
 def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
     stiffness = basis.T @ s.stiffness @ basis
     drive, axis = basis.T @ s.drive, s.axis[rows] @ basis
-    spare = s.axis[rows] @ np.linalg.solve(s.stiffness, s.drive) - axis @ np.linalg.solve(stiffness, drive)
+    # At rest a gauge may feel as much as it is pushed with: then what is missed there is missed nowhere else.
+    whole = unfelt(s.stiffness, s.drive)
+    spare = s.axis[rows] @ np.linalg.solve(whole, s.drive) - axis @ np.linalg.solve(basis.T @ whole @ basis, drive)
     return Matrices(
         basis.T @ s.mass @ basis, basis.T @ s.damping @ basis, stiffness, drive, axis, s.tilt[rows] @ basis, spare
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 
 from vgvt.reconcile.addition import Addition
@@ -39,7 +39,7 @@ class Kind(StrEnum):
 class NamedEffect:
     """An effect that the data name: parameters {name: (value, standard deviation, unit)}, its settings, its evidence.
 
-    ``equivalent`` are the names of effects that explain the data as well.
+    ``equivalent`` are the names of effects that explain the data as well; ``ranges`` are 95 % intervals by parameter.
     """
 
     name: str
@@ -50,6 +50,7 @@ class NamedEffect:
     equivalent: tuple[str, ...]
     held_out_before: float | None
     held_out_after: float | None
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,11 +150,12 @@ def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...
                 winner.name,
                 str(cls.summary),  # type: ignore[attr-defined]
                 final.values(k),
-                dict(winner.hypothesis.settings),
+                dict(final.hypotheses[k].settings),
                 winner.gain_nats,
                 others,
                 addition.held_out_before,
                 winner.held_out,
+                final.ranges(k),
             )
         )
     return tuple(names)
@@ -304,13 +306,19 @@ def _effect_document(e: NamedEffect) -> dict[str, object]:
     return {
         "name": e.name,
         "summary": e.summary,
-        "parameters": {k: {"value": v, "std": sd, "unit": unit} for k, (v, sd, unit) in e.parameters.items()},
+        "parameters": {
+            k: {"value": v, "std": sd, "unit": unit} | _interval(e, k) for k, (v, sd, unit) in e.parameters.items()
+        },
         "settings": e.settings,
         "evidence_nats": e.evidence_nats,
         "equivalent": list(e.equivalent),
         "held_out_before": e.held_out_before,
         "held_out_after": e.held_out_after,
     }
+
+
+def _interval(e: NamedEffect, parameter: str) -> dict[str, float]:
+    return dict(zip(("low", "high"), e.ranges.get(parameter, ()), strict=False))
 
 
 def _residual_document(r: Residual) -> dict[str, object]:

@@ -75,7 +75,10 @@ class CandidateRow:
 
 @dataclass(frozen=True, slots=True)
 class EffectRow:
-    """An effect that was named: parameters {name: (value, standard deviation, unit)}, and what would separate it."""
+    """An effect that was named: parameters {name: (value, standard deviation, unit)}, and what would separate it.
+
+    ``ranges`` are 95 % intervals by parameter.
+    """
 
     name: str
     summary: str
@@ -87,6 +90,7 @@ class EffectRow:
     held_out_after: float | None
     signature: str
     separating_test: str
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

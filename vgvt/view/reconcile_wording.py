@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from vgvt.view.reconcile_account import Account, EffectRow
 
+# An interval whose longer side is so many times the shorter one is none that a deviation describes.
+_LOPSIDED = 1.5
+
 KINDS = {
     "adequate": "No other effect is needed",
     "explained": "Explained",
@@ -109,15 +112,20 @@ def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
 
 def parameter_text(effect: EffectRow) -> str:
     """``mass_kg = 0.08 ± 0.002 kg, …``, settings last."""
-    numbers = [fitted_text(name, *told) for name, told in effect.parameters.items()]
+    numbers = [fitted_text(name, *told, effect.ranges.get(name)) for name, told in effect.parameters.items()]
     settings = [f"{k} = {v}" for k, v in effect.settings.items()]
     return ", ".join(numbers + settings)
 
 
-def fitted_text(name: str, value: float, std: float, unit: str) -> str:
-    """``mass_kg = 0.08 ± 0.002 kg``; what stands at the end of what is tried has no deviation, and is not sharp."""
+def fitted_text(name: str, value: float, std: float, unit: str, interval: tuple[float, float] | None = None) -> str:
+    """``mass_kg = 0.08 ± 0.002 kg``, or with its 95 % interval where that is lopsided.
+
+    What stands at the end of what is tried has no deviation, and is not sharp.
+    """
     if std == 0:
         return f"{name} = {value:.4g} {unit}".rstrip() + " (the end of what is tried)"
+    if interval is not None and max(lopsided := (value - interval[0], interval[1] - value)) > _LOPSIDED * min(lopsided):
+        return f"{name} = {value:.3g} {unit}".rstrip() + f" (95 % from {interval[0]:.3g} to {interval[1]:.3g})"
     return f"{name} = {value:.4g} ± {std:.2g} {unit}".rstrip()
 
 

@@ -1,0 +1,169 @@
+"""What is told of a name: no size that nothing shows, and errors of the aircraft with all that acts on it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, drawn_scores, problem, roving_scenario
+
+from vgvt.effects import available_effects
+from vgvt.effects.re_hang import ReHang
+from vgvt.reconcile import spare_sizes, told
+from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.carried import Structures
+from vgvt.reconcile.fit import NEAR, TO_THE_END, Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.local_slopes import Origin, whole_near
+from vgvt.reconcile.posterior import honest
+from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.spare_sizes import leaner
+from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.told import polished, with_told_parameters
+
+HUNG_AGAIN = Hypothesis(available_effects()["re-hang"], {"from_run": 2, "shift_y_m": 0.0})
+ROOT = Hypothesis(available_effects()["root-compliance"], {"side": "both"})
+SHIFT_M = 0.02
+
+
+@pytest.fixture(scope="module")
+def rehung(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """Four runs of roving sensors, the aircraft hung up again after the first."""
+    scenario = roving_scenario()
+    campaign = campaign_of(scenario, 1, ReHang(shift_x_m=SHIFT_M, from_run=2))
+    return make_problem(campaign, scenario, lines=200, cache=tmp_path_factory.mktemp("cache"))
+
+
+def slopes(case: Problem, u: Any, hypotheses: tuple[Hypothesis, ...], e: Any, whole: bool) -> Any:
+    return anchor(case, u, hypotheses, e, structures=Structures(case, whole=whole)).slopes()
+
+
+@pytest.mark.parametrize(("which", "missing"), [("hook z", 0.2), ("the shift itself", 0.04)])
+def test_what_an_effect_does_to_an_unknown_is_in_slopes_of_the_whole(
+    rehung: Problem, which: str, missing: float
+) -> None:
+    """How far a hook was moved tips the aircraft the more, the lower the hook: against assembled differences."""
+    e, u, step = HUNG_AGAIN.scores({"shift_x_m": SHIFT_M}), np.zeros(rehung.size), 0.01
+    # Two deviations lower than stated: there a shift does twice what it does to the stated aircraft.
+    hook = rehung.names.index("hook z")
+    u[hook] = -2.0
+    k = hook if which == "hook z" else len(rehung.unknowns)
+    ends = []
+    for side in (step, -step):
+        aside_u, aside_e = u.copy(), e.copy()
+        if which == "hook z":
+            aside_u[k] += side
+        else:
+            aside_e[0] += side
+        there = anchor(rehung, aside_u, (HUNG_AGAIN,), aside_e, slopes=False)
+        ends.append(there.mechanical(aside_u, aside_e))
+    expected = (ends[0] - ends[1]) / (2 * step)
+    wrong = [
+        np.linalg.norm(slopes(rehung, u, (HUNG_AGAIN,), e, whole)[k] - expected) / np.linalg.norm(expected)
+        for whole in (True, False)
+    ]
+    assert wrong[0] < 0.02
+    assert wrong[1] > missing
+
+
+def test_slopes_of_the_whole_serve_where_they_were_taken() -> None:
+    u, e = np.zeros(3), np.ones(2)
+    here = whole_near(u, e, None)
+    assert here.whole
+    assert whole_near(u + 0.05, e, here) is here
+    assert whole_near(u, e + 0.2, here) is not here
+    assert whole_near(u, np.ones(1), here) is not here
+    assert whole_near(u, e, Origin(u, e)).whole
+
+
+def test_the_error_of_a_shift_knows_how_badly_the_hooks_height_is_known(rehung: Problem) -> None:
+    """Only their ratio shows: by slopes of the stated aircraft each seemed to be known by itself."""
+    fitted = fit(rehung, (HUNG_AGAIN,), drawn_scores(rehung, 1), HUNG_AGAIN.scores({"shift_x_m": SHIFT_M}), NEAR)
+    better = polished(fitted)
+    hook = rehung.names.index("hook z")
+
+    def known(found: Fit) -> tuple[float, float]:
+        covariance = honest(found).covariance
+        sd = np.sqrt(np.diag(covariance))
+        return float(sd[-1]), float(covariance[hook, -1] / sd[hook] / sd[-1])
+
+    (before, apart), (after, together) = known(fitted), known(better)
+    assert abs(apart) < 0.5 < together
+    assert after > 2 * before
+    value, std, _ = honest(better).values(0)["shift_x_m"]
+    assert abs(value - SHIFT_M) < 2 * std
+
+
+@pytest.mark.parametrize(("torsion", "left"), [(0.0, {"bending"}), (0.08, {"bending", "torsion"})])
+def test_a_size_that_nothing_shows_is_left_out(
+    tmp_path_factory: pytest.TempPathFactory, torsion: float, left: set[str]
+) -> None:
+    gives = available_effects()["root-compliance"](bending=0.05, torsion=torsion)
+    case = problem(tmp_path_factory.mktemp("cache"), 1, gives)
+    start = ROOT.scores({"bending": 0.05, "torsion": max(torsion, 0.004)})
+    found = fit(case, (ROOT,), drawn_scores(case, 1), start, TO_THE_END)
+    lean = leaner(found)
+    assert set(lean.values(0)) == left
+    assert lean.evidence_nats >= found.evidence_nats
+    assert lean.hypotheses[0].settings == {"side": "both"} | dict.fromkeys({"bending", "torsion"} - left, 0.0)
+
+
+def test_only_sizes_of_effects_with_more_than_one_may_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mass without its mass is no effect; what holds the aircraft up stays."""
+    mass = Hypothesis(available_effects()["added-mass"], {})
+    delay = Hypothesis(available_effects()["channel-delay"], {"channels": "response"})
+    found: Any = SimpleNamespace(hypotheses=(mass, delay), evidence_nats=1.0)
+    assert leaner(found) is found
+    both: Any = SimpleNamespace(
+        hypotheses=(mass, ROOT), evidence_nats=1.0, e=np.arange(5.0), problem=None, u=np.zeros(2)
+    )
+    asked = []
+
+    def falls(problem: Any, hypotheses: Any, u: Any, e: Any, *_: Any) -> Any:
+        asked.append((dict(hypotheses[1].settings), e.tolist()))
+        raise NoStructureError("it falls")
+
+    monkeypatch.setattr(spare_sizes, "fit", falls)
+    assert leaner(both) is both
+    assert asked == [
+        ({"side": "both", "bending": 0.0}, [0.0, 1.0, 2.0, 4.0]),
+        ({"side": "both", "torsion": 0.0}, [0.0, 1.0, 2.0, 3.0]),
+    ]
+
+
+@pytest.mark.parametrize(("rounds", "linear"), [((), True), ((None,), False)])
+def test_without_a_name_or_with_a_joint_that_depends_on_level_nothing_is_told_anew(
+    rounds: tuple[None, ...], linear: bool
+) -> None:
+    found: Any = SimpleNamespace(rounds=rounds, final=SimpleNamespace(hypotheses=(SimpleNamespace(linear=linear),)))
+    assert with_told_parameters(found, stored_thresholds()) is found
+
+
+def test_what_is_told_replaces_the_final_fit_and_what_it_leaves(rehung: Problem) -> None:
+    whole = replace(HUNG_AGAIN, settings={"from_run": 2})
+    start = whole.scores({"shift_x_m": SHIFT_M, "shift_y_m": 0.003})
+    final = fit(rehung, (whole,), drawn_scores(rehung, 1), start, NEAR)
+    found = Attribution(final, None, (None,), final, None, (), ())  # type: ignore[arg-type]
+    told_anew = with_told_parameters(found, stored_thresholds())
+    assert told_anew.final.hypotheses[0].settings == HUNG_AGAIN.settings
+    assert told_anew.final_residual.train_chi2_per_dof == pytest.approx(told_anew.final.chi2_per_dof)
+    assert told_anew.null is final
+
+
+def test_a_fit_that_whole_slopes_make_worse_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    here: Any = SimpleNamespace(chi2=10.0, scores=np.zeros(2), problem=None, hypotheses=(), u=None, e=None)
+    worse, better = (SimpleNamespace(chi2=c, scores=np.zeros(2)) for c in (11.0, 9.0))
+    for more, kept in ((worse, here), (better, better)):
+        monkeypatch.setattr(told, "fit", lambda *_, whole, more=more: more)
+        assert polished(here) is kept
+
+    def falls(*_: Any, whole: bool) -> Any:
+        raise NoStructureError("it falls")
+
+    monkeypatch.setattr(told, "fit", falls)
+    assert polished(here) is here

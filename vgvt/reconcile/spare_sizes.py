@@ -1,0 +1,56 @@
+"""Sizes of named effects that the data do not ask for, left out: a root that gives way in bending need not in torsion.
+
+A size on a logarithmic scale cannot vanish: held in its range, what nothing shows of it is made up for by the size that
+is there, and its neighbour's error bar knows nothing of that. Without it the same effect has one parameter less, and is
+preferred where evidence says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from vgvt.reconcile.fit import NEAR, Fit, fit
+from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.last_steps import finished
+from vgvt.reconcile.progress import Progress, naming, part, silent
+from vgvt.reconcile.team import ALONE, Task, Team
+
+
+def leaner(found: Fit, tell: Progress = silent, team: Team = ALONE) -> Fit:
+    """The fit without the sizes that its evidence is better without, one after the other; itself where there is none.
+
+    A size that is left out is a setting of its hypothesis, at the value where it does nothing.
+    """
+    while True:
+        tries: list[Task] = [(_without, (found, k, name)) for k, name in _spare(found)]
+        fits = [f for f in team.work_off(tries, part(tell, 0.0, 1.0)) if f is not None]
+        best = max(fits, key=lambda f: f.evidence_nats, default=None)
+        if best is None or best.evidence_nats <= found.evidence_nats:
+            return found
+        found = best
+
+
+def _spare(found: Fit) -> Iterator[tuple[int, str]]:
+    """Index of a hypothesis and name of a size, of all that are not the only one of their effect."""
+    for k, hypothesis in enumerate(found.hypotheses):
+        sizes = [p.name for p in hypothesis.parameters if p.neutral is not None]
+        if len(sizes) > 1:
+            yield from ((k, name) for name in sizes)
+
+
+def _without(found: Fit, index: int, size: str, tell: Progress) -> Fit | None:
+    """The fit with one size of one hypothesis where it does nothing; None where there is no such thing."""
+    own = found.hypotheses[index]
+    names = [p.name for p in own.parameters]
+    neutral = own.parameters[names.index(size)].neutral
+    less = replace(own, settings={**own.settings, size: neutral})
+    before = sum(len(h.parameters) for h in found.hypotheses[:index])
+    e = np.delete(found.e, before + names.index(size))
+    joined = (*found.hypotheses[:index], less, *found.hypotheses[index + 1 :])
+    try:
+        return finished(fit(found.problem, joined, found.u, e, NEAR, naming(tell, less)), tell)
+    except NoStructureError:
+        return None
