@@ -44,6 +44,22 @@ def test_a_stiff_joint_more_is_no_part_of_its_slope(stand: Stand) -> None:
     assert np.linalg.norm(joint) / step_from_neutral(torsion) > 10 * np.linalg.norm(wanted)
 
 
+def test_a_joint_that_is_large_where_it_begins_to_be_plausible_has_the_slope_of_a_small_one(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    """Where a body's halves rock within the band, a first-order change from none is anything: it was the slope."""
+    case = problem(tmp_path_factory.mktemp("cache"), 1)
+    stand = Stand.of(fit(case, (), np.full(case.size, 0.3), np.zeros(0), ()))
+    halves = Hypothesis(available_effects()["carry-through-torsion"])
+    (size,) = halves.parameters
+    found = stand.slope(halves, {size.name: 0.0}, size)
+    near, far = (stand.change(halves, {size.name: s}) for s in (1e-6, 3e-6))
+    assert found is not None and near is not None and far is not None
+    wanted = (far - near) / 2e-6
+    assert alike(found, wanted) > 0.99
+    assert np.linalg.norm(found) == pytest.approx(np.linalg.norm(wanted), rel=0.1)
+
+
 @pytest.mark.parametrize(
     ("name", "values"),
     [

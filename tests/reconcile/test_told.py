@@ -167,3 +167,13 @@ def test_a_fit_that_whole_slopes_make_worse_stays(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(told, "fit", falls)
     assert polished(here) is here
+
+
+def test_intervals_are_straight_in_scores(rehung: Problem) -> None:
+    """A positive size is as far from its ends by a factor, a signed one by a difference."""
+    mass = Hypothesis(available_effects()["added-mass"], {"x_m": 0.7})
+    found = fit(rehung, (mass,), np.zeros(rehung.size), mass.scores({"mass_kg": 0.05, "y_m": 0.4}), ())
+    values, ends = found.values(0), found.ranges(0)
+    assert ends["mass_kg"][1] / values["mass_kg"][0] == pytest.approx(values["mass_kg"][0] / ends["mass_kg"][0])
+    assert np.mean(ends["y_m"]) == pytest.approx(values["y_m"][0])
+    assert np.diff(ends["y_m"])[0] == pytest.approx(2 * 1.96 * values["y_m"][1], rel=1e-3)

@@ -110,11 +110,7 @@ class Fit:
 
     def values(self, index: int) -> dict[str, tuple[float, float, str]]:
         """Parameters of a hypothesis: value, standard deviation, unit."""
-        start = self.u.size + sum(len(h.parameters) for h in self.hypotheses[:index])
-        hypothesis = self.hypotheses[index]
-        count = len(hypothesis.parameters)
-        scores = self.scores[start : start + count]
-        sd = np.sqrt(np.diag(self.covariance)[start : start + count])
+        hypothesis, scores, sd = self._known(index)
         here = hypothesis.values(scores)
         out = {}
         for k, p in enumerate(hypothesis.parameters):
@@ -126,13 +122,16 @@ class Fit:
 
     def ranges(self, index: int) -> dict[str, tuple[float, float]]:
         """95 % intervals of a hypothesis' parameters: straight in scores, so lopsided on a logarithmic scale."""
-        start = self.u.size + sum(len(h.parameters) for h in self.hypotheses[:index])
-        hypothesis = self.hypotheses[index]
-        count = len(hypothesis.parameters)
-        scores = self.scores[start : start + count]
-        reach = _CONFIDENCE_Z * np.sqrt(np.diag(self.covariance)[start : start + count])
-        low, high = hypothesis.values(scores - reach), hypothesis.values(scores + reach)
+        hypothesis, scores, sd = self._known(index)
+        low, high = (hypothesis.values(scores + side * _CONFIDENCE_Z * sd) for side in (-1, 1))
         return {p.name: (low[p.name], high[p.name]) for p in hypothesis.parameters}
+
+    def _known(self, index: int) -> tuple[Hypothesis, Array, Array]:
+        """A hypothesis with the scores (its parameters,) of its own and their standard deviations."""
+        hypothesis = self.hypotheses[index]
+        start = self.u.size + sum(len(h.parameters) for h in self.hypotheses[:index])
+        mine = slice(start, start + len(hypothesis.parameters))
+        return hypothesis, self.scores[mine], np.sqrt(np.diag(self.covariance)[mine])
 
 
 @one_thread

@@ -15,7 +15,7 @@ import numpy as np
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.last_steps import finished
-from vgvt.reconcile.progress import Progress, naming, part, silent
+from vgvt.reconcile.progress import Progress, naming, silent
 from vgvt.reconcile.team import ALONE, Task, Team
 
 
@@ -26,7 +26,7 @@ def leaner(found: Fit, tell: Progress = silent, team: Team = ALONE) -> Fit:
     """
     while True:
         tries: list[Task] = [(_without, (found, k, name)) for k, name in _spare(found)]
-        fits = [f for f in team.work_off(tries, part(tell, 0.0, 1.0)) if f is not None]
+        fits = [f for f in team.work_off(tries, tell) if f is not None]
         best = max(fits, key=lambda f: f.evidence_nats, default=None)
         if best is None or best.evidence_nats <= found.evidence_nats:
             return found

@@ -31,8 +31,9 @@ ComplexArray = NDArray[np.complex128]
 Change = Callable[[Hypothesis, dict[str, float]], tuple[Array, bool] | None]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
 _FOLLOWED = 8
-# Beyond a joint's own step by this factor, in steps ever longer, from a fifth of the least plausible size on.
-_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS = 2.0, 3.0, 4
+# Beyond a joint's own step by this factor, in steps ever longer, from a share of the usual step on: of what is large
+# where it begins to be plausible, a fifth of that swings within the band already.
+_MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS, _AT_FIRST = 2.0, 3.0, 7, 1 / 27
 # Twice the size does more than this many times as much: not two, but four times.
 _SQUARED = 3.0
 # No further at once than the linearised matrices carry.
@@ -187,14 +188,14 @@ class Stand:
         if found is not None and not found[1]:
             return found[0] / step
         if found is not None:
-            slope = _beyond_a_joint(lambda size: at(self._linear_change, size), step, found[0], _LONGER_STEPS)
+            slope = _beyond_a_joint(lambda size: at(self._linear_change, size), step)
             if slope is not None:
                 return slope
         near = at(self._changed, step)
         if near is None:
             return None
         if near[1]:
-            return _beyond_a_joint(lambda size: at(self._changed, size), step, near[0], _LONGER_STEPS)
+            return _beyond_a_joint(lambda size: at(self._changed, size), step)
         # Curvature is taken off by a second step.
         twice = at(self._changed, 2 * step)
         return near[0] / step if twice is None else (4 * near[0] - twice[0]) / (2 * step)
@@ -319,19 +320,18 @@ class Stand:
             return float(misfit @ misfit + scores @ scores), misfit
 
 
-def _beyond_a_joint(
-    change: Callable[[float], tuple[Array, bool] | None], size: float, before: Array, tries: int
-) -> Array | None:
-    """The slope between two sizes, from ``size`` and its change ``before`` on; None where there is none further."""
-    slope = None
-    for _ in range(tries):
+def _beyond_a_joint(change: Callable[[float], tuple[Array, bool] | None], step: float) -> Array | None:
+    """The slope between two sizes that do more than a joint does at no size, about a ``step``; None without any."""
+    slope, size = None, _AT_FIRST * step
+    before = change(size)
+    for _ in range(_LONGER_STEPS):
         there = change(_LONGER * size)
-        if there is None:
+        if before is None or there is None:
             break
-        slope = (there[0] - before) / ((_LONGER - 1) * size)
-        if np.linalg.norm(size * slope) > _MORE_THAN_A_JOINT * np.linalg.norm(before - size * slope):
+        slope = (there[0] - before[0]) / ((_LONGER - 1) * size)
+        if np.linalg.norm(size * slope) > _MORE_THAN_A_JOINT * np.linalg.norm(before[0] - size * slope):
             break
-        size, before = _LONGER * size, there[0]
+        size, before = _LONGER * size, there
     return slope
 
 
