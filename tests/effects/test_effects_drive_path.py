@@ -84,20 +84,25 @@ def _rotations(modes: ModalModel) -> tuple[NDArray[np.float64], NDArray[np.float
     return (aft - fore) / 0.25, (beside - fore) / 0.15
 
 
-def test_base_strain_adds_the_moment_to_the_force(rig: Scenario) -> None:
-    """1/H(s) - 1/H(-s) = 2 s M/A for every channel, M from the pitch that two body sensors see."""
+@pytest.mark.parametrize(("axis", "other", "apart_m"), [("pitch", AFT, 0.25), ("roll", BESIDE, -0.15)])
+def test_base_strain_adds_the_moment_to_the_force(rig: Scenario, axis: str, other: int, apart_m: float) -> None:
+    """1/H(s) - 1/H(-s) = 2 s M/A for every channel, M from the rotation that two body sensors see."""
     s, k, loss, at_hz = 8.0, 10.0, 0.2, 12.0
+    seen = revised(rig, acquisition={"runs": ((WING, TIP, FORE, other),)})
 
     def frf(sign: float) -> Complex:
-        effect = {"rotational_stiffness_n_m_per_rad": k, "loss_factor": loss, "frequency_hz": at_hz}
-        return responses(having(rig, "base-strain", apparent_force_per_moment_per_m=sign * s, **effect))[0]
+        effect = {"axis": axis, "rotational_stiffness_n_m_per_rad": k, "loss_factor": loss, "frequency_hz": at_hz}
+        return responses(having(seen, "base-strain", apparent_force_per_moment_per_m=sign * s, **effect))[0]
 
     plus, minus = frf(1.0), frf(-1.0)
     omega = 2 * np.pi * FREQUENCY_HZ
-    pitch_per_force = (plus[3] - plus[2]) / 0.25 / omega**2
-    moment = -(k + 1j * omega * loss * k / (2 * np.pi * at_hz)) * pitch_per_force
+    turned_per_force = (plus[3] - plus[2]) / apart_m / omega**2
+    moment = -(k + 1j * omega * loss * k / (2 * np.pi * at_hz)) * turned_per_force
     for got, wanted in zip((1 / plus - 1 / minus), 2 * s * moment / plus, strict=True):
-        np.testing.assert_allclose(got, wanted, rtol=1e-3, atol=1e-3 * np.median(np.abs(wanted)))
+        # It hangs pitched by a quarter of a degree: what yaws is not all of it out of the sensors' sight.
+        assert np.linalg.norm(got - wanted) < 2e-3 * np.linalg.norm(wanted)
+        if axis == "pitch":
+            np.testing.assert_allclose(got, wanted, rtol=1e-3, atol=1e-3 * np.median(np.abs(wanted)))
     assert largest_error(plus, minus) > 0.05
 
 

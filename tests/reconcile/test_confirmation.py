@@ -76,7 +76,8 @@ def fitted(left: float, bent: float = 0.0) -> Any:
     """A fit of a hundred values that leaves so much of each, with one of its two scores ``bent``."""
     scores = np.array([bent, 1.0])
     return SimpleNamespace(
-        chi2=100 * left, chi2_per_dof=left, points=100, scores=scores, u=scores, covariance=np.zeros((2, 2)),
+        chi2=100 * left, cost=100 * left + scores @ scores, chi2_per_dof=left, points=100,
+        scores=scores, u=scores, covariance=np.zeros((2, 2)),
         problem=SimpleNamespace(names=("a", "b")),
     )  # fmt: skip
 

@@ -29,7 +29,7 @@ def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[Any, ...] = ()) -> 
     scores = np.zeros(4)
     scores[0] = np.sqrt(4 + bent) if bent else 0.0
     return SimpleNamespace(
-        chi2=chi2, points=1000, scores=scores, covariance=np.eye(4), converged=True,
+        chi2=chi2, cost=chi2 + scores @ scores, points=1000, scores=scores, covariance=np.eye(4), converged=True,
         hypotheses=hypotheses, problem=SimpleNamespace(names=("a", "b", "c", "d")),
     )  # fmt: skip
 

@@ -148,7 +148,8 @@ def test_what_is_told_replaces_the_final_fit_and_what_it_leaves(rehung: Problem)
     whole = replace(HUNG_AGAIN, settings={"from_run": 2})
     start = whole.scores({"shift_x_m": SHIFT_M, "shift_y_m": 0.003})
     final = fit(rehung, (whole,), drawn_scores(rehung, 1), start, NEAR)
-    found = Attribution(final, None, (None,), final, None, (), ())  # type: ignore[arg-type]
+    unasked: Any = None
+    found = Attribution(final, unasked, (unasked,), final, unasked, (), ())
     told_anew = with_told_parameters(found, stored_thresholds())
     assert told_anew.final.hypotheses[0].settings == HUNG_AGAIN.settings
     assert told_anew.final_residual.train_chi2_per_dof == pytest.approx(told_anew.final.chi2_per_dof)
@@ -156,8 +157,8 @@ def test_what_is_told_replaces_the_final_fit_and_what_it_leaves(rehung: Problem)
 
 
 def test_a_fit_that_whole_slopes_make_worse_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    here: Any = SimpleNamespace(chi2=10.0, scores=np.zeros(2), problem=None, hypotheses=(), u=None, e=None)
-    worse, better = (SimpleNamespace(chi2=c, scores=np.zeros(2)) for c in (11.0, 9.0))
+    here: Any = SimpleNamespace(cost=10.0, problem=None, hypotheses=(), u=None, e=None)
+    worse, better = (SimpleNamespace(cost=c) for c in (11.0, 9.0))
     for more, kept in ((worse, here), (better, better)):
         monkeypatch.setattr(told, "fit", lambda *_, whole, more=more: more)
         assert polished(here) is kept

@@ -154,8 +154,9 @@ def test_where_tolerances_lean_and_nothing_is_in_sight_it_is_asked_too(
     monkeypatch: pytest.MonkeyPatch, strain: float, named: Any, again: bool, sees: tuple[str, ...], asked: bool
 ) -> None:
     """What a gauge felt of a moment hid behind seven deviations, in data less missed than what is swallowed."""
-    seen = tuple(Screened(SimpleNamespace(name=n, settings={}), {}, 50.0) for n in sees)  # type: ignore[arg-type]
-    hidden = Screened(SimpleNamespace(name="hidden", settings={}), {}, 3000.0, upright=True)  # type: ignore[arg-type]
+    plain: dict[str, Any] = {n: SimpleNamespace(name=n, settings={}) for n in (*sees, "hidden")}
+    seen = tuple(Screened(plain[n], {}, 50.0) for n in sees)
+    hidden = Screened(plain["hidden"], {}, 3000.0, upright=True)
     monkeypatch.setattr(shortlist, "_in_sight", lambda *given: seen)
     monkeypatch.setattr(shortlist, "_upright", lambda *given: (hidden,))
     monkeypatch.setattr(shortlist, "freed", lambda hypothesis: SimpleNamespace(parameters=()))
@@ -167,7 +168,8 @@ def test_where_tolerances_lean_and_nothing_is_in_sight_it_is_asked_too(
 
 
 def test_what_was_seen_upright_is_fitted_from_afar_though_the_rest_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
-    small: Any = Screened("small", {}, 30.0, upright=True)  # type: ignore[arg-type]
+    names: tuple[Any, ...] = ("small", "near")
+    small, near = (Screened(name, {}, 30.0, upright=name == "small") for name in names)
     stages_of: dict[str, Any] = {}
     monkeypatch.setattr(rounds, "swallowed", lambda current, before: False)
     monkeypatch.setattr(
@@ -177,6 +179,6 @@ def test_what_was_seen_upright_is_fitted_from_afar_though_the_rest_is_near(monke
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
     current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=())
     team: Any = SimpleNamespace(work_off=lambda tasks, tell: [f(*given, silent) for f, given in tasks])
-    near = replace(small, hypothesis="near", upright=False)
-    rounds._fit_all(current, [small, near], SimpleNamespace(), (), silent, team)  # type: ignore[arg-type]
+    before: Any = SimpleNamespace()
+    rounds._fit_all(current, [small, near], before, (), silent, team)
     assert stages_of == {"small": FAR, "near": NEAR}

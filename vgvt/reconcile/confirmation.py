@@ -81,8 +81,7 @@ def share_taken(found: Fit, current: Fit, before: Residual) -> float:
     missed = current.chi2 - before.noise_per_dof * current.points
     # Scores that nothing bends have a square of one each at most.
     bent = max(0.0, float(current.scores @ current.scores) - current.scores.size)
-    taken = current.chi2 + float(current.scores @ current.scores) - found.chi2 - float(found.scores @ found.scores)
-    return taken / (missed + bent) if missed + bent > 0 else 1.0
+    return (current.cost - found.cost) / (missed + bent) if missed + bent > 0 else 1.0
 
 
 def held_out_nats(found: Fit, better: float) -> float:

@@ -108,6 +108,12 @@ class Fit:
         """u and e joined."""
         return np.concatenate([self.u, self.e])
 
+    @property
+    def cost(self) -> float:
+        """Square sum of misfit and scores: what a fit lowers."""
+        scores = self.scores
+        return self.chi2 + float(scores @ scores)
+
     def values(self, index: int) -> dict[str, tuple[float, float, str]]:
         """Parameters of a hypothesis: value, standard deviation, unit."""
         hypothesis, scores, sd = self._known(index)

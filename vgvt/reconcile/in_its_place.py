@@ -95,12 +95,11 @@ def in_its_place(
         return None, []
     # What depends on level has its linear likeness here, and levels tell the two.
     asked = [h for h in others if h.linear]
-    reached = current.chi2 + float(current.scores @ current.scores)
-    if last.chi2 + float(last.scores @ last.scores) > reached + 2 * _SAME_NATS:
+    if last.cost > current.cost + 2 * _SAME_NATS:
         # It acts on what a later one changed: last, it is another model, and no measure for what is in its place.
         return None, []
     start = Stand.of(stand)
-    bought = 0.5 * (start.cost - reached)
+    bought = 0.5 * (start.cost - current.cost)
     if not asked or bought <= 0:
         return None, []
     tries: list[Task] = [

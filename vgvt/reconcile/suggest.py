@@ -175,7 +175,7 @@ def found_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
         ended = fit(told, other.hypotheses, known_in(problem, other), other.e, NEAR)
     except (InputError, NoStructureError, ValueError, KeyError):
         return None
-    return 0.5 * (ended.chi2 + float(ended.scores @ ended.scores) - own)
+    return 0.5 * (ended.cost - own)
 
 
 def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:

@@ -42,8 +42,4 @@ def polished(found: Fit, tell: Progress = silent) -> Fit:
         more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, tell, whole=True)
     except NoStructureError:
         return found
-    return more if _cost(more) <= _cost(found) else found
-
-
-def _cost(found: Fit) -> float:
-    return found.chi2 + float(found.scores @ found.scores)
+    return more if more.cost <= found.cost else found

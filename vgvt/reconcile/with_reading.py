@@ -55,10 +55,9 @@ def reading_density(fit: Fit, check: Check, reading: Array) -> float | None:
         return np.concatenate([jacobian(here, u, e, here.predict(u, e)), np.eye(scores.size), white(own)])
 
     ended = least_squares(misfit, fit.scores, jac=slopes, method="trf", max_nfev=_TRIALS)
-    before = fit.chi2 + float(fit.scores @ fit.scores)
     spread = np.linalg.slogdet(ended.jac.T @ ended.jac)[1] + np.linalg.slogdet(fit.covariance)[1]
     norm = 2 * np.log(np.diag(factor)).sum() + mean.size * np.log(2 * np.pi)
-    return -0.5 * float(2 * ended.cost - before + spread + norm)
+    return -0.5 * float(2 * ended.cost - fit.cost + spread + norm)
 
 
 def followed_nats(true: Fit, other: Fit, check: Check) -> float | None:
