@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, drawn_scores, problem, roving_scenario
+from reconciled_case import campaign_of, drawn_scores, problem, roving_scenario, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.re_hang import ReHang
-from vgvt.reconcile import spare_sizes, told
+from vgvt.reconcile import reconcile, spare_sizes, told
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.fit import NEAR, TO_THE_END, Fit, fit
@@ -178,3 +178,19 @@ def test_intervals_are_straight_in_scores(rehung: Problem) -> None:
     assert ends["mass_kg"][1] / values["mass_kg"][0] == pytest.approx(values["mass_kg"][0] / ends["mass_kg"][0])
     assert np.mean(ends["y_m"]) == pytest.approx(values["y_m"][0])
     assert np.diff(ends["y_m"])[0] == pytest.approx(2 * 1.96 * values["y_m"][1], rel=1e-3)
+
+
+def test_the_verdict_tells_what_it_names_without_the_spare_size() -> None:
+    """Of a root that gives way in bending alone, through the whole loop, to the scenario that is written back."""
+    scenario = small_scenario()
+    softer = available_effects()["root-compliance"](bending=0.05)
+    known = {"root-compliance": available_effects()["root-compliance"]}
+    verdict = reconcile(campaign_of(scenario, 1, softer), scenario, effects=known, lines=60)
+    (named,) = verdict.effects
+    assert named.settings == {"side": "both", "torsion": 0.0}
+    assert set(named.parameters) == set(named.ranges) == {"bending"}
+    low, high = named.ranges["bending"]
+    assert low < named.parameters["bending"][0] < high
+    (table,) = verdict.scenario.effect
+    assert dict(table)["torsion"] == 0.0
+    assert verdict.attribution.rounds[0].winner.hypothesis.settings == {"side": "both"}
