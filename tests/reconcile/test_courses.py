@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from reconciled_case import roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
-from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.candidates import candidates, places
 from vgvt.reconcile.courses import best_course, in_other_courses
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.holdout import Split
@@ -129,3 +130,28 @@ def test_from_where_a_wrong_course_arrived_the_right_one_is_found(remounted: Pro
     # Nor has what gains nothing, however little others gain.
     behind = replace(wrong, evidence_nats=null.evidence_nats - 5.0)
     assert in_other_courses(null, [behind, replace(behind, evidence_nats=-1e9)], every, silent) == []
+
+
+def test_a_course_between_those_that_were_tried_is_found(remounted: Problem) -> None:
+    """A campaign of many runs: not every one of them is a variant, but a change may come before any."""
+    case = holding_out(remounted, 1)
+    every = [h for h in candidates(case, {"drive-remount": REMOUNT}) if h.settings["from_run"] != 3]
+    null = replace(claimed(case, REMOUNT, {**SHIFT, "shift_y_m": 0.0}, from_run=2), hypotheses=())
+    wrong = claimed(case, REMOUNT, {**SHIFT, "shift_y_m": 0.006}, from_run=2)
+    found = in_other_courses(null, [wrong], every, silent)
+    assert max(found, key=lambda f: f.evidence_nats).hypotheses[-1].settings == {"from_run": 3}
+
+
+def test_a_change_is_tried_before_every_run_of_a_usual_campaign() -> None:
+    """Ten runs were tried from the second, fifth, seventh and tenth: what changed at the third had a wrong course."""
+    first, last = available_effects()["re-hang"], available_effects()["payload-change"]
+    for count, tried in ((2, 1), (4, 3), (10, 9), (40, 11)):
+        runs = tuple((k, 100 + k) for k in range(1, count + 1))
+        problem: Any = SimpleNamespace(scenario=roving_scenario(), measured=SimpleNamespace(runs=runs), layouts=None)
+        hung = [h.settings["from_run"] for h in candidates(problem, {"re-hang": first})]
+        assert len(hung) == tried == len(set(hung))
+        assert (hung[0], hung[-1]) == (2, count)
+        # Nor is any left out for the sake of others' number.
+        put_in = candidates(problem, {"payload-change": last})
+        assert {h.settings["from_run"] for h in put_in} == set(hung)
+        assert len(put_in) == tried * len(places(problem))

@@ -24,9 +24,12 @@ from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.placement import aircraft_box_m
 from vgvt.scenario.planform import edge_lines_m
 
-_FROM_RUNS = 4
+# Runs at which a change is tried at first, evenly spread where there are more; those between come as other courses of
+# what did best (:mod:`vgvt.reconcile.courses`).
+_FROM_RUNS = 11
 _STATIONS = 6
-_MOST = 64
+# A campaign of a dozen runs asks of a payload, in each of sixteen places, for each of them.
+_MOST = 256
 
 
 def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:

@@ -40,7 +40,7 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
         return found
     scores = found.e[found.e.size - len(own.parameters) :]
     here, alike = _done(problem, own, scores), [found]
-    for there in _other_courses(hypotheses, own):
+    for there in _other_courses(problem, hypotheses, own):
         if not _alike(problem, here, _done(problem, there, scores)):
             continue
         joined = (*found.hypotheses[:-1], there)
@@ -66,7 +66,7 @@ def in_other_courses(
         return []
     problem, own = best.problem, best.hypotheses[-1]
     fitted = [f.hypotheses[-1].settings for f in changes if f.hypotheses[-1].cls is own.cls]
-    others = [h for h in _other_courses(hypotheses, own) if h.settings not in fitted]
+    others = [h for h in _other_courses(problem, hypotheses, own) if h.settings not in fitted]
     joined = [(*best.hypotheses[:-1], h) for h in others]
     costs = [(cost_at(problem, j, best.u, best.e), j) for j in joined]
     nearest = [j for cost, j in sorted(costs, key=lambda c: c[0])[:_TRIED] if np.isfinite(cost)]
@@ -82,14 +82,21 @@ def _fitted_in(found: Fit, hypotheses: tuple[Hypothesis, ...], tell: Progress) -
         return None
 
 
-def _other_courses(hypotheses: Sequence[Hypothesis], own: Hypothesis) -> list[Hypothesis]:
-    """A hypothesis with each other course that variants differ in from it alone; what is fitted of it is no setting."""
+def _other_courses(problem: Problem, hypotheses: Sequence[Hypothesis], own: Hypothesis) -> list[Hypothesis]:
+    """A hypothesis with each other course that variants differ in from it alone; what is fitted of it is no setting.
+
+    Those that begin at some run stand for every other run too: of many not all are variants.
+    """
     found: dict[str, Hypothesis] = {}
     rest = {k: v for k, v in own.settings.items() if k not in _COURSE}
     for h in hypotheses:
-        settings = {**rest, **{k: v for k, v in h.settings.items() if k in _COURSE}}
-        if h.cls is own.cls and all(h.settings.get(k) == v for k, v in rest.items()) and settings != own.settings:
-            found[repr(sorted(settings.items()))] = replace(own, settings=settings)
+        if h.cls is not own.cls or any(h.settings.get(k) != v for k, v in rest.items()):
+            continue
+        course = {k: v for k, v in h.settings.items() if k in _COURSE}
+        runs = range(2, len(problem.measured.runs) + 1) if "from_run" in course else ()
+        for settings in ({**rest, **course, **({"from_run": run} if runs else {})} for run in runs or (None,)):
+            if settings != own.settings:
+                found[repr(sorted(settings.items()))] = replace(own, settings=settings)
     return list(found.values())
 
 
