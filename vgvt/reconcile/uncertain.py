@@ -7,8 +7,9 @@ standard deviation from the scenario's tolerances.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from vgvt.effects.beams import plain_name, with_airframe, with_beams, with_colum
 from vgvt.scenario.airframe import Beam
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.recent import Recent
 
 # Shorter beams bend too little for their segments to be told apart: only their common scale varies.
 _LONG = 0.5
@@ -82,11 +84,17 @@ def unknowns(scenario: Scenario) -> tuple[Unknown, ...]:
 
 def edited(scenario: Scenario, known: tuple[Unknown, ...], scores: np.ndarray) -> Scenario:
     """The scenario, sides written out, with every unknown at its score, (unknowns,)."""
-    changed = prepared(scenario)
+    changed, stretches = _prepared_recently(scenario), list[tuple[_Stretch, float]]()
     for unknown, u in zip(known, scores, strict=True):
-        if u != 0:
-            changed = unknown.edit(changed, unknown.amount(float(u)))
-    return changed
+        if u == 0:
+            continue
+        amount = unknown.amount(float(u))
+        # Stations' columns are no other edit's: all at once, where each by itself would copy the whole aircraft.
+        if isinstance(unknown.edit, _Stretch):
+            stretches.append((unknown.edit, amount))
+        else:
+            changed = unknown.edit(changed, amount)
+    return _stretched(changed, stretches)
 
 
 def prepared(scenario: Scenario) -> Scenario:
@@ -95,6 +103,9 @@ def prepared(scenario: Scenario) -> Scenario:
     names = _segmented(split)
     count = scenario.tolerances.segments
     return with_beams(split, names, lambda beam: _with_stations(beam, count)) if count else split
+
+
+_prepared_recently: Recent[Scenario, Scenario] = Recent(prepared)
 
 
 def _segmented(scenario: Scenario) -> tuple[str, ...]:
@@ -127,9 +138,9 @@ def _beams(scenario: Scenario) -> list[Unknown]:
         names = tuple(b.name for b in split.airframe.beam if plain_name(b.name) == plain)
         for column, what in (("bending_stiffness_n_m2", "EI"), ("torsional_stiffness_n_m2", "GJ")):
             words = f"{what} of the {plain}"
-            found.append(_log(f"{what} {plain}", words, t.stiffness_scale, _column_edit(names, column, None)))
+            found.append(_log(f"{what} {plain}", words, t.stiffness_scale, _Stretch(names, column, None)))
         words = f"pitch inertia of the {plain}"
-        found.append(_log(f"inertia {plain}", words, t.inertia, _column_edit(names, "pitch_inertia_kg_m", None)))
+        found.append(_log(f"inertia {plain}", words, t.inertia, _Stretch(names, "pitch_inertia_kg_m", None)))
     for name in long:
         for column, what, sd in (
             ("bending_stiffness_n_m2", "EI", t.stiffness_segment),
@@ -138,29 +149,49 @@ def _beams(scenario: Scenario) -> list[Unknown]:
         ):
             for k in range(t.segments):
                 words = f"{what} of the {name}, around station {k + 1} of {t.segments} from the root"
-                edit = _column_edit((name,), column, (k, t.segments))
+                edit = _Stretch((name,), column, (k, t.segments))
                 found.append(_log(f"{what} {name} {k + 1}", words, sd, edit))
     return found
 
 
-def _column_edit(names: tuple[str, ...], column: str, segment: tuple[int, int] | None) -> Edit:
-    """Scale a column by a factor everywhere, or around one of n stations with a tent between its neighbours."""
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """Scales a ``column`` of some beams by a factor everywhere, or around station k of n with a tent between those."""
 
-    def edit(scenario: Scenario, factor: float) -> Scenario:
-        def change(beam: Beam) -> Beam:
-            weight: np.ndarray = np.ones(len(beam.stations.position_m))
-            if segment is not None:
-                k, count = segment
-                arc = beam_axis(beam).arc_length_m
-                knots = np.linspace(0.0, arc[-1], count)
-                weight = np.interp(arc, knots, np.eye(count)[k]) if count > 1 else weight
-            return with_columns(
-                beam, **{column: np.array(getattr(beam.stations, column)) * (1 + weight * (factor - 1))}
-            )
+    names: tuple[str, ...]
+    column: str
+    station: tuple[int, int] | None
 
-        return with_beams(scenario, names, change)
+    def __call__(self, scenario: Scenario, factor: float) -> Scenario:
+        return _stretched(scenario, [(self, factor)])
 
-    return edit
+    def share(self, beam: Beam) -> np.ndarray | float:
+        """How much of the factor each station (N,) of a beam gets."""
+        return 1.0 if self.station is None else _tent(beam_axis(beam).arc_length_m.tobytes(), *self.station)
+
+
+@lru_cache(maxsize=256)
+def _tent(arc: bytes, k: int, count: int) -> np.ndarray:
+    """One at knot k of ``count``, none at the others, linear between: at arc lengths (N,), to be read only."""
+    arc_m = np.frombuffer(arc)
+    if count == 1:
+        return np.ones(arc_m.size)
+    return np.asarray(np.interp(arc_m, np.linspace(0.0, arc_m[-1], count), np.eye(count)[k]))
+
+
+def _stretched(scenario: Scenario, stretches: Sequence[tuple[_Stretch, float]]) -> Scenario:
+    """The scenario after some stretches by their factors."""
+
+    def change(beam: Beam) -> Beam:
+        columns: dict[str, np.ndarray] = {}
+        for stretch, factor in stretches:
+            if beam.name in stretch.names:
+                before = columns.get(stretch.column)
+                before = np.array(getattr(beam.stations, stretch.column)) if before is None else before
+                columns[stretch.column] = before * (1 + stretch.share(beam) * (factor - 1))
+        return with_columns(beam, **columns) if columns else beam
+
+    return with_beams(scenario, {n for s, _ in stretches for n in s.names}, change) if stretches else scenario
 
 
 def _body(scenario: Scenario) -> list[Unknown]:

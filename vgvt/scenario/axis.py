@@ -16,21 +16,17 @@ class Axis:
     """The elastic axis between the stations of one beam: N stations, N - 1 straight segments.
 
     ``position_m`` (N, 3) and ``arc_length_m`` (N,) belong to the stations,
-    ``tangent``, ``normal`` and ``aft`` (N - 1, 3) to the segments. ``aft`` lies
+    ``segment_length_m`` (N - 1,), ``tangent``, ``normal`` and ``aft`` (N - 1, 3) to the segments. ``aft`` lies
     in the surface at right angles to the axis and is the positive direction of
     ``cg_offset_m`` and ``aft_edge_m``.
     """
 
     position_m: NDArray[np.float64]
     arc_length_m: NDArray[np.float64]
+    segment_length_m: NDArray[np.float64]
     tangent: NDArray[np.float64]
     normal: NDArray[np.float64]
     aft: NDArray[np.float64]
-
-    @property
-    def segment_length_m(self) -> NDArray[np.float64]:
-        """Length of each segment, shape (N - 1,)."""
-        return np.diff(self.arc_length_m)
 
 
 def beam_axis(beam: Beam) -> Axis:
@@ -56,7 +52,8 @@ def _axis(stations_m: tuple[tuple[float, float, float], ...], up: tuple[float, f
     aft = np.cross(normal, tangent)
     middle_y = (position[1:, 1] + position[:-1, 1]) / 2
     sign = np.array([_aft_sign(a, y) for a, y in zip(aft, middle_y, strict=True)])
-    return Axis(position, np.concatenate([[0.0], np.cumsum(length)]), tangent, normal, aft * sign[:, None])
+    arc = np.concatenate([[0.0], np.cumsum(length)])
+    return Axis(position, arc, np.diff(arc), tangent, normal, aft * sign[:, None])
 
 
 def _aft_sign(across: NDArray[np.float64], y_m: float) -> float:

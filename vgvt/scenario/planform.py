@@ -53,8 +53,8 @@ def distance_off_m(airframe: Airframe, part: str, position_m: Sequence[float]) -
         return None
     axis, edges = beam_axis(beam), _edges(beam)
     return min(
-        _distance_to_polygon(_in_segment(axis, i, position_m)[:2], _segment_polygon(axis, edges, i))
-        for i in range(len(axis.tangent))
+        _distance_to_polygon(inside[:2], _segment_polygon(axis, edges, i))
+        for i, inside in enumerate(_in_segments(axis, position_m))
     )
 
 
@@ -142,25 +142,29 @@ def _beam_outline_m(beam: Beam) -> NDArray[np.float64]:
 
 def _in_segment(axis: Axis, i: int, position_m: Sequence[float]) -> NDArray[np.float64]:
     """The point along (tangent, aft, normal) from the start of a segment; (x, y) alone is put into its plane."""
-    start, tangent, normal = axis.position_m[i], axis.tangent[i], axis.normal[i]
+    found: NDArray[np.float64] = _in_segments(axis, position_m)[i]
+    return found
+
+
+def _in_segments(axis: Axis, position_m: Sequence[float]) -> NDArray[np.float64]:
+    """The point along (tangent, aft, normal) from the start of every segment, (N - 1, 3)."""
+    start, tangent, normal = axis.position_m[:-1], axis.tangent, axis.normal
     if len(position_m) == 2:
-        arm = np.array([position_m[0] - start[0], position_m[1] - start[1], 0.0])
-        if abs(normal[2]) > _FLAT:
-            arm[2] = -(normal[0] * arm[0] + normal[1] * arm[1]) / normal[2]
-        else:
-            arm[2] = tangent[2] * axis.segment_length_m[i] / 2
+        arm = np.zeros_like(start)
+        arm[:, :2] = np.asarray(position_m, dtype=float) - start[:, :2]
+        flat = np.abs(normal[:, 2]) > _FLAT
+        steep = np.where(flat, normal[:, 2], 1.0)
+        in_plane = -(normal[:, 0] * arm[:, 0] + normal[:, 1] * arm[:, 1]) / steep
+        arm[:, 2] = np.where(flat, in_plane, tangent[:, 2] * axis.segment_length_m / 2)
     else:
-        arm = np.array(position_m, dtype=float) - start
-    return np.array([arm @ tangent, arm @ axis.aft[i], arm @ normal])
+        arm = np.asarray(position_m, dtype=float) - start
+    return np.stack([(arm * direction).sum(axis=1) for direction in (tangent, axis.aft, normal)], axis=1)
 
 
 def _nearest_segment(axis: Axis, position_m: Sequence[float]) -> int:
-    def distance(i: int) -> float:
-        along, across, _ = _in_segment(axis, i, position_m)
-        beyond = along - np.clip(along, 0.0, axis.segment_length_m[i])
-        return float(np.hypot(beyond, across))
-
-    return min(range(len(axis.tangent)), key=distance)
+    along, across, _ = _in_segments(axis, position_m).T
+    beyond = along - np.clip(along, 0.0, axis.segment_length_m)
+    return int(np.argmin(np.hypot(beyond, across)))
 
 
 def _distance_beside_axis_m(beam: Beam, position_m: Sequence[float]) -> float | None:

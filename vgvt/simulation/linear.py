@@ -74,13 +74,31 @@ def linearise(
 
     stiffness = stiffness_matrix(model, data, qpos)
 
+    return LinearModel(mass, damping_matrix(model, data), stiffness, rows, qpos.copy())
+
+
+def damping_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
+    """Change of the joint forces with velocity, sign turned, (nv, nv), at rest at the position in ``data``.
+
+    Where nothing is damped but joints and tendons, each by a constant, that is their dampers: what bodies do to each
+    other by turning grows with the square. Anything else is asked by differences of forces.
+    """
+    data.qvel[:] = 0.0
+    joint_force(model, data)
+    plain = not (model.nu or model.opt.viscosity or model.opt.density)
+    if plain and not (model.dof_dampingpoly.any() or model.tendon_dampingpoly.any()):
+        row = np.zeros((model.ntendon, model.nv))
+        if model.ntendon:
+            mujoco.mju_sparse2dense(row, data.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind)
+        return np.asarray(np.diag(model.dof_damping) + row.T @ (model.tendon_damping[:, None] * row))
+
     def force_at_velocity(change: NDArray[np.float64]) -> NDArray[np.float64]:
         data.qvel[:] = change
         return _force_here(model, data)
 
-    joint_force(model, data)
     damping = -_central_differences(force_at_velocity, model.nv)
-    return LinearModel(mass, damping, stiffness, rows, qpos.copy())
+    data.qvel[:] = 0.0
+    return damping
 
 
 def stiffness_matrix(model: mujoco.MjModel, data: mujoco.MjData, qpos: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,8 @@
-"""What the runs of a campaign share: an airframe is cut and damped once, however many rigs it hangs in."""
+"""What the runs of a campaign share: an airframe is cut and damped once, however many rigs it hangs in.
+
+A fit asks for thousands of airframes, and for the rigs of each within moments: what is recent is known again by being
+the same object, as telling that two of its size are equal takes longer than a copy.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,7 @@ from functools import lru_cache
 import mujoco
 
 from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.recent import Recent
 from vgvt.simulation.airframe import AirframeParts, airframe_spec, cut_airframe
 from vgvt.simulation.damping import StructuralDamping, add_structural_damping
 
@@ -24,6 +29,27 @@ def damped_airframe(airframe: Airframe) -> mujoco.MjSpec:
     spec = airframe_spec(parts)
     add_structural_damping(spec, structural_damping(parts, spec))
     return spec
+
+
+def _with_dampers(parts: AirframeParts) -> tuple[mujoco.MjSpec, StructuralDamping]:
+    spec = airframe_spec(parts)
+    damped = structural_damping(parts, spec)
+    damped.damp_joints(spec)
+    return spec, damped
+
+
+cut_recently: Recent[Airframe, AirframeParts] = Recent(cut_airframe)
+"""The airframe cut into chains, once for the same object."""
+_damped_recently: Recent[AirframeParts, tuple[mujoco.MjSpec, StructuralDamping]] = Recent(_with_dampers)
+
+
+def with_damped_joints(parts: AirframeParts) -> tuple[mujoco.MjSpec, StructuralDamping]:
+    """The bare airframe, the caller's own, with its joints' dampers; and its damping, whose modes are left to others.
+
+    Differences of forces would ask for rows of the modes' dampers over and over.
+    """
+    spec, damped = _damped_recently(parts)
+    return spec.copy(), damped
 
 
 def structural_damping(parts: AirframeParts, spec: mujoco.MjSpec) -> StructuralDamping:

@@ -20,12 +20,12 @@ from vgvt.effects.elements import GroundSpring, RotationSpring
 from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.airframe import ROOT, airframe_spec, cut_airframe
+from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_element
 from vgvt.simulation.linear import joint_force, linearise, settle
-from vgvt.simulation.once import structural_damping
+from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
 from vgvt.simulation.silence import silent
 
@@ -125,7 +125,8 @@ class Layouts:
             fresh = like
         else:
             # Where nothing of the airframe changed, its cut is as good.
-            parts = like.parts if scenario.airframe is like.scenario.airframe else cut_airframe(scenario.airframe)
+            same = scenario.airframe is like.scenario.airframe
+            parts = like.parts if same else cut_recently(scenario.airframe)
             x, y, z = scenario.shaker.position_m
             place = np.array([x, y, z])
             drive = replace(
@@ -226,14 +227,9 @@ def _in_body_axes(s: Structure) -> Structure:
 
 
 def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
-    """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping.
-
-    The modes' dampers are left out of the specification: differences of forces would ask for their rows over and over.
-    """
+    """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping."""
     scenario, parts = layout.scenario, layout.parts
-    spec = airframe_spec(parts)
-    damped = structural_damping(parts, spec)
-    damped.damp_joints(spec)
+    spec, damped = with_damped_joints(parts)
     for name, element in layout.elements:
         if element.owner == "airframe":
             add_element(spec, parts, name, element)

@@ -1,0 +1,22 @@
+"""Recent answers are known by the argument's identity, and only the last few are."""
+
+from __future__ import annotations
+
+from vgvt.scenario.recent import Recent
+
+
+def test_the_same_object_is_asked_for_once_and_an_equal_one_anew() -> None:
+    asked: list[list[int]] = []
+
+    def made(key: list[int]) -> list[int]:
+        asked.append(key)
+        return [*key, 0]
+
+    recent, one, other = Recent(made, count=2), [1], [1]
+    first = recent(one)
+    assert recent(one) is first and len(asked) == 1
+    assert recent(other) is not first and len(asked) == 2
+    recent([2])
+    assert recent(other) == [1, 0] and len(asked) == 3
+    # The oldest is gone.
+    assert recent(one) is not first and len(asked) == 4
