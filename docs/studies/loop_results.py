@@ -17,6 +17,8 @@ Row = dict[str, Any]
 CONFIDENCE_Z = 1.959963984540054
 """Normal quantile of a two-sided 95 % interval."""
 _AT_THE_LIMIT = 0.1
+# What counts as equal in a verdict, too.
+_AS_GOOD_NATS = 5.0
 JUDGED = ("adequate", "explained", "ambiguous", "partly_explained", "unknown")
 
 
@@ -57,6 +59,12 @@ def open_set_right(row: Row) -> bool:
     return row["verdict"] == "unknown" or (row["verdict"] == "partly_explained" and bool(row["near"]))
 
 
+def twin(row: Row) -> bool:
+    """Whether what is named does as well as the truth itself would, within what counts as equal: nothing tells them."""
+    told = row.get("told_ahead_nats")
+    return named(row) and told is not None and float(told) <= _AS_GOOD_NATS
+
+
 def at_the_limit(row: Row) -> bool:
     """Whether an effect is as large as gets a name in 95 of 100 campaigns, and not larger."""
     ratio = row.get("ratio")
@@ -91,6 +99,8 @@ def headline(rows: Sequence[Row]) -> str:
         ("never in a catalogue: unknown, or partly with its place", "≥ 90 %", rate(never, open_set_right)),
         ("never in a catalogue: a single wrong name", "", rate(never, lambda r: r["answer"] == "wrong")),
         ("removed from the catalogue: unknown, or partly with its place", "≥ 90 %", rate(removed, open_set_right)),
+        ("… where what is named does not meet the data as well as the truth itself would (5 nats)", "≥ 90 %",
+         rate([r for r in removed if not twin(r)], open_set_right)),
         ("two effects: both named", "≥ 75 %", rate(pair, in_set)),
         ("stated intervals of 95 % that hold the true size or place, truth named alone", "95 %", rate(
             [{"off": d} for r in effect if r["answer"] == "right" for d in deviations_of(r)],

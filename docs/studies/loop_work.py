@@ -15,7 +15,7 @@ from loop_places import said_place
 import vgvt.reconcile
 from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile import NamedEffect, Verdict, reconcile
-from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, TO_THE_END, fit
+from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.placebo import best_nats
 
@@ -43,7 +43,11 @@ def work(case: Case) -> list[Row]:
         verdict = reconcile(stage.campaign, lab.nominal(), effects=case.catalogue, lines=LINES, with_tests=False)
     except Exception as error:  # noqa: BLE001  a crash of the analysis is a result, too
         return [row | {"verdict": "failed", "reason": f"{type(error).__name__}: {error}"[:200]}]
-    row |= judged(case, stage, verdict) | {"oracle_held_out": oracle(case, stage, verdict)}
+    told = told_the_truth(case, stage, verdict)
+    row |= judged(case, stage, verdict) | {
+        "oracle_held_out": None if told is None or case.group == "removed" else told.held_out_chi2_per_dof,
+        "told_ahead_nats": None if told is None else round(ahead(told, verdict), 2),
+    }
     return [row | {"cpu_s": round(time.process_time() - started, 1), "settings": str(stage.truth)}]
 
 
@@ -99,7 +103,8 @@ def _ends_exchanged(true: dict[str, Any], effect: NamedEffect) -> bool:
     if not set(_OTHER_END) <= set(true) or not set(_OTHER_END) <= set(effect.parameters):
         return False
     told = {name: effect.parameters[name][0] for name in _OTHER_END}
-    return sum((told[n] - true[m]) ** 2 for n, m in _OTHER_END.items()) < sum((told[n] - true[n]) ** 2 for n in told)
+    other = sum((told[n] - true[m]) ** 2 for n, m in _OTHER_END.items())
+    return bool(other < sum((told[n] - true[n]) ** 2 for n in told))
 
 
 def answer(truth: tuple[str, ...], kind: str, sets: list[tuple[str, ...]]) -> str:
@@ -126,9 +131,23 @@ def best_rival(verdict: Verdict) -> float:
     return best_nats(verdict.attribution.last_rivals, verdict.attribution.vetoed)
 
 
-def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
-    """Held-out χ² per degree of freedom of a fit that is told which effect acts, with which settings and sizes."""
-    if case.group not in ("effect", "alone") or not all(stage.truth.values()):
+def ahead(told: Fit, verdict: Verdict) -> float:
+    """By how many nats of evidence a fit that is told the truth is ahead of the verdict's.
+
+    Neither pays for the choice of a variant: a fit that is told has none.
+    """
+    final = verdict.attribution.final
+    paid = sum(float(np.log(h.share)) for h in final.hypotheses)
+    return float(told.evidence_nats - (final.evidence_nats - paid))
+
+
+def told_the_truth(case: Case, stage: Staged, verdict: Verdict) -> Fit | None:
+    """A fit that is told which effect acts, with which settings and sizes; None where that tells nothing.
+
+    Of an effect that is not in the catalogue it tells whether what is named could have been told from the truth.
+    """
+    asked = case.group in ("effect", "alone") or (case.group == "removed" and bool(verdict.effects))
+    if not asked or not all(stage.truth.values()):
         return None
     hypotheses, start = [], []
     for name, values in stage.truth.items():
@@ -154,7 +173,7 @@ def oracle(case: Case, stage: Staged, verdict: Verdict) -> float | None:
             continue
     if not fits:
         return None
-    return max(fits, key=lambda f: f.evidence_nats).held_out_chi2_per_dof
+    return max(fits, key=lambda f: f.evidence_nats)
 
 
 def core() -> str:

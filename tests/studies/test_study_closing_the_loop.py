@@ -121,6 +121,27 @@ def test_truths_at_the_limit_are_counted_by_themselves() -> None:
     assert "beyond that | ≥ 95 % | 1 of 1, " in loop_results.headline([row(float("nan"), "right")])
 
 
+def test_what_no_data_could_tell_from_the_truth_is_counted_by_itself() -> None:
+    """A damper from the body to the ground is the suspension's, if that is not in the catalogue."""
+
+    def row(ahead: float | None, named: str) -> loop_results.Row:
+        found = {"verdict": "explained", "near": False} if named else {"verdict": "unknown", "near": True}
+        return {"group": "removed", "truth": "a", "named": named, "answer": "wrong", "told_ahead_nats": ahead, **found}
+
+    said = loop_results.headline([row(2.0, "twin"), row(80.0, "wrong"), row(None, "older"), row(None, "")])
+    assert "| removed from the catalogue: unknown, or partly with its place | ≥ 90 % | 1 of 4, " in said
+    assert "as well as the truth itself would (5 nats) | ≥ 90 % | 1 of 3, " in said
+
+
+def test_a_fit_that_is_told_does_not_gain_by_having_no_choice() -> None:
+    """The same fit with a share of a tenth of its prior is behind by that, and not by what data say."""
+    few, many = (SimpleNamespace(share=share) for share in (0.5, 0.1))
+    final = SimpleNamespace(evidence_nats=-100.0 + np.log(0.5) + np.log(0.1), hypotheses=(few, many))
+    verdict: Any = SimpleNamespace(attribution=SimpleNamespace(final=final))
+    told: Any = SimpleNamespace(evidence_nats=-97.0)
+    assert loop_work.ahead(told, verdict) == pytest.approx(3.0)
+
+
 def test_the_plan_keeps_its_promises() -> None:
     cases = study.plan(study.DRAWS, study.PLACEBOS, study.OPEN_DRAWS, study.PAIRS)
     assert len({c.key for c in cases}) == len(cases)
