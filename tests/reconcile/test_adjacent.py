@@ -10,10 +10,15 @@ import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects
+from vgvt.reconcile import adjacent as adjacent_module
+from vgvt.reconcile.adjacent import beside
+from vgvt.reconcile.grouping import assembled
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit, jacobian
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.surrogate import anchor
+from vgvt.simulation.airframe import ROOT_JOINTS, elastic_joints
+from vgvt.simulation.reduced import structure
 
 
 @pytest.fixture(scope="module")
@@ -111,3 +116,33 @@ def test_a_channel_of_a_later_run_is_changed_too(tmp_path: Path) -> None:
     changed = np.abs(fast.predict(np.zeros(case.size), np.zeros(0)) / before - 1).max(axis=1)
     np.testing.assert_allclose(changed[-1], 0.1, rtol=1e-6)
     assert changed[:-1].max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["root-compliance", "carry-through-torsion"])
+def test_another_hinge_is_seen_without_assembling_it(case: Problem, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Beside a structure it cannot be added, and to find that out by building the aircraft took most of its screen."""
+    u, hypothesis = scattered(case), Hypothesis(available_effects()[name], {})
+    known = assembled(case, u, (), np.zeros(0))
+    assert known is not None
+    e = np.full(len(hypothesis.parameters), 0.123)
+    bare = available_effects()["added-mass"]
+    assert beside(case, u, known, (Hypothesis(bare, {}),), np.zeros(3)) is not None
+
+    def refused(*_: object) -> None:
+        raise AssertionError("assembled")
+
+    monkeypatch.setattr(adjacent_module, "structure", refused)
+    assert beside(case, u, known, (hypothesis,), e) is None
+
+
+def test_joints_are_known_by_name_before_they_are_built(case: Problem) -> None:
+    stated = case.start.scenario
+    for name in ("added-mass", "root-compliance", "carry-through-torsion", "stiffness-asymmetry"):
+        effect = Hypothesis(available_effects()[name], {})
+        made = effect.effect(effect.values(np.zeros(len(effect.parameters))))
+        assert made is not None
+        edited = made.act(stated, 0).scenario or stated
+        layout = case.layouts.plan(edited)
+        known = {*ROOT_JOINTS, *elastic_joints(layout.parts)}
+        assert known == set(structure(layout, layout.grid).joints), name
+        assert (known == set(case.nominal.joints)) == (name in ("added-mass", "stiffness-asymmetry"))

@@ -20,6 +20,7 @@ from vgvt.reconcile.grouping import Group, assembled, cells_at, effects_at, home
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Nominal, Problem
 from vgvt.scenario.model import Scenario
+from vgvt.simulation.airframe import ROOT_JOINTS, elastic_joints
 from vgvt.simulation.assembly import MeasurementPoint, Plan
 from vgvt.simulation.attached import attach, sensed_at
 from vgvt.simulation.damping import RIGID_MODES
@@ -128,7 +129,11 @@ def _moved(problem: Problem, cells: float, group: Group, change: Change, chosen:
         return None
     if change.edits:
         start = problem.start
-        widened = _added(s, _bare(start, change.before), _bare(start, layout.scenario))
+        before = _bare(start, change.before)
+        if set(before.joints) != set(elastic_joints(layout.parts)) | set(ROOT_JOINTS):
+            # A hinge more or less: assembling it here would tell nothing else.
+            return None
+        widened = _added(s, before, _bare(start, layout.scenario))
         if widened is None:
             return None
         s = widened

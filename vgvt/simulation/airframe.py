@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
-from vgvt.simulation.chain import Chain, Link, cut
+from vgvt.simulation.chain import Chain, Hinge, Link, cut
 from vgvt.simulation.inertia import MassMoments, lump
 
 ROOT = "body"
@@ -95,6 +95,18 @@ def cut_airframe(airframe: Airframe) -> AirframeParts:
     for chain in chains.values():
         origin |= {link.name: link.position_m for link in chain.links}
     return AirframeParts(airframe, chains, origin)
+
+
+def elastic_joints(parts: AirframeParts) -> tuple[str, ...]:
+    """Names of the bare airframe's joints but those of the root."""
+    links = (link for chain in parts.chains.values() for link in chain.links)
+    hinges = tuple(hinge_name(link, hinge) for link in links for hinge in link.hinges)
+    return (*((CARRY_THROUGH,) if parts.halved else ()), *hinges)
+
+
+def hinge_name(link: Link, hinge: Hinge) -> str:
+    """The name of a hinge's joint."""
+    return f"{link.name}/{hinge.kind}"
 
 
 def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
@@ -171,7 +183,7 @@ def _parents_first(parts: AirframeParts) -> list[Chain]:
 def _add_hinges(body: mujoco.MjsBody, link: Link) -> None:
     for hinge in link.hinges:
         body.add_joint(
-            name=f"{link.name}/{hinge.kind}",
+            name=hinge_name(link, hinge),
             type=mujoco.mjtJoint.mjJNT_HINGE,
             axis=hinge.axis,
             stiffness=[hinge.stiffness_n_m_per_rad, 0.0, 0.0],
