@@ -193,4 +193,9 @@ def test_the_verdict_tells_what_it_names_without_the_spare_size() -> None:
     assert low < named.parameters["bending"][0] < high
     (table,) = verdict.scenario.effect
     assert dict(table)["torsion"] == 0.0
+    # Twice as many cells are in its error: there are no stretches here.
+    final = verdict.attribution.final
+    assert final.unseen is not None and final.unseen.shape == (1, final.scores.size)
+    narrow = honest(replace(final, unseen=None)).values(0)["bending"][1]
+    assert named.parameters["bending"][1] > narrow > 0
     assert verdict.attribution.rounds[0].winner.hypothesis.settings == {"side": "both"}

@@ -54,7 +54,8 @@ class Fit:
 
     ``tangent`` (2 N, scores) are derivatives of the data misfit; ``covariance`` (scores, scores) that of the
     scores; ``chi2`` the data's square sum over ``points`` real numbers; ``evidence_nats`` Laplace's log evidence.
-    ``sigma`` (fitted channels, L) is what it was judged by where that is not the data's.
+    ``sigma`` (fitted channels, L) is what it was judged by where that is not the data's. ``unseen`` (k, scores) is by
+    how much things that the model has no unknown for may have moved its scores (:mod:`vgvt.reconcile.unseen`).
     """
 
     problem: Problem
@@ -69,6 +70,7 @@ class Fit:
     evidence_nats: float
     converged: bool
     sigma: Array | None = None
+    unseen: Array | None = None
 
     @property
     def chi2_per_dof(self) -> float:

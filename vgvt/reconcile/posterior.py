@@ -39,7 +39,8 @@ def honest_covariance(fit: Fit) -> Array:
 
 
 def honest(fit: Fit) -> Fit:
-    """The same fit with that covariance, never narrower in a score than Laplace's."""
+    """The same fit with that covariance, never narrower in a score than Laplace's, and with what is ``unseen``."""
     wide = honest_covariance(fit)
     grown = np.sqrt(np.maximum(1.0, np.diag(fit.covariance) / np.diag(wide)))
-    return replace(fit, covariance=wide * np.outer(grown, grown))
+    wide *= np.outer(grown, grown)
+    return replace(fit, covariance=wide if fit.unseen is None else wide + fit.unseen.T @ fit.unseen)

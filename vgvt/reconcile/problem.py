@@ -15,7 +15,7 @@ from vgvt.data import Campaign, InputError
 from vgvt.files.atomically import replacing
 from vgvt.reconcile.data import Measured, measured_frfs
 from vgvt.reconcile.holdout import Split, split
-from vgvt.reconcile.refinement import Refinement, meshed, to_continuum, towards
+from vgvt.reconcile.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
 from vgvt.reconcile.uncertain import Unknown, edited, prepared, unknowns
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
@@ -59,8 +59,8 @@ class Problem:
 
     ``slopes`` maps 'mass', … to the change per unit of each unknown's factor or shift, (unknowns, …), at the scores
     ``centre`` (unknowns,), None for the values as stated;
-    ``refinement`` is what the chain's cells lack of a continuum, ``coarseness`` the way from the chain as stated
-    to that.
+    ``refinement`` is what the chain's cells lack of a continuum, ``coarseness`` the way from the chain as ``stated``,
+    the scenario with the cells that it states, to that.
     """
 
     scenario: Scenario
@@ -72,6 +72,7 @@ class Problem:
     slopes: dict[str, Array]
     refinement: Refinement
     coarseness: Refinement
+    stated: Scenario
     centre: Array | None = None
 
     @property
@@ -119,10 +120,9 @@ def make_problem(
 
 def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = None) -> Problem:
     """The problem for data that are there already."""
-    lined_up = meshed(aligned(scenario, measured))
-    # Rounded up: many campaigns of one scenario then share what is assembled once.
-    limit_hz = float(np.ceil(3 * measured.frequency_hz[-1]))
-    known, start, slopes, finer, span = _assembled_once(lined_up, aligned(scenario, measured), limit_hz, cache)
+    stated = aligned(scenario, measured)
+    lined_up = meshed(stated)
+    known, start, slopes, finer, span = _assembled_once(lined_up, stated, _limit_hz(measured), cache)
     return Problem(
         lined_up,
         measured,
@@ -133,7 +133,25 @@ def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = N
         slopes,
         finer,
         span,
+        stated,
     )
+
+
+def with_more_cells(problem: Problem) -> Problem | None:
+    """The same problem with the beams cut into twice as many cells, scores meaning what they did; None for fine ones.
+
+    To be predicted with, not fitted: its ``slopes`` are those of the coarser aircraft.
+    """
+    finer = twice_as_fine(problem.scenario)
+    if finer is None:
+        return None
+    start, lacking, span = _hung(finer, problem.stated, _limit_hz(problem.measured))
+    return replace(problem, scenario=finer, start=start, refinement=lacking, coarseness=span)
+
+
+def _limit_hz(measured: Measured) -> float:
+    """Up to where modes are made up for; rounded up: many campaigns of one scenario then share what is assembled."""
+    return float(np.ceil(3 * measured.frequency_hz[-1]))
 
 
 def recentred(problem: Problem, u: Array) -> Problem:
@@ -173,19 +191,26 @@ def _assembled_once(
     lined_up: Scenario, as_stated: Scenario, limit_hz: float, cache: Path | None
 ) -> tuple[tuple[Unknown, ...], Nominal, dict[str, Array], Refinement, Refinement]:
     """What does not depend on the campaign's records: unknowns, nominal aircraft, derivatives and refinement."""
-    stated, start = prepared(as_stated), prepared(lined_up)
+    start, finer, span = _hung(lined_up, as_stated, limit_hz)
     known = unknowns(lined_up)
-    layouts = Layouts.of(start)
-    layout = layouts.plan(start)
-    nominal = structure(layout, layout.grid)
-    slopes = _slopes(start, known, layouts, nominal, cache)
-    finer = to_continuum(start, layouts, nominal, limit_hz)
-    span = finer if stated == start else finer.less(towards(stated, layouts, nominal, limit_hz))
+    slopes = _slopes(start.scenario, known, start.layouts, start.structure, cache)
     for name in MATRICES:
         own = getattr(span, name, None)
         row = np.zeros((1, *slopes[name].shape[1:])) if own is None else own[None]
         slopes[name] = np.concatenate([slopes[name], row])
-    return (*known, CELLS), Nominal(start, layouts, nominal), slopes, finer, span
+    return (*known, CELLS), start, slopes, finer, span
+
+
+@lru_cache(maxsize=8)
+def _hung(lined_up: Scenario, as_stated: Scenario, limit_hz: float) -> tuple[Nominal, Refinement, Refinement]:
+    """The nominal aircraft, what its cells lack of a continuum, and the way from the cells as stated to that."""
+    stated, start = prepared(as_stated), prepared(lined_up)
+    layouts = Layouts.of(start)
+    layout = layouts.plan(start)
+    nominal = structure(layout, layout.grid)
+    finer = to_continuum(start, layouts, nominal, limit_hz)
+    span = finer if stated == start else finer.less(towards(stated, layouts, nominal, limit_hz))
+    return Nominal(start, layouts, nominal), finer, span
 
 
 def aligned(scenario: Scenario, measured: Measured) -> Scenario:

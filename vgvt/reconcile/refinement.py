@@ -77,6 +77,14 @@ def meshed(scenario: Scenario) -> Scenario:
     return with_beams(scenario, few, lambda b: b.model_copy(update={"cells": _FEWEST_CELLS})) if few else scenario
 
 
+def twice_as_fine(scenario: Scenario) -> Scenario | None:
+    """The scenario with twice as many cells on every beam; None where that would be more than are worth having."""
+    if 2 * max((b.cells for b in scenario.airframe.beam), default=_MOST_CELLS) > _MOST_CELLS:
+        return None
+    beams = [b.name for b in scenario.airframe.beam]
+    return with_beams(scenario, beams, lambda b: b.model_copy(update={"cells": 2 * b.cells}))
+
+
 def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz: float) -> Refinement:
     """What ``own``, the structure of a scenario with its sides written out, lacks of a beam without cells."""
     cells = max((b.cells for b in scenario.airframe.beam), default=0)

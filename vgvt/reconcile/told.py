@@ -17,6 +17,7 @@ from vgvt.reconcile.residual import residual
 from vgvt.reconcile.spare_sizes import leaner
 from vgvt.reconcile.team import Team
 from vgvt.reconcile.thresholds import Thresholds
+from vgvt.reconcile.unseen import with_unseen
 
 
 def with_told_parameters(
@@ -24,12 +25,14 @@ def with_told_parameters(
 ) -> Attribution:
     """The same names with the final fit as it is told: without spare sizes, and with slopes of the whole aircraft.
 
+    Its errors know of what the model has no unknown for.
+
     Leads stay as they are, and so does what holds a joint that depends on level: a march has slopes of its own.
     """
     if not found.rounds or not all(h.linear for h in found.final.hypotheses):
         return found
     with Team(workers, (found.final.problem,)) as team:
-        final = polished(leaner(found.final, tell, team), tell)
+        final = with_unseen(polished(leaner(found.final, tell, team), tell))
     return replace(found, final=final, final_residual=residual(final, thresholds))
 
 

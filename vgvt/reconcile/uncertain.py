@@ -108,6 +108,28 @@ def prepared(scenario: Scenario) -> Scenario:
 _prepared_recently: Recent[Scenario, Scenario] = Recent(prepared)
 
 
+def between_stations(scenario: Scenario) -> tuple[Scenario, tuple[Scenario, ...]]:
+    """The scenario with stations in between those of its unknowns, and with each quantity a deviation higher at each.
+
+    What a wing's stiffness and mass do between two of the analysis' stations, no unknown says.
+    """
+    t, split = scenario.tolerances, prepared(scenario)
+    if t.segments < 2:
+        return split, ()
+    names, count = _segmented(split), 2 * t.segments - 1
+    base = with_beams(split, names, lambda beam: _with_stations(beam, count))
+    columns = (
+        ("bending_stiffness_n_m2", t.stiffness_segment),
+        ("torsional_stiffness_n_m2", t.stiffness_segment),
+        ("mass_kg_per_m", t.mass_segment),
+    )
+    stretches = [
+        (_Stretch((name,), column, (k, count)), sd)
+        for name in names for column, sd in columns if sd > 0 for k in range(1, count, 2)
+    ]  # fmt: skip
+    return base, tuple(stretch(base, 1 + sd) for stretch, sd in stretches)
+
+
 def _segmented(scenario: Scenario) -> tuple[str, ...]:
     """Names of the beams long enough to have segments of their own, in a scenario written out."""
     length = {b.name: float(beam_axis(b).arc_length_m[-1]) for b in scenario.airframe.beam}
