@@ -89,8 +89,8 @@ def test_a_wing_that_is_softer_between_stations_moves_scores_as_foretold(calibra
     """The same noise with and without it: by how far scores move, of what unknowns are known well enough to say."""
     aside = between_stations(case.scenario)[1][0]
     # The data of a wing that is a deviation stiffer there than what the fit foretells of it.
-    change = unseen._misfit(calibrated, replace(case, scenario=aside))
-    base = unseen._misfit(calibrated, replace(case, scenario=between_stations(case.scenario)[0]))
+    change = unseen._misfit(calibrated, replace(case, scenario=aside), calibrated.u)
+    base = unseen._misfit(calibrated, replace(case, scenario=between_stations(case.scenario)[0]), calibrated.u)
     assert change is not None and base is not None
     n = change.size // 2
     sigma = case.measured.sigma[case.split.train]
@@ -138,6 +138,19 @@ def test_more_cells_are_nearer_to_none_where_a_root_gives_way(case: Problem) -> 
     assert fine < 0.5 * coarse
     again = with_more_cells(finer)
     assert again is not None and with_more_cells(again) is None
+
+
+def test_of_a_chain_as_coarse_as_stated_cells_leave_nothing(case: Problem) -> None:
+    """Records that were simulated with the very scenario: its chain is there as it is."""
+    scores = np.zeros(case.size)
+    size = []
+    for cells in (0.0, -1.0, -20.0):
+        scores[case.names.index(CELLS.name)] = cells / CELLS.sd
+        (change,) = unseen._by_cells(fit(case, (), scores, np.zeros(0), ()))
+        size.append(np.linalg.norm(change))
+    assert size[0] > 3.0, "it must be worth something in this test"
+    assert size[1] == pytest.approx((1 + np.tanh(-1.0)) * size[0], rel=1e-6)
+    assert size[2] < 1e-6 * size[0]
 
 
 def test_an_aircraft_that_cannot_be_predicted_with_says_nothing(

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.fit import Fit
-from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.grouping import NoStructureError, cells_at
 from vgvt.reconcile.misfit import data_misfit
-from vgvt.reconcile.problem import Problem, with_more_cells
+from vgvt.reconcile.problem import CELLS, Problem, with_more_cells
 from vgvt.reconcile.surrogate import anchor
 from vgvt.reconcile.uncertain import between_stations
 
@@ -37,22 +37,31 @@ def _between(found: Fit) -> list[Array]:
     base, aside = between_stations(found.problem.scenario)
     if not aside:
         return []
-    here = _misfit(found, replace(found.problem, scenario=base))
-    there = [_misfit(found, replace(found.problem, scenario=scenario)) for scenario in aside]
+    here = _misfit(found, replace(found.problem, scenario=base), found.u)
+    there = [_misfit(found, replace(found.problem, scenario=scenario), found.u) for scenario in aside]
     return [] if here is None else [t - here for t in there if t is not None]
 
 
 def _by_cells(found: Fit) -> list[Array]:
-    """Change of the misfit (2 N,) by twice as many cells; nothing where there are many."""
-    finer = with_more_cells(found.problem)
-    there = None if finer is None else _misfit(found, finer)
-    return [] if there is None else [there - data_misfit(found.problem, found.predicted, found.sigma)]
+    """Change of the misfit (2 N,) by twice as many cells; nothing where there are many.
+
+    Of records of a chain as coarse as stated, which is there as it is, nothing has to be made up for.
+    """
+    problem, finer = found.problem, with_more_cells(found.problem)
+    if finer is None:
+        return []
+    none = found.u.copy()
+    none[problem.unknowns.index(CELLS)] = 0.0
+    here, there = (_misfit(found, p, none) for p in (problem, finer))
+    as_stated = [b.cells for b in problem.scenario.airframe.beam] == [b.cells for b in problem.stated.airframe.beam]
+    share = 1 + cells_at(problem, found.u) if as_stated else 1.0
+    return [] if here is None or there is None else [share * (there - here)]
 
 
-def _misfit(found: Fit, problem: Problem) -> Array | None:
-    """The misfit (2 N,) of another problem at the same scores; None where there is no such aircraft."""
+def _misfit(found: Fit, problem: Problem, u: Array) -> Array | None:
+    """The misfit (2 N,) of another problem at scores u; None where there is no such aircraft."""
     try:
-        there = anchor(problem, found.u, found.hypotheses, found.e, slopes=False)
-        return data_misfit(problem, there.predict(found.u, found.e), found.sigma)
+        there = anchor(problem, u, found.hypotheses, found.e, slopes=False)
+        return data_misfit(problem, there.predict(u, found.e), found.sigma)
     except NoStructureError:
         return None
