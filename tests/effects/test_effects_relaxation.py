@@ -120,5 +120,7 @@ def test_warming_leaves_truth_and_rest_as_they_were(hati: Scenario) -> None:
     """At the start of a record the airframe is cold: linearised, nothing differs."""
     cold, plain = bare(with_effect(hati, "warm-up", softening=0.1)), bare(hati)
     for name in ("mass", "damping", "stiffness"):
-        np.testing.assert_array_equal(getattr(cold, name), getattr(plain, name))
+        there, here = getattr(cold, name), getattr(plain, name)
+        # To rounding: dampers that are zero at rest are more terms of the same sums.
+        np.testing.assert_allclose(there, here, rtol=0, atol=1e-14 * np.abs(here).max())
     assert replace(cold, mass=plain.mass).freedoms == plain.freedoms

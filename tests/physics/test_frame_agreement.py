@@ -108,6 +108,7 @@ def test_frequencies_approach_the_finite_element_model_at_second_order() -> None
     assert 1.6 < order < 2.4, f"order {order}, deviations {spread}"
 
 
+@pytest.mark.slow
 def test_a_branch_between_the_centres_of_links_stays_within_three_per_cent() -> None:
     """It rides on the nearest link, here a quarter of a link away: first order in the length of a link, not second."""
     assert np.abs(deviations(CELLS["middle"], 1.575)).max() < 0.03

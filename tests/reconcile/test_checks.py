@@ -110,7 +110,12 @@ def test_a_split_signal_shows_converters_and_a_reference_sensor_shows_all(case: 
     ("true", "other", "words"),
     [
         (("hook-offset", {"aft_m": 0.04}, {}), ("stinger-moment", {}, {}), "where the hook is"),
-        (("run-drift", {"drift": -0.01}, {}), ("temperature-change", {"warming_k": 8.0}, {}), "temperature"),
+        pytest.param(
+            ("run-drift", {"drift": -0.01}, {}),
+            ("temperature-change", {"warming_k": 8.0}, {}),
+            "temperature",
+            marks=pytest.mark.slow,
+        ),
         (("anti-alias-delay", {"delay_s": 5e-4}, {}), ("channel-delay", {"delay_s": 5e-4}, {}), "split one noise"),
         (
             ("base-strain", {"apparent_force_per_moment_per_m": 8.0, "rotational_stiffness_n_m_per_rad": 10.0}, {}),

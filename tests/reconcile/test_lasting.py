@@ -81,6 +81,7 @@ def test_errors_as_they_are_declared_are_white_afterwards(noise: float) -> None:
         np.testing.assert_allclose((white**2).sum(axis=(1, 2, 3)), (drawn**2).sum(axis=1))
 
 
+@pytest.mark.slow
 def test_the_evidence_is_the_probability_of_the_data() -> None:
     """The density of such errors and of all that the priors allow, at the bottom by the other measure, not by this one.
 

@@ -56,6 +56,7 @@ def found(stated: Fit, offered: tuple[Hypothesis, ...]) -> tuple[Screened, ...]:
     return starts
 
 
+@pytest.mark.slow
 def test_a_joint_with_play_is_found_beside_a_soft_root(stated: Fit, found: tuple[Screened, ...]) -> None:
     """Its size and stiffness, with unknowns within their tolerances; from the stated values nothing overlaps."""
     first, second = found
@@ -72,6 +73,7 @@ def test_a_joint_with_play_is_found_beside_a_soft_root(stated: Fit, found: tuple
     assert second.remaining > 20 * first.remaining
 
 
+@pytest.mark.slow
 def test_where_a_joint_has_arrived_coarse_steps_leave_it(stated: Fit, found: tuple[Screened, ...]) -> None:
     """They would lead away from what is as sharp as that, and what is begun again from there ends no higher."""
     kept = next(s for s in finalists(stated, found, silent) if s.hypothesis == found[0].hypothesis)

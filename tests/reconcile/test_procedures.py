@@ -115,6 +115,7 @@ def test_what_is_known_of_unknowns_goes_along_by_name(case: Problem) -> None:
     assert {u[name] for name in after.names if name not in case.names} == {0.0}
 
 
+@pytest.mark.slow
 def test_a_gain_that_changed_is_told_from_one_that_was_always_wrong(case: Problem) -> None:
     """In the last run alone the two are one; the sensor goes on to other points, and the point gets another sensor."""
     runs = case.measured.runs

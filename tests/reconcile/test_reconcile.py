@@ -87,7 +87,7 @@ def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypa
     assert "a lead, not switched on here: channel-gain" in (folder / "reconciled.toml").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("as_good", [True, False])
+@pytest.mark.parametrize("as_good", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_search_is_made_again_without_what_is_no_plausible_thing(
     folder: Path, monkeypatch: pytest.MonkeyPatch, as_good: bool
 ) -> None:

@@ -62,6 +62,7 @@ def test_the_true_effect_comes_first(null: Fit, hypotheses: Any, monkeypatch: py
     assert len(seen) < len(hypotheses)
 
 
+@pytest.mark.slow
 def test_what_promises_little_stays_unchecked(null: Fit, hypotheses: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = counted(monkeypatch)
     screen(null, hypotheses)

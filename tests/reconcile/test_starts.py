@@ -167,6 +167,7 @@ def test_two_starts_of_an_effect_that_have_met_are_one_finalist(monkeypatch: pyt
     assert [s.hypothesis.name for s in found] == ["added-mass", *["local-absorber"] * 3]
 
 
+@pytest.mark.slow
 def test_a_sharp_resonance_that_moves_with_an_unknown_is_reached(tmp_path_factory: pytest.TempPathFactory) -> None:
     """A heavy spring's surges follow its stiffness: a calibration without them bends far, and tangents lead nowhere."""
     case = problem(tmp_path_factory.mktemp("cache"), 3, SuspensionSurge(mass_kg=0.4, loss_factor=0.007))

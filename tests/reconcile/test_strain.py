@@ -70,6 +70,7 @@ def calibrated(folder: Path, seed: int, *effects: Any) -> Fit:
     return calibrate(make_problem(campaign_of(scenario, seed, *effects), scenario, lines=150, cache=folder))
 
 
+@pytest.mark.slow
 def test_what_tolerances_imitate_is_no_longer_adequate(tmp_path: Path) -> None:
     """Data met by leaning on the tolerances are met at a price; without an effect there is none."""
     limits = stored_thresholds()

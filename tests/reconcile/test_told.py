@@ -99,7 +99,9 @@ def test_the_error_of_a_shift_knows_how_badly_the_hooks_height_is_known(rehung: 
     assert abs(value - SHIFT_M) < 2 * std
 
 
-@pytest.mark.parametrize(("torsion", "left"), [(0.0, {"bending"}), (0.08, {"bending", "torsion"})])
+@pytest.mark.parametrize(
+    ("torsion", "left"), [pytest.param(0.0, {"bending"}, marks=pytest.mark.slow), (0.08, {"bending", "torsion"})]
+)
 def test_a_size_that_nothing_shows_is_left_out(
     tmp_path_factory: pytest.TempPathFactory, torsion: float, left: set[str]
 ) -> None:
@@ -134,6 +136,24 @@ def test_only_sizes_of_effects_with_more_than_one_may_go(monkeypatch: pytest.Mon
         ({"side": "both", "bending": 0.0}, [0.0, 1.0, 2.0, 4.0]),
         ({"side": "both", "torsion": 0.0}, [0.0, 1.0, 2.0, 3.0]),
     ]
+
+
+def test_what_is_far_behind_without_a_size_is_not_gone_on_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    found: Any = SimpleNamespace(
+        hypotheses=(ROOT,), evidence_nats=1.0, chi2=100.0, e=np.arange(2.0), problem=None, u=np.zeros(2)
+    )
+    # Bending is needed, torsion is not.
+    monkeypatch.setattr(
+        spare_sizes,
+        "fit",
+        lambda problem, hypotheses, *_: SimpleNamespace(
+            hypotheses=hypotheses, evidence_nats=0.0, chi2=900.0 if "bending" in hypotheses[0].settings else 300.0
+        ),
+    )
+    gone_on: list[Any] = []
+    monkeypatch.setattr(spare_sizes, "finished", lambda near, _: gone_on.append(near) or near)
+    assert leaner(found) is found
+    assert [f.hypotheses[0].settings for f in gone_on] == [{"side": "both", "torsion": 0.0}]
 
 
 @pytest.mark.parametrize(("rounds", "linear"), [((), True), ((None,), False)])
@@ -180,6 +200,7 @@ def test_intervals_are_straight_in_scores(rehung: Problem) -> None:
     assert np.diff(ends["y_m"])[0] == pytest.approx(2 * 1.96 * values["y_m"][1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_verdict_tells_what_it_names_without_the_spare_size() -> None:
     """Of a root that gives way in bending alone, through the whole loop, to the scenario that is written back."""
     scenario = small_scenario()

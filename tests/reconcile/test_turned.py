@@ -116,6 +116,7 @@ def test_what_no_effect_explains_is_judged_by_the_first_hold_out(tmp_path: Path)
     assert other is not None and (missed_channels(verdict.attribution) & other.split.train).any()
 
 
+@pytest.mark.slow
 def test_where_the_fit_misses_its_own_data_nothing_is_turned(loud: tuple[Verdict, Path]) -> None:
     found = loud[0].attribution
     assert turned(found) is None

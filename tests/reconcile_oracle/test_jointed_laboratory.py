@@ -30,6 +30,7 @@ def test_without_a_law_the_records_are_those_of_the_frequency_domain() -> None:
     assert miss(ratio(force, motion), ratio(run.samples[0], run.samples[1:])) < 3e-4
 
 
+@pytest.mark.slow
 def test_play_that_its_weight_keeps_shut_is_not_there_and_opens_beyond_that_weight() -> None:
     """What opens the joint is a dynamic torque of the wing's own weight about its root; not the gap."""
     rig, law = rooted(), jointed.Play(GAP_RAD, STIFFNESS)
@@ -45,7 +46,9 @@ def beam_of_two() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("law", [jointed.Cubic(4e6), jointed.Play(0.02, 2.0e3)], ids=["cubic", "play"])
-@pytest.mark.parametrize("load", [0.0, 6.0], ids=["without load", "under load"])
+@pytest.mark.parametrize(
+    "load", [pytest.param(0.0, marks=pytest.mark.slow, id="without load"), pytest.param(6.0, id="under load")]
+)
 def test_a_driven_joint_moves_as_an_adaptive_solver_says(law: jointed.Law, load: float) -> None:
     mass, damping, stiffness = beam_of_two()
     rest = law.rest(load, 2.0e3)
@@ -92,7 +95,7 @@ def driven(friction_n: float, force_n: float, ratio_of_frequencies: float) -> np
     return np.asarray((moving.out[:1] @ state).real[0, -2 * round(jointed.Friction.rate_hz) :])
 
 
-@pytest.mark.parametrize("speed", [0.6, 1.4])
+@pytest.mark.parametrize("speed", [0.6, pytest.param(1.4, marks=pytest.mark.slow)])
 def test_a_mass_that_slides_without_stops_has_den_hartogs_amplitude(speed: float) -> None:
     """Den Hartog, Trans. ASME 53, 1931: a = F/k √(V² − (M/F)² U²), friction and force in steady motion."""
     friction, force = 2.0, 10.0
@@ -102,6 +105,7 @@ def test_a_mass_that_slides_without_stops_has_den_hartogs_amplitude(speed: float
     assert np.abs(driven(friction, force, speed)).max() == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_friction_can_hold_does_not_move() -> None:
     assert np.abs(driven(2.0, 1.9, 0.6)).max() < 2e-6 * 1.9 / 400.0
 

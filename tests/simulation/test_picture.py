@@ -78,6 +78,7 @@ def test_the_swing_moves_the_drive_point_and_the_armature_alike(drawing: Drawing
     assert abs(stretch) < 1e-2 * travel
 
 
+@pytest.mark.slow
 def test_the_animation_moves_and_closes(drawing: Drawing, tmp_path: Path) -> None:
     rendered(drawing, tmp_path / "rig.png")
     path = tmp_path / "mode.webp"

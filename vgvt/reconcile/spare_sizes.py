@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from vgvt.reconcile.fit import NEAR, Fit, fit
+from vgvt.reconcile.fit_unless_behind import HOPELESS
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.last_steps import finished
 from vgvt.reconcile.progress import Progress, naming, silent
@@ -42,7 +43,10 @@ def _spare(found: Fit) -> Iterator[tuple[int, str]]:
 
 
 def _without(found: Fit, index: int, size: str, tell: Progress) -> Fit | None:
-    """The fit with one size of one hypothesis where it does nothing; None where there is no such thing."""
+    """The fit with one size of one hypothesis where it does nothing; None where there is no such thing.
+
+    None, too, where it leaves a multiple of what is left with that size: its way to the end is long, and leads nowhere.
+    """
     own = found.hypotheses[index]
     names = [p.name for p in own.parameters]
     neutral = own.parameters[names.index(size)].neutral
@@ -51,6 +55,7 @@ def _without(found: Fit, index: int, size: str, tell: Progress) -> Fit | None:
     e = np.delete(found.e, before + names.index(size))
     joined = (*found.hypotheses[:index], less, *found.hypotheses[index + 1 :])
     try:
-        return finished(fit(found.problem, joined, found.u, e, NEAR, naming(tell, less)), tell)
+        near = fit(found.problem, joined, found.u, e, NEAR, naming(tell, less))
+        return None if near.chi2 > HOPELESS * found.chi2 else finished(near, tell)
     except NoStructureError:
         return None
