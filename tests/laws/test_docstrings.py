@@ -5,9 +5,8 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = (ROOT / "vgvt", ROOT / "identifiers" / "vgvt_identifiers", ROOT / "scoreboard" / "vgvt_scoreboard")
@@ -21,6 +20,12 @@ Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 def relative(path: Path) -> str:
     """Path as a person reads it."""
     return str(path.relative_to(ROOT))
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """Syntax tree of a source file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def public_definitions(tree: ast.Module) -> Iterator[tuple[str, Definition, bool]]:
@@ -45,33 +50,35 @@ def takes_arrays(node: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     return any(a.annotation is not None and "NDArray" in ast.unparse(a.annotation) for a in arguments)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_everything_public_has_a_docstring(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    assert ast.get_docstring(tree), "the module says in one sentence what it is"
-    bare = [name for name, node, _ in public_definitions(tree) if not is_overload(node) and not ast.get_docstring(node)]
-    assert not bare, f"without docstring: {', '.join(bare)}"
+def test_everything_public_has_a_docstring() -> None:
+    silent = [relative(path) for path in SOURCES if not ast.get_docstring(tree_of(path))]
+    assert not silent, "the module says in one sentence what it is: " + "; ".join(silent)
+    bare = [
+        f"{relative(path)}: {name}"
+        for path in SOURCES
+        for name, node, _ in public_definitions(tree_of(path))
+        if not is_overload(node) and not ast.get_docstring(node)
+    ]
+    assert not bare, "without docstring: " + "; ".join(bare)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_docstrings_are_sentences(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+def test_docstrings_are_sentences() -> None:
     open_ended = []
-    for name, node, _ in public_definitions(tree):
-        text = ast.get_docstring(node)
-        first = text.split("\n\n")[0].strip() if text else "."
-        if not first.endswith((".", "?", "!", ":", "``", ")")):
-            open_ended.append(name)
-    assert not open_ended, f"first paragraph does not end: {', '.join(open_ended)}"
+    for path in SOURCES:
+        for name, node, _ in public_definitions(tree_of(path)):
+            text = ast.get_docstring(node)
+            first = text.split("\n\n")[0].strip() if text else "."
+            if not first.endswith((".", "?", "!", ":", "``", ")")):
+                open_ended.append(f"{relative(path)}: {name}")
+    assert not open_ended, "first paragraph does not end: " + "; ".join(open_ended)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_public_verbs_on_arrays_state_shapes(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+def test_public_verbs_on_arrays_state_shapes() -> None:
     silent = [
-        name
-        for name, node, in_class in public_definitions(tree)
+        f"{relative(path)}: {name}"
+        for path in SOURCES
+        for name, node, in_class in public_definitions(tree_of(path))
         if isinstance(node, ast.FunctionDef) and not in_class and takes_arrays(node) and not is_overload(node)
         if not SHAPE.search(ast.get_docstring(node) or "")
     ]
-    assert not silent, f"no shape in the docstring of: {', '.join(silent)}"
+    assert not silent, "no shape in the docstring of: " + "; ".join(silent)

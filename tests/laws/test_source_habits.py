@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = (ROOT / "vgvt", ROOT / "identifiers" / "vgvt_identifiers", ROOT / "scoreboard" / "vgvt_scoreboard")
 SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
 LONGEST_FILE = 350
 FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools"}
 PICKLES = {"pickle", "cPickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
@@ -37,9 +39,15 @@ def relative(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
+@cache
 def tree_of(path: Path) -> ast.Module:
     """Syntax tree of a source file."""
     return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+def length(path: Path) -> int:
+    """Lines of a file."""
+    return len(path.read_text(encoding="utf-8").splitlines())
 
 
 def imported_modules(tree: ast.Module) -> set[str]:
@@ -85,36 +93,40 @@ def unseeded_calls(tree: ast.Module) -> list[str]:
 
 
 def test_there_are_sources_to_judge() -> None:
-    assert len(SOURCES) > 20
+    assert len(SOURCES) > 20 and len(TESTS) > 20
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_a_file_holds_one_idea(path: Path) -> None:
-    lines = len(path.read_text(encoding="utf-8").splitlines())
-    assert lines <= LONGEST_FILE, f"{lines} lines; split it, one idea a file"
-    assert path.stem not in FORBIDDEN_NAMES, "name the idea, not the drawer"
+def test_a_file_holds_one_idea() -> None:
+    long = [f"{relative(path)}: {length(path)} lines" for path in SOURCES if length(path) > LONGEST_FILE]
+    assert not long, "split it, one idea a file: " + "; ".join(long)
+    drawers = [relative(path) for path in SOURCES if path.stem in FORBIDDEN_NAMES]
+    assert not drawers, "name the idea, not the drawer: " + "; ".join(drawers)
 
 
 BETWEEN_PROCESSES = {"vgvt/reconcile/team.py"}
 """What a process and its own fork say to each other over a pipe; none of it is ever in a file."""
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_no_pickle(path: Path) -> None:
-    pickles = set() if relative(path) in BETWEEN_PROCESSES else imported_modules(tree_of(path)) & PICKLES
-    assert not pickles, f"{pickles}: files are data, never code"
-    assert not re.search(r"allow_pickle\s*=\s*True", path.read_text(encoding="utf-8"))
+def test_no_pickle() -> None:
+    pickles = [
+        f"{relative(path)}: {', '.join(found)}"
+        for path in SOURCES
+        if relative(path) not in BETWEEN_PROCESSES and (found := imported_modules(tree_of(path)) & PICKLES)
+    ]
+    pickles += [
+        relative(path) for path in SOURCES if re.search(r"allow_pickle\s*=\s*True", path.read_text(encoding="utf-8"))
+    ]
+    assert not pickles, "files are data, never code: " + "; ".join(pickles)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=relative)
-def test_every_generator_is_seeded_by_argument(path: Path) -> None:
-    assert not unseeded_calls(tree_of(path))
+def test_every_generator_is_seeded_by_argument() -> None:
+    unseeded = [f"{relative(path)}, {call}" for path in (*SOURCES, *TESTS) for call in unseeded_calls(tree_of(path))]
+    assert not unseeded, "\n".join(unseeded)
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "tests").rglob("*.py")), ids=relative)
-def test_tests_are_seeded_and_short_too(path: Path) -> None:
-    assert not unseeded_calls(tree_of(path))
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
+def test_tests_are_short_too() -> None:
+    long = [f"{relative(path)}: {length(path)} lines" for path in TESTS if length(path) > LONGEST_FILE]
+    assert not long, "split it: " + "; ".join(long)
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,9 @@ def test_an_instrument_tells_what_no_other_sweep_does(case: Problem, true: Any, 
     assert nats[best] > stored_thresholds().set_nats
 
 
-@pytest.mark.parametrize("words", ["weigh an accelerometer", "known mass on the spring"])
+@pytest.mark.parametrize(
+    "words", ["weigh an accelerometer", pytest.param("known mass on the spring", marks=pytest.mark.slow)]
+)
 def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_is_straight(
     case: Problem, words: str
 ) -> None:

@@ -110,6 +110,7 @@ def test_a_course_is_chosen_where_the_place_is_fitted_too() -> None:
     assert here is not None and there_only is not None and here < 0.1 * there_only
 
 
+@pytest.mark.slow
 def test_from_where_a_wrong_course_arrived_the_right_one_is_found(remounted: Problem) -> None:
     """A screen from where unknowns are bent took a root that gave way at once for one that crept."""
     case = holding_out(remounted, 1)

@@ -63,6 +63,7 @@ def test_a_root_that_gives_way_a_lot_comes_first_and_near(
     assert told == sorted(told)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not FORKS, reason="no process is forked here")
 def test_helpers_change_nothing_of_what_is_found(
     calibrated: Fit, offered: tuple[Hypothesis, ...], found: tuple[Screened, ...]

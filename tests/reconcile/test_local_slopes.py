@@ -67,6 +67,7 @@ def test_within_the_tolerances_the_slopes_of_where_it_ended_are_right_and_those_
     assert origin_near(there, -4 * u, np.zeros(0), None) is not None
 
 
+@pytest.mark.slow
 def test_what_others_are_fitted_next_to_has_the_slopes_of_where_it_is(case: Problem) -> None:
     """The slopes of the stated values stop beside the bottom; those of where they stopped are the bottom's."""
     stopped = fit(case, (), rough_start(case)[0], np.zeros(0), STAGES, exact=True)

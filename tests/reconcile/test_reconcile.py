@@ -54,6 +54,7 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
     assert found.document()["verdict"] == "explained"
 
 
+@pytest.mark.slow
 def test_a_small_second_effect_has_its_name_where_the_first_one_meets_the_data(folder: Path) -> None:
     """The delay leaves noise alone, and a gain that its tolerance of 2 % takes for three deviations of its own."""
     known = available_effects()

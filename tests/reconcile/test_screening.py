@@ -73,6 +73,7 @@ def test_what_promises_little_stays_unchecked(null: Fit, hypotheses: Any, monkey
     assert {s.hypothesis for s in found} == set(hypotheses)
 
 
+@pytest.mark.slow
 def test_what_the_unknowns_imitate_is_not_lost(tmp_path_factory: pytest.TempPathFactory) -> None:
     """An inertia that the body's own takes over far beyond its tolerance: it must come out on top all the same."""
     inertia = AddedInertia(roll_inertia_kg_m2=0.05)

@@ -81,6 +81,7 @@ def test_slopes_of_the_whole_serve_where_they_were_taken() -> None:
     assert whole_near(u, e, Origin(u, e)).whole
 
 
+@pytest.mark.slow
 def test_the_error_of_a_shift_knows_how_badly_the_hooks_height_is_known(rehung: Problem) -> None:
     """Only their ratio shows: by slopes of the stated aircraft each seemed to be known by itself."""
     fitted = fit(rehung, (HUNG_AGAIN,), drawn_scores(rehung, 1), HUNG_AGAIN.scores({"shift_x_m": SHIFT_M}), NEAR)
@@ -164,6 +165,7 @@ def test_without_a_name_or_with_a_joint_that_depends_on_level_nothing_is_told_an
     assert with_told_parameters(found, stored_thresholds()) is found
 
 
+@pytest.mark.slow
 def test_what_is_told_replaces_the_final_fit_and_what_it_leaves(rehung: Problem) -> None:
     whole = replace(HUNG_AGAIN, settings={"from_run": 2})
     start = whole.scores({"shift_x_m": SHIFT_M, "shift_y_m": 0.003})

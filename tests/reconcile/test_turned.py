@@ -61,6 +61,7 @@ def test_every_draw_holds_out_as_much_and_no_two_are_alike() -> None:
     assert (drawn(2).held == draws[2].held).all()
 
 
+@pytest.mark.slow
 def test_a_held_out_channel_that_reads_too_much_has_a_name(loud: tuple[Verdict, Path]) -> None:
     verdict, _ = loud
     assert verdict.kind == "explained"

@@ -45,7 +45,13 @@ def beam_of_two() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.array([[1.0, 0.6], [0.6, 0.9]]), 2e-4 * stiffness + np.diag([0.5, 0.5]), stiffness
 
 
-@pytest.mark.parametrize("law", [jointed.Cubic(4e6), jointed.Play(0.02, 2.0e3)], ids=["cubic", "play"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        pytest.param(jointed.Cubic(4e6), id="cubic"),
+        pytest.param(jointed.Play(0.02, 2.0e3), marks=pytest.mark.slow, id="play"),
+    ],
+)
 @pytest.mark.parametrize(
     "load", [pytest.param(0.0, marks=pytest.mark.slow, id="without load"), pytest.param(6.0, id="under load")]
 )

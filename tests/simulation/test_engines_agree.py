@@ -21,6 +21,7 @@ def test_small_amplitude_frfs_agree_within_half_a_percent(small: Scenario) -> No
         assert np.abs(got / wanted - 1)[clear].max() < 0.005
 
 
+@pytest.mark.slow
 def test_force_per_command_agrees(small: Scenario) -> None:
     """The shaker's own dynamics are in both engines: force over command, drop-outs included."""
     stepped = band_spectra(simulate(small, engine="mujoco").campaign.runs[0])
