@@ -21,6 +21,7 @@ from vgvt.reconcile.in_its_place import reconsidered
 from vgvt.reconcile.last_steps import ended
 from vgvt.reconcile.level_grid import linear_first
 from vgvt.reconcile.localise import localise
+from vgvt.reconcile.next_items import at_next_items
 from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.plausible import implausible, likelier
@@ -253,7 +254,7 @@ def _fit_all(
 ) -> tuple[Rival, ...]:
     """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out.
 
-    Of ``hypotheses`` come other courses of changes between runs.
+    Of ``hypotheses`` come other courses of changes between runs, and other items that a thing may be.
     """
     near, screened = not swallowed(current, before), chosen
     if not near:
@@ -281,7 +282,8 @@ def _fit_all(
     # A model with an effect has been brought near by that; one without may be anywhere.
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
-    found += in_other_courses(current, found, hypotheses, later, team)
+    found += in_other_courses(current, found, hypotheses, part(later, 0.0, 0.5), team)
+    found += at_next_items(current, found, hypotheses, part(later, 0.5, 1.0), team)
     return against(current, [best_course(f, hypotheses) for f in found])
 
 

@@ -21,7 +21,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level
 from vgvt.reconcile.progress import Progress, naming, part
 from vgvt.reconcile.rough_start import log_distance, nearest
-from vgvt.reconcile.scan import start_values
+from vgvt.reconcile.scan import in_band, start_values
 from vgvt.reconcile.screen import Screened
 from vgvt.reconcile.surrogate import anchor
 
@@ -115,6 +115,8 @@ def _sizes(current: Fit, hypothesis: Hypothesis) -> list[Array]:
         return []
     if depends_on_level(current.problem, hypothesis):
         choices = [[p.at(x) for x in (_HELD if p.neutral is None else _BENDING)] for p in hypothesis.parameters]
+    elif swinging := in_band(current.problem, hypothesis):
+        return [hypothesis.scores(values) for values in swinging]
     else:
         choices = [
             [float(p.neutral or 0.0), *(p.at(x) for x in (_LARGE if p.scale == "log" else _EITHER_SIDE))] for p in sizes

@@ -86,7 +86,7 @@ def _is_whole_thing(problem: Problem, hypothesis: Hypothesis, scanned: Parameter
     """Whether what is scanned is the size of a thing on the structure that is not sharp: a flap on its hinge."""
     own = start_values(hypothesis)
     sharp = any(value > _SHARP * own[name] * (1 + 1e-9) for name, value in wide.items())
-    return bool(wide) and not sharp and scanned.neutral is not None and _where(problem, hypothesis) is not None
+    return bool(wide) and not sharp and scanned.neutral is not None and where_it_swings(problem, hypothesis) is not None
 
 
 def _turned(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str, float]]:
@@ -176,17 +176,16 @@ def tuned_to(
     absorber has, though no parameter of it is one.
     """
     found = _resonant(problem, hypothesis)
-    place = _where(problem, hypothesis)
+    place = where_it_swings(problem, hypothesis)
     if found is None or place is None:
         return None
     p = found[0]
-    (low, _), (high, _) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
-    power = math.log(high / low) / math.log(p.high / p.low)
-    value = p.low * (2 * math.pi * hz / low) ** (1 / power)
+    low = _resonance(problem, hypothesis, {p.name: p.low})[0]
+    value = p.low * (2 * math.pi * hz / low) ** (1 / _power(problem, hypothesis, p))
     return ({p.name: value}, place) if p.low <= value <= p.high else None
 
 
-def _where(problem: Problem, hypothesis: Hypothesis) -> tuple[float, float] | None:
+def where_it_swings(problem: Problem, hypothesis: Hypothesis) -> tuple[float, float] | None:
     """Where what an effect adds to the structure swings, in every run; None where nothing of it does."""
     effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
     if effect is None:
@@ -204,6 +203,39 @@ def _where(problem: Problem, hypothesis: Hypothesis) -> tuple[float, float] | No
             x, y, _ = problem.scenario.suspension.hook_m
             return float(x), float(y)
     return None
+
+
+def tuned_alike(
+    problem: Problem, one: Hypothesis, values: dict[str, float], other: Hypothesis
+) -> dict[str, float] | None:
+    """Values with which a variant of an effect swings as fast as ``one`` does with its; None where nothing swings.
+
+    As far as what tunes it reaches: a heavier flap may need a hinge that is stiffer than plausible.
+    """
+    found = _resonant(problem, other)
+    here, there = (_resonance(problem, h, values)[0] for h in (one, other))
+    if found is None or not here or not there:
+        return None
+    p = found[0]
+    value = values[p.name] * (here / there) ** (1 / _power(problem, other, p))
+    return {**values, p.name: min(max(value, p.low), p.high)}
+
+
+def _power(problem: Problem, hypothesis: Hypothesis, p: Parameter) -> float:
+    """The power of a parameter that a resonance goes with, of either sign."""
+    (low, _), (high, _) = (_resonance(problem, hypothesis, {p.name: value}) for value in (p.low, p.high))
+    return math.log(high / low) / math.log(p.high / p.low)
+
+
+def in_band(problem: Problem, hypothesis: Hypothesis) -> tuple[dict[str, float], ...]:
+    """Coarse steps through the band of a thing that swings as a whole, as wide as it plausibly is; none of others.
+
+    A few of its sizes would leave out most of where it swings.
+    """
+    found = _resonant(problem, hypothesis)
+    if found is None or not _is_whole_thing(problem, hypothesis, found[0], _widened(problem, hypothesis, found[0])):
+        return ()
+    return scan_of(problem, hypothesis).starts[::2]
 
 
 def _widened(problem: Problem, hypothesis: Hypothesis, scanned: Parameter) -> dict[str, float]:

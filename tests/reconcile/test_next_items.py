@@ -1,0 +1,128 @@
+"""From where a fit of a loose flap arrived, the flaps next to it."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import drawn_scores, problem
+
+from vgvt.effects import available_effects
+from vgvt.effects.control_surface import ControlSurface
+from vgvt.reconcile import next_items
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import FAR, fit
+from vgvt.reconcile.from_stated import _sizes
+from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.next_items import at_next_items
+from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.progress import silent
+from vgvt.reconcile.scan import in_band, tuned_alike, where_it_swings
+
+TRUE: dict[str, Any] = {"item": "flap-middle", "side": "left"}
+LOOSE = ControlSurface(compliance_rad_per_n_m=1.5, damping_ratio=0.09, **TRUE)
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    return problem(tmp_path_factory.mktemp("cache"), 1, LOOSE)
+
+
+@pytest.fixture(scope="module")
+def offered(case: Problem) -> tuple[Hypothesis, ...]:
+    return candidates(case, {"control-surface": ControlSurface})
+
+
+def of(offered: tuple[Hypothesis, ...], item: str, side: str = "left") -> Hypothesis:
+    return next(h for h in offered if h.settings == {"item": item, "side": side})
+
+
+def hertz(case: Problem, hypothesis: Hypothesis, values: dict[str, float]) -> float:
+    """Of a flap on a fixed wing, its own inertia about a spanwise hinge being Iyy, or nearly."""
+    names = (hypothesis.settings["item"], f"{hypothesis.settings['item']}-{hypothesis.settings['side']}")
+    item = next(i for i in case.scenario.airframe.item if i.name in names)
+    inertia = item.mass_kg * values["arm_m"] ** 2 + item.inertia_kg_m2[1]
+    return 1 / math.sqrt(values["compliance_rad_per_n_m"] * inertia) / (2 * math.pi)
+
+
+def test_another_item_swings_as_fast(case: Problem, offered: tuple[Hypothesis, ...]) -> None:
+    one, other = of(offered, "flap-outer"), of(offered, "servo-inner")
+    values = {"compliance_rad_per_n_m": 4.0, "arm_m": 0.02, "damping_ratio": 0.05}
+    alike = tuned_alike(case, one, values, other)
+    assert alike is not None and {k: v for k, v in alike.items() if k[0] != "c"} == {
+        "arm_m": 0.02, "damping_ratio": 0.05,
+    }  # fmt: skip
+    assert alike["compliance_rad_per_n_m"] != pytest.approx(4.0, rel=1e-3)
+    assert hertz(case, other, alike) == pytest.approx(hertz(case, one, values), rel=0.02)
+    # No further than what is plausible.
+    softer = tuned_alike(case, one, {**values, "compliance_rad_per_n_m": 1000.0}, other)
+    assert softer is not None and softer["compliance_rad_per_n_m"] == 100.0
+
+
+def test_from_the_stated_values_a_flap_is_looked_for_all_over_the_band(
+    case: Problem, offered: tuple[Hypothesis, ...]
+) -> None:
+    """Three large sizes of it had it swing between 3 and 7 Hz."""
+    flap, band = of(offered, "flap-middle"), case.measured.frequency_hz
+    hz = np.sort([hertz(case, flap, s) for s in in_band(case, flap)])
+    assert hz[0] < 1.3 * band[0] and hz[-1] > 0.9 * band[-1]
+    assert np.diff(np.log(hz)).max() < 0.3
+    found: Any = SimpleNamespace(problem=case)
+    assert len(_sizes(found, flap)) == hz.size
+    root = Hypothesis(available_effects()["root-compliance"], {"side": "both"})
+    assert in_band(case, root) == () and len(_sizes(found, root)) > 3
+    absorber = Hypothesis(available_effects()["local-absorber"], {"x_m": 0.7, "y_m": 0.5})
+    assert in_band(case, absorber) == ()
+
+
+def test_from_a_neighbour_the_loose_one_is_found(case: Problem, offered: tuple[Hypothesis, ...]) -> None:
+    u = drawn_scores(case, 1)
+    null = fit(case, (), u, np.zeros(0), ())
+    wrong = of(offered, "servo-middle")
+    near = wrong.scores(tuned_alike(case, Hypothesis(ControlSurface, TRUE), size(), wrong) or {})
+    arrived = fit(case, (wrong,), u, near, FAR)
+    more = at_next_items(null, [arrived], offered, silent)
+    best = max(more, key=lambda f: f.evidence_nats)
+    assert best.hypotheses[-1].settings == TRUE
+    assert best.evidence_nats > arrived.evidence_nats + 10
+    assert best.chi2_per_dof < 1.2
+    middle = where_it_swings(case, wrong)
+    assert middle is not None
+    assert all(f.hypotheses[-1].settings["side"] == "left" for f in more)
+
+
+def size() -> dict[str, float]:
+    return {"compliance_rad_per_n_m": 1.5, "arm_m": 0.03, "damping_ratio": 0.09}
+
+
+def test_it_walks_on_while_the_next_one_does_better_and_repeats_nothing(
+    case: Problem, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    worth = {"winglet": 0.0, "flap-outer": 50.0, "servo-outer": 30.0, "flap-middle": 80.0}
+
+    def made(hypothesis: Hypothesis) -> Any:
+        return SimpleNamespace(
+            problem=case, hypotheses=(hypothesis,), evidence_nats=worth.get(hypothesis.settings["item"], 10.0),
+            values=lambda k: {name: (value, 0.0, "") for name, value in size().items()},
+        )  # fmt: skip
+
+    asked: list[str] = []
+
+    def there(found: Any, hypothesis: Hypothesis, values: Any, tell: Any) -> Any:
+        asked.append(hypothesis.settings["item"])
+        return made(hypothesis)
+
+    monkeypatch.setattr(next_items, "_fitted_there", there)
+    current: Any = SimpleNamespace(evidence_nats=-100.0)
+    start = [made(of(offered, "winglet")), made(of(offered, "servo-outer"))]
+    more = at_next_items(current, start, offered, silent)
+    assert len(asked) == len(set(asked)) and not {"winglet", "servo-outer"} & set(asked)
+    assert "flap-middle" in asked, "reached by way of what is next to the first one"
+    assert {f.hypotheses[-1].settings["item"] for f in more} == set(asked)
+    # What gains little beside another effect is not worth the walk, and what is no item has none.
+    mass: Any = SimpleNamespace(hypotheses=(Hypothesis(available_effects()["added-mass"], {}),), evidence_nats=1000.0)
+    assert at_next_items(current, [*start, mass], offered, silent) == []
+    assert at_next_items(current, [mass], offered, silent) == []
