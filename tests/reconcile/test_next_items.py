@@ -91,7 +91,9 @@ def test_from_a_neighbour_the_loose_one_is_found(case: Problem, offered: tuple[H
     assert best.chi2_per_dof < 1.2
     middle = where_it_swings(case, wrong)
     assert middle is not None
-    assert all(f.hypotheses[-1].settings["side"] == "left" for f in more)
+    elsewhere = [f.hypotheses[-1].settings for f in more if f.hypotheses[-1].settings["side"] != "left"]
+    assert {"item": "servo-middle", "side": "right"} in elsewhere
+    assert {f["item"] for f in elsewhere} <= {"servo-middle", "flap-middle"}, "of what did best, and nothing else"
 
 
 def size() -> dict[str, float]:
@@ -104,24 +106,24 @@ def test_it_walks_on_while_the_next_one_does_better_and_repeats_nothing(
     worth = {"winglet": 0.0, "flap-outer": 50.0, "servo-outer": 30.0, "flap-middle": 80.0}
 
     def made(hypothesis: Hypothesis) -> Any:
-        return SimpleNamespace(
-            problem=case, hypotheses=(hypothesis,), evidence_nats=worth.get(hypothesis.settings["item"], 10.0),
-            values=lambda k: {name: (value, 0.0, "") for name, value in size().items()},
-        )  # fmt: skip
+        nats = worth.get(hypothesis.settings["item"], 10.0) - (hypothesis.settings["side"] != "left")
+        told = {name: (value, 0.0, "") for name, value in size().items()}
+        return SimpleNamespace(problem=case, hypotheses=(hypothesis,), evidence_nats=nats, values=lambda k: told)
 
-    asked: list[str] = []
+    asked: list[tuple[str, str]] = []
 
     def there(found: Any, hypothesis: Hypothesis, values: Any, tell: Any) -> Any:
-        asked.append(hypothesis.settings["item"])
+        asked.append((hypothesis.settings["item"], hypothesis.settings["side"]))
         return made(hypothesis)
 
     monkeypatch.setattr(next_items, "_fitted_there", there)
     current: Any = SimpleNamespace(evidence_nats=-100.0)
     start = [made(of(offered, "winglet")), made(of(offered, "servo-outer"))]
     more = at_next_items(current, start, offered, silent)
-    assert len(asked) == len(set(asked)) and not {"winglet", "servo-outer"} & set(asked)
-    assert "flap-middle" in asked, "reached by way of what is next to the first one"
-    assert {f.hypotheses[-1].settings["item"] for f in more} == set(asked)
+    assert len(asked) == len(set(asked)) and not {("winglet", "left"), ("servo-outer", "left")} & set(asked)
+    assert ("flap-middle", "left") in asked, "reached by way of what is next to the first one"
+    assert ("flap-middle", "right") in asked, "a side is no item"
+    assert len(more) == len(asked)
     # What gains little beside another effect is not worth the walk, and what is no item has none.
     mass: Any = SimpleNamespace(hypotheses=(Hypothesis(available_effects()["added-mass"], {}),), evidence_nats=1000.0)
     assert at_next_items(current, [*start, mass], offered, silent) == []

@@ -19,7 +19,7 @@ from vgvt.reconcile.scan import tuned_alike, where_it_swings
 from vgvt.reconcile.team import ALONE, Task, Team
 
 # Of the best fit's gain, from which on a thing is worth a look beside it; how many are next to it; how far it may walk.
-_AHEAD, _NEXT, _STEPS = 0.25, 3, 3
+_AHEAD, _NEXT, _STEPS = 0.25, 4, 3
 
 
 def at_next_items(
@@ -55,15 +55,22 @@ def _is_thing(hypothesis: Hypothesis) -> bool:
 
 
 def _next_to(found: Fit, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[Hypothesis, dict[str, float]]]:
-    """Other variants of a fit's last effect, the nearest first, with values that swing as fast as what was fitted."""
+    """Other variants of a fit's last effect, with values that swing as fast as what was fitted.
+
+    The same item on the other side, or on both, which does most of the same, and then the nearest ones on its own side.
+    """
     problem, own = found.problem, found.hypotheses[-1]
     values = {name: value[0] for name, value in found.values(len(found.hypotheses) - 1).items()}
     here = where_it_swings(problem, own)
     away: list[tuple[float, Hypothesis]] = []
     for h in hypotheses:
         there = where_it_swings(problem, h) if h.cls is own.cls and h.settings != own.settings else None
-        if here is not None and there is not None and h.settings.get("side") == own.settings.get("side"):
-            away.append((float(np.hypot(there[0] - here[0], there[1] - here[1])), h))
+        if here is None or there is None:
+            continue
+        if h.settings["item"] == own.settings["item"]:
+            away.append((0.0, h))
+        elif h.settings.get("side") == own.settings.get("side"):
+            away.append((float(np.hypot(*np.subtract(there, here))), h))
     for _, h in sorted(away, key=lambda a: a[0]):
         alike = tuned_alike(problem, own, values, h)
         if alike is not None:
