@@ -78,6 +78,7 @@ def test_from_the_stated_values_a_flap_is_looked_for_all_over_the_band(
     assert in_band(case, absorber) == ()
 
 
+@pytest.mark.slow
 def test_from_a_neighbour_the_loose_one_is_found(case: Problem, offered: tuple[Hypothesis, ...]) -> None:
     u = drawn_scores(case, 1)
     null = fit(case, (), u, np.zeros(0), ())
