@@ -130,6 +130,7 @@ def test_what_does_better_is_said_to(mounted: Fit, offered: Sequence[Hypothesis]
     assert kept.in_its_place == ()
 
 
+@pytest.mark.slow
 def test_nothing_else_does_what_a_mass_does(tmp_path: Path) -> None:
     mass = Hypothesis(available_effects()["added-mass"], {"x_m": 0.7, "y_m": 1.0})
     case = problem(tmp_path, 1, available_effects()["added-mass"](x_m=0.7, y_m=1.0, mass_kg=0.2))

@@ -153,6 +153,7 @@ def test_what_the_unknowns_imitate_shows_no_deviation() -> None:
     assert told.deviations(other) > 1
 
 
+@pytest.mark.slow
 def test_a_lasting_error_of_one_channel_gets_no_name_and_moved_peaks_do(tmp_path: Path) -> None:
     """What grows with frequency is what a loose sensor would read, and none is loose; a mass moves peaks."""
     stated = problem(tmp_path, 1)

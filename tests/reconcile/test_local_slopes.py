@@ -51,6 +51,7 @@ def imitating(case: Problem) -> Any:
     return u
 
 
+@pytest.mark.slow
 def test_within_the_tolerances_the_slopes_of_where_it_ended_are_right_and_those_of_the_stated_values_are_not(
     case: Problem,
 ) -> None:
@@ -81,6 +82,7 @@ def test_what_others_are_fitted_next_to_has_the_slopes_of_where_it_is(case: Prob
     assert abs(again.evidence_nats - found.evidence_nats) < unsettled
 
 
+@pytest.mark.slow
 def test_a_calibration_that_imitates_something_leaves_the_slopes_at_home(
     case: Problem, monkeypatch: pytest.MonkeyPatch
 ) -> None:

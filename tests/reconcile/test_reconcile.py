@@ -144,6 +144,7 @@ def test_an_effect_outside_the_catalogue_is_not_given_another_name(folder: Path)
     assert found.localisation is not None and found.localisation.places
 
 
+@pytest.mark.slow
 def test_where_one_name_is_left_other_levels_alone_are_compared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -205,6 +205,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     monkeypatch.setattr(rounds, "begun_anew", begun)
     monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
     monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
+    monkeypatch.setattr(rounds, "at_next_items", lambda *given: [])
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
     far: Any = SimpleNamespace(train_chi2_per_dof=before)
     rivals = rounds._fit_all(current, chosen, far, (), lambda fraction, message: None)

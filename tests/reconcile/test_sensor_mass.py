@@ -83,6 +83,7 @@ def test_carried_along_they_weigh_what_they_weigh_assembled(roving: Problem) -> 
     np.testing.assert_allclose(there[0].masses_kg, stated * factor + ADDED_KG, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_mass_that_the_tolerance_stood_in_for_is_found(roving: Problem) -> None:
     """A calibration puts all of it into the stated mass, tens of deviations out; screen and fit take it back."""
     null = fit(roving, (), heavier(roving, 26.0), np.zeros(0))

@@ -52,6 +52,7 @@ def test_an_effect_moves_straight_in_its_value() -> None:
     assert inertia.reach(0, 0.2) == pytest.approx((math.exp(0.2 * sd) - 1) / sd)
 
 
+@pytest.mark.slow
 def test_a_fit_goes_the_whole_way_along_the_valley(tmp_path: Path) -> None:
     """The body's own inertia had taken over an added one: it must come back, and the added one to its true size."""
     case = problem(tmp_path, 1, AddedInertia(roll_inertia_kg_m2=ROLL))

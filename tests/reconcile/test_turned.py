@@ -76,6 +76,7 @@ def test_a_held_out_channel_that_reads_too_much_has_a_name(loud: tuple[Verdict, 
     assert held_out_label() in verdict.reasons[0].split("were missed")[0]
 
 
+@pytest.mark.slow
 def test_a_name_that_does_not_keep_is_none_to_turn_for(
     loud: tuple[Verdict, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -45,16 +45,15 @@ def beam_of_two() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.array([[1.0, 0.6], [0.6, 0.9]]), 2e-4 * stiffness + np.diag([0.5, 0.5]), stiffness
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [
         pytest.param(jointed.Cubic(4e6), id="cubic"),
-        pytest.param(jointed.Play(0.02, 2.0e3), marks=pytest.mark.slow, id="play"),
+        pytest.param(jointed.Play(0.02, 2.0e3), id="play"),
     ],
 )
-@pytest.mark.parametrize(
-    "load", [pytest.param(0.0, marks=pytest.mark.slow, id="without load"), pytest.param(6.0, id="under load")]
-)
+@pytest.mark.parametrize("load", [pytest.param(0.0, id="without load"), pytest.param(6.0, id="under load")])
 def test_a_driven_joint_moves_as_an_adaptive_solver_says(law: jointed.Law, load: float) -> None:
     mass, damping, stiffness = beam_of_two()
     rest = law.rest(load, 2.0e3)
@@ -101,7 +100,8 @@ def driven(friction_n: float, force_n: float, ratio_of_frequencies: float) -> np
     return np.asarray((moving.out[:1] @ state).real[0, -2 * round(jointed.Friction.rate_hz) :])
 
 
-@pytest.mark.parametrize("speed", [0.6, pytest.param(1.4, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [0.6, 1.4])
 def test_a_mass_that_slides_without_stops_has_den_hartogs_amplitude(speed: float) -> None:
     """Den Hartog, Trans. ASME 53, 1931: a = F/k √(V² − (M/F)² U²), friction and force in steady motion."""
     friction, force = 2.0, 10.0
