@@ -213,6 +213,30 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
 
 
+def test_what_lies_beside_the_fits_of_a_round_is_among_its_rivals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other courses of a change, and other items of a thing, of all that was fitted before them."""
+    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=("an effect",), u=np.zeros(1))
+    chosen: Any = [SimpleNamespace(hypothesis="first", gain_nats=1.0, upright=False)]
+    first = SimpleNamespace(evidence_nats=1.0, chi2_per_dof=0.8, chi2=80.0)
+    seen: list[list[Any]] = []
+
+    def beside(more: str) -> Any:
+        def asked(current: Any, found: Any, hypotheses: Any, tell: Any, team: Any) -> list[str]:
+            seen.append(list(found))
+            return [more]
+
+        return asked
+
+    monkeypatch.setattr(rounds, "fitted_from", lambda *_: first)
+    monkeypatch.setattr(rounds, "in_other_courses", beside("a course"))
+    monkeypatch.setattr(rounds, "at_next_items", beside("an item"))
+    monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
+    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
+    met: Any = SimpleNamespace(train_chi2_per_dof=1.0)
+    assert rounds._fit_all(current, chosen, met, (), lambda fraction, message: None) == (first, "a course", "an item")
+    assert seen == [[first], [first, "a course"]]
+
+
 @pytest.mark.parametrize(("bent", "stages"), [(9.0, shortlist._COARSE), (-11.0, FORGIVING)])
 def test_the_further_a_calibration_is_bent_the_more_is_forgiven(
     monkeypatch: pytest.MonkeyPatch, bent: float, stages: Any

@@ -14,7 +14,7 @@ import numpy as np
 from vgvt.reconcile.fit import FAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.progress import Progress, naming
+from vgvt.reconcile.progress import Progress, naming, part
 from vgvt.reconcile.scan import tuned_alike, where_it_swings
 from vgvt.reconcile.team import ALONE, Task, Team
 
@@ -37,11 +37,11 @@ def at_next_items(
     own = best.hypotheses[-1].cls
     fitted = [f.hypotheses[-1].settings for f in things if f.hypotheses[-1].cls is own]
     more: list[Fit] = []
-    for _ in range(_STEPS):
+    for step in range(_STEPS):
         tries = [(h, start) for h, start in _next_to(best, hypotheses) if h.settings not in fitted][:_NEXT]
         fitted += [h.settings for h, _ in tries]
         tasks: list[Task] = [(_fitted_there, (best, h, start)) for h, start in tries]
-        reached = [f for f in team.work_off(tasks, tell) if f is not None]
+        reached = [f for f in team.work_off(tasks, part(tell, step / _STEPS, (step + 1) / _STEPS)) if f is not None]
         more += reached
         ahead_of_all = max(reached, key=lambda f: f.evidence_nats, default=best)
         if ahead_of_all.evidence_nats <= best.evidence_nats:
