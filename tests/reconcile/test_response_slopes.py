@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances
+from vgvt.reconcile.ending import accelerance_slopes
+from vgvt.reconcile.response import Matrices, Slopes, accelerances
 
 COORDINATES, ROWS, LINES, PARAMETERS = 5, 6, 9, 4
 RUNS = (np.array([0, 1, 2]), np.array([3, 4, 5]))
@@ -35,9 +37,24 @@ def drawn(seed: int, masses: float) -> tuple[Matrices, Slopes, np.ndarray]:
     )
 
 
+def twins(matrices: Matrices) -> Matrices:
+    """Two coordinates that do not know of each other and are alike: each pole of theirs is there twice."""
+    square = {n: getattr(matrices, n).copy() for n in ("mass", "damping", "stiffness")}
+    for changed, value in zip(square.values(), (1.5, 0.2, 1.1), strict=True):
+        changed[:2] = changed[:, :2] = 0.0
+        changed[0, 0] = changed[1, 1] = value
+    return replace(matrices, **square)
+
+
+def overdamped(matrices: Matrices) -> Matrices:
+    return replace(matrices, damping=40 * matrices.damping)
+
+
 @pytest.mark.parametrize("masses", [0.0, 0.3])
-def test_every_term_agrees_with_differences(masses: float) -> None:
+@pytest.mark.parametrize("made", [lambda m: m, twins, overdamped])
+def test_every_term_agrees_with_differences(masses: float, made: Callable[[Matrices], Matrices]) -> None:
     matrices, slopes, own = drawn(1, masses)
+    matrices = made(matrices)
     found = accelerance_slopes(matrices, OMEGA, RUNS, tuple(own[r] for r in RUNS), slopes)
     step = 1e-5
     for k in range(PARAMETERS):

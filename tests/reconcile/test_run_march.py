@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from vgvt.reconcile.describing import Law
-from vgvt.reconcile.ending import Ending, left_out, loaded_by
+from vgvt.reconcile.ending import Ending, left_out
 from vgvt.reconcile.joints import Joints
 from vgvt.reconcile.levels import level_accelerances
-from vgvt.reconcile.response import Matrices
+from vgvt.reconcile.response import Matrices, loaded_by
 from vgvt.reconcile.run_march import Push, marched_run
 
 Array = np.ndarray

@@ -130,15 +130,41 @@ def chatting(words: int, tell: Tell) -> float:
     return time.monotonic() - started
 
 
-def silent_for_long(tell: Tell) -> float:
+def silent_for_long(tell: Tell) -> tuple[float, bytes]:
     time.sleep(1.5)
-    return 0.0
+    return 0.0, b""
 
 
 def test_a_helper_that_has_much_to_say_does_not_wait_for_a_listener() -> None:
     with Team(2, ()) as team:
         _, took = team.work_off([(silent_for_long, ()), (chatting, (5000,))], silent)
     assert took < 0.7
+
+
+def long_answer(words: int, tell: Tell) -> tuple[float, bytes]:
+    """When it began, and more than a pipe holds."""
+    return time.monotonic(), bytes(words)
+
+
+def test_a_helper_goes_on_while_nobody_listens() -> None:
+    """Neither for its next task nor for its result to be taken does it wait for this process."""
+    with Team(2, ()) as team:
+        started = time.monotonic()
+        _, *answers = team.work_off([(silent_for_long, ()), *[(long_answer, (3_000_000,))] * 4], silent)
+    assert all(began - started < 0.7 for began, _ in answers)
+    assert {len(words) for _, words in answers} == {3_000_000}
+
+
+def test_what_tasks_have_in_common_travels_once() -> None:
+    common = [1.0]
+    with Team(2, ()) as team:
+        found = team.work_off([(silent_for_long, ()), *[(whose, (common,))] * 3], silent)
+    assert len({thing for thing, _ in found[1:]}) == 1
+    assert all(pid != os.getpid() for _, pid in found[1:])
+
+
+def whose(thing: object, tell: Tell) -> tuple[int, int]:
+    return id(thing), os.getpid()
 
 
 def test_nobody_stays() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from vgvt.effects import make_effect
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import reduced
+from vgvt.simulation import reduced, settling
 from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.reduced import Layouts, structure
 
@@ -88,13 +88,13 @@ def test_a_neighbours_stiffness_leads_to_the_same_rest(
     )
     assert action.scenario is not None
     there = plan(action.scenario)
-    alone, asked, force = structure(there, there.grid), list[int](), reduced.joint_force
+    alone, asked, force = structure(there, there.grid), list[int](), settling.joint_force
 
     def counted(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
         asked.append(1)
         return force(model, data)
 
-    monkeypatch.setattr(reduced, "joint_force", counted)
+    monkeypatch.setattr(settling, "joint_force", counted)
     found = structure(there, there.grid, beside)
     assert len(asked) < most
     np.testing.assert_allclose(found.equilibrium, alone.equilibrium, atol=1e-8)
@@ -104,6 +104,34 @@ def test_a_neighbours_stiffness_leads_to_the_same_rest(
     turn = np.eye(len(alone.joints))
     turn[:6, :6] = alone.root
     np.testing.assert_allclose(turn.T @ np.linalg.inv(alone.softness()) @ turn, alone.stiffness, atol=1e-6)
+
+
+@pytest.mark.parametrize(("right_m", "up_m"), [(0.02, 0.0), (0.0, 0.0), (0.05, 0.02)])
+def test_a_far_rest_is_found_from_a_neighbours(monkeypatch: pytest.MonkeyPatch, right_m: float, up_m: float) -> None:
+    """And is the same as from the unloaded shape, which nobody has to start from."""
+    scenario = load_scenario("quick")
+    here = plan(scenario)
+    beside = structure(here, here.grid)
+    action = make_effect("hook-offset", "here", aft_m=0.05, right_m=right_m, up_m=up_m).act(scenario, 0)
+    assert action.scenario is not None
+    there = plan(action.scenario)
+    alone = structure(there, there.grid).equilibrium
+    monkeypatch.setattr(reduced, "settle", None)
+    found = structure(there, there.grid, beside).equilibrium
+    np.testing.assert_allclose(found, alone, atol=1e-6)
+
+
+@pytest.mark.parametrize("aft_m", [0.0, 0.08])
+def test_what_turns_over_is_refused_whoever_is_beside_it(aft_m: float) -> None:
+    """Hung below its centre of gravity; from a neighbour's rest steps lead to where it balances, or hangs nose down."""
+    scenario = load_scenario("quick")
+    here = plan(scenario)
+    action = make_effect("hook-offset", "here", aft_m=aft_m, right_m=0.0, up_m=-0.05).act(scenario, 0)
+    assert action.scenario is not None
+    there = plan(action.scenario)
+    for beside in (None, structure(here, here.grid)):
+        with pytest.raises(RuntimeError, match="turn over"):
+            structure(there, there.grid, beside)
 
 
 def test_a_sensor_that_looks_ahead_feels_gravity_as_the_nose_goes_down() -> None:

@@ -17,13 +17,14 @@ accelerances of :mod:`vgvt.reconcile.response`, and :mod:`vgvt.reconcile.stand` 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.signal
 from numpy.typing import NDArray
 
-from vgvt.reconcile.response import Matrices, Poles, Slopes, poles_of
+from vgvt.reconcile.pole_slopes import RunSlopes, run_slopes
+from vgvt.reconcile.response import Matrices, Poles, Slopes, loaded_by, poles_of
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -133,9 +134,16 @@ def _decayed(force: Array, poles: ComplexArray, step_s: float) -> ComplexArray:
     size = int(np.sqrt(force.size)) + 1
     blocks = np.zeros((size, size))
     blocks.ravel()[: force.size] = force
-    within = np.exp(np.outer((np.arange(size) + 0.5) * step_s, poles))
-    summed = blocks @ within.real + 1j * (blocks @ within.imag)
-    return np.asarray(step_s * (np.exp(np.outer(np.arange(size) * size * step_s, poles)) * summed).sum(axis=0))
+    within = _turned(poles, 0.5 * step_s, step_s, size)
+    summed = (blocks @ within.view(np.float64)).view(np.complex128)
+    return np.asarray(step_s * (_turned(poles, 0.0, size * step_s, size) * summed).sum(axis=0))
+
+
+def _turned(poles: ComplexArray, begin_s: float, step_s: float, count: int) -> ComplexArray:
+    """exp(poles t) (count, P) at equal steps of time: each is the one before times the same, and no exponential."""
+    factors = np.tile(np.exp(step_s * poles), (count, 1))
+    factors[0] = np.exp(begin_s * poles)
+    return np.cumprod(factors, axis=0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,73 +187,54 @@ def _added(rung: _Rung, drive: Array, axis: Array, tilt: Array) -> ComplexArray:
     return np.asarray((((axis @ vectors) * pole**2 + tilt @ vectors) * pushed) @ rung.share)
 
 
+def accelerance_slopes(
+    matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...], slopes: Slopes,
+    endings: tuple[Ending, ...] = (), wanted: NDArray[np.bool_] | None = None,
+) -> ComplexArray:  # fmt: skip
+    """Derivatives (k, C, L) of accelerances, ``spare`` flexibility held, and of what endings add; none: all at rest.
+
+    Zeros for rows that are not ``wanted`` (C,), by default all are.
+    """
+    out = np.zeros((slopes.mass.shape[0], matrices.axis.shape[0], omega.size), dtype=complex)
+    for k, run in enumerate(run_slopes(matrices, omega, runs, masses_kg, slopes, wanted)):
+        if run is not None:
+            found = run.accelerances(omega)
+            out[:, run.rows] = _with_ending(found, run, omega, endings[k]) if endings else found
+    return out
+
+
 def left_out_slopes(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
     endings: tuple[Ending, ...], slopes: Slopes,
 ) -> ComplexArray:  # fmt: skip
-    """Derivatives (k, C, L) of :func:`left_out`, exact but for poles that fade in or out of it.
-
-    A function of the system's matrix changes by the changes of its poles, and by those of their vectors: the latter
-    mix with every other pole's, the more the nearer it is.
-    """
+    """Derivatives (k, C, L) of :func:`left_out`, exact but for poles that fade in or out of it."""
     out = np.zeros((slopes.mass.shape[0], matrices.axis.shape[0], omega.size), dtype=complex)
-    for rows, mass, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
-        here, at = rung.all, rung.at
-        poles, vectors, left = here.poles, here.vectors, here.left
-        axis = matrices.axis[rows]
-        turned = (mass[:, None] * slopes.axis[:, rows]).transpose(0, 2, 1) @ axis
-        heavier = turned + turned.transpose(0, 2, 1) + (axis.T * slopes.masses_kg[:, None, rows]) @ axis
-        changes = (slopes.stiffness, slopes.damping, slopes.mass + heavier)
-        onto = _elements(changes, left[at], vectors, poles)
-        off = _elements(changes, left, vectors[:, at], poles[at])
-        slope = _slope(rung)
-        apart = poles[at][:, None] - poles[None]
-        apart[np.arange(at.size), at] = np.inf
-        pushed = left @ matrices.drive
-        # The velocity that a push of 1 N s leaves, which is the less, the heavier what it pushes.
-        given = vectors @ (poles * pushed)
-        pushes = (slopes.drive - changes[2] @ given) @ left[at].T + (onto * (pushed / apart)).sum(axis=2)
-        moved = np.einsum("kpp->kp", onto[:, :, at])
-        mixed = off / apart.T
-        factors, functions = [], []
-        for read, changed, power in ((matrices.axis, slopes.axis, 2), (matrices.tilt, slopes.tilt, 0)):
-            seen, pole = read[rows] @ vectors, poles[at][:, None]
-            function, steeper = pole**power * rung.share, pole**power * slope
-            if power:
-                steeper = steeper + power * pole ** (power - 1) * rung.share
-            sights = changed[:, rows] @ vectors[:, at] + seen @ mixed
-            factors += [sights * pushed[at] + seen[:, at] * pushes[:, None, :]]
-            factors += [seen[:, at] * pushed[at] * moved[:, None, :]]
-            functions += [function, steeper]
-        # All of them in one product: it is as long as the lines are many.
-        joined = np.concatenate(factors, axis=2)
-        out[:, rows] = (joined.reshape(-1, joined.shape[2]) @ np.concatenate(functions)).reshape(*joined.shape[:2], -1)
+    for run, ending in zip(run_slopes(matrices, omega, runs, masses_kg, slopes), endings, strict=True):
+        if run is not None:
+            out[:, run.rows] = _with_ending(out[:, run.rows], run, omega, ending)
     return out
 
 
-def _elements(
-    changes: tuple[Array, ...], left: ComplexArray, vectors: ComplexArray, poles: ComplexArray
-) -> ComplexArray:
-    """Elements (k, a, b) of a system's changes between vectors left (a, m) and right (m, b), the latter of ``poles``.
+def _with_ending(found: ComplexArray, run: RunSlopes, omega: Array, ending: Ending) -> ComplexArray:
+    """Derivatives (k, R, L) of one run's readings with those of what its ending adds.
 
-    ``changes`` are those of stiffness, damping and mass, (k, m, m) each.
+    What the end does to a pole takes the place of 1/(iω - λ): its residue changes as it does there, and it changes with
+    the pole itself.
     """
-    # The side of few vectors first: the changes are large, and there are many of them.
-    if left.shape[0] <= vectors.shape[1]:
-        found = sum((_from_left(left, change) @ vectors) * poles**n for n, change in enumerate(changes))
-    else:
-        found = left @ sum(_onto_right(change, vectors * poles**n) for n, change in enumerate(changes))
-    return np.asarray(-found)
-
-
-def _from_left(left: ComplexArray, changes: Array) -> ComplexArray:
-    """``left`` (a, m) times every change (k, m, m), in real numbers, which these are."""
-    return np.asarray(left.real @ changes + 1j * (left.imag @ changes))
-
-
-def _onto_right(changes: Array, vectors: ComplexArray) -> ComplexArray:
-    """Every change (k, m, m) times ``vectors`` (m, b), in real numbers."""
-    return np.asarray(changes @ vectors.real + 1j * (changes @ vectors.imag))
+    rung = _rung(run.poles, omega, ending)
+    if rung is None:
+        return found
+    poles, slope = rung.all.poles[rung.at], _slope(rung)
+    pole = poles[:, None]
+    shares, functions = [], []
+    for part, power in ((run.axis, 2), (run.tilt, 0)):
+        steeper = pole**power * slope
+        if power:
+            steeper = steeper + power * pole ** (power - 1) * rung.share
+        shares += [*part.residues(poles)]
+        functions += [pole**power * rung.share, steeper]
+    # All of them in one product: it is as long as the lines are many.
+    return np.asarray(found + np.concatenate(shares, axis=2) @ np.concatenate(functions))
 
 
 def _ringing_runs(
@@ -267,12 +256,6 @@ def _in_reach(poles: ComplexArray, omega: Array, images: bool = False) -> Comple
     """Those of some poles that decay, turn as the lines do, and not much faster than the last; or ``images``, too."""
     turning = poles.imag != 0 if images else poles.imag > 0
     return np.asarray(poles[turning & (np.abs(poles.imag) < _ABOVE_BAND * omega[-1]) & (poles.real < 0)])
-
-
-def loaded_by(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices:
-    """The structure with the point masses (rows,) of a run, kg."""
-    axis = matrices.axis[rows]
-    return replace(matrices, mass=matrices.mass + (axis.T * mass) @ axis) if mass.any() else matrices
 
 
 def _rung(here: Poles, omega: Array, ending: Ending) -> _Rung | None:

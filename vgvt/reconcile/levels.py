@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.data import Measured
-from vgvt.reconcile.ending import loaded_by
 from vgvt.reconcile.grouping import Group
 from vgvt.reconcile.joints import Joints, joints_of, missed
-from vgvt.reconcile.response import Matrices, poles_of
+from vgvt.reconcile.response import Matrices, loaded_by, poles_of
 from vgvt.reconcile.run_march import Push, flexibility, marched_run
 
 Array = NDArray[np.float64]

@@ -33,24 +33,24 @@ def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigm
     columns = []
 
     def add(change: ComplexArray) -> None:
-        scaled = change[keep] / sigma
+        scaled = change / sigma
         columns.append(np.sqrt(2) * np.concatenate([scaled.real.ravel(), scaled.imag.ravel()]))
 
     known = len(problem.unknowns)
-    chain = anchored.chain(u, e)
-    slopes = anchored.slopes()
+    chain, here = anchored.chain(u, e), predicted[keep]
+    slopes = anchored.slopes(keep)
     for change in slopes[:known]:
-        add(chain * change)
+        add(chain[keep] * change)
     plain = chain_factor(problem, u[known:], None)
     for k, nuisance in enumerate(problem.nuisances):
         if nuisance.kind == "gain":
-            add(nuisance.sd * predicted * nuisance.rows[:, None])
+            add(nuisance.sd * here * nuisance.rows[keep, None])
         else:
             moved = u[known:].copy()
             moved[k] += _STEP
-            add(predicted * (chain_factor(problem, moved, None) / plain - 1) / _STEP)
+            add(here * (chain_factor(problem, moved, None) / plain - 1)[keep] / _STEP)
     for k, change in enumerate(slopes[known:]):
-        add(chain * change + predicted * _relative_slope(anchored, u, e, k, chain))
+        add(chain[keep] * change + (predicted * _relative_slope(anchored, u, e, k, chain))[keep])
     return np.array(columns).T
 
 

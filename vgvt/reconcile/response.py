@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -115,63 +115,10 @@ def by_rate(rate: Array, slopes: Array) -> Array:
     return np.asarray(rate.reshape(-1, *[1] * (slopes.ndim - 1)) * slopes)
 
 
-def accelerance_slopes(
-    matrices: Matrices,
-    omega: Array,
-    runs: tuple[NDArray[np.intp], ...],
-    masses_kg: tuple[Array, ...],
-    slopes: Slopes,
-) -> ComplexArray:
-    """Derivatives (k, C, L) of :func:`accelerances` by the adjoint: one more solution a row, whatever k is.
-
-    With Z q = h + Aᵀ f the change of a reading b q is p (dh + dAᵀ f + … - dZ q) + db q, where p Z = b.
-    """
-    poles = poles_of(matrices, omega)
-    square = (omega**2)[:, None]
-    inverse = (poles.vectors[None] * poles.reciprocal[:, None, :]) @ poles.left
-    count, m = slopes.mass.shape[0], matrices.drive.size
-    out = np.zeros((count, matrices.axis.shape[0], omega.size), dtype=complex)
-    pushed = inverse @ matrices.drive
-    # Rows (3 m, k m) that turn [q, iω q, -ω² q] into dZ q of every parameter, lines staying the outer axis throughout.
-    joined = np.concatenate([slopes.stiffness, slopes.damping, slopes.mass], axis=2)
-    changes = np.ascontiguousarray(joined.reshape(count * m, 3 * m).T)
-    for rows, mass in zip(runs, masses_kg, strict=True):
-        axis, tilt = matrices.axis[rows], matrices.tilt[rows]
-        axis_slopes, tilt_slopes = slopes.axis[:, rows], slopes.tilt[:, rows]
-        towards = -square[:, :, None] * axis + tilt
-        adjoint = towards @ inverse
-        inertia = square * mass
-        answered = inverse @ axis.T
-        flexible = axis @ answered
-        loading = np.linalg.inv(np.eye(rows.size) - flexible * inertia[:, None, :])
-        displaced = np.einsum("lab,lb->la", loading, pushed @ axis.T + matrices.spare[rows])
-        force = inertia * displaced
-        q = pushed + np.einsum("lma,la->lm", answered, force)
-        if mass.any():
-            adjoint = adjoint + (towards @ answered) @ (inertia[:, :, None] * loading) @ (axis @ inverse)
-        right = _real_times(np.concatenate([-q, -1j * omega[:, None] * q, square * q], axis=1), changes)
-        right = right.reshape(omega.size, count, m)
-        right += slopes.drive
-        moved = _real_times(q, axis_slopes.reshape(-1, m).T).reshape(omega.size, count, rows.size)
-        if mass.any():
-            pulled = _real_times(force, axis_slopes.transpose(1, 0, 2).reshape(rows.size, -1))
-            right += pulled.reshape(right.shape)
-            changed = inertia[:, None, :] * moved
-            changed += square[:, :, None] * slopes.masses_kg[:, rows] * displaced[:, None, :]
-            right += changed @ axis
-        # (lines, k, m) times (lines, m, rows)
-        read = right @ adjoint.transpose(0, 2, 1) - square[:, :, None] * moved
-        read += _real_times(q, tilt_slopes.reshape(-1, m).T).reshape(read.shape)
-        out[:, rows] = read.transpose(1, 2, 0)
-    return out
-
-
-def _real_times(values: ComplexArray, matrix: Array) -> ComplexArray:
-    """A complex matrix times a real one, without making that complex."""
-    out = np.empty((values.shape[0], matrix.shape[1]), dtype=complex)
-    out.real = values.real @ matrix
-    out.imag = values.imag @ matrix
-    return out
+def loaded_by(matrices: Matrices, rows: NDArray[np.intp], mass: Array) -> Matrices:
+    """The structure with the point masses (rows,) of a run, kg."""
+    axis = matrices.axis[rows]
+    return replace(matrices, mass=matrices.mass + (axis.T * mass) @ axis) if mass.any() else matrices
 
 
 def reduction(mass: Array, stiffness: Array, drive: Array, limit_rad_per_s: float, always: NDArray[np.bool_]) -> Array:

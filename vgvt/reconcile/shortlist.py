@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -80,8 +81,8 @@ def shortened(
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
     chosen = [] if place is None else _swinging(current, far, place)
-    tries: list[Task] = [(_best_place, (current, far, s, spot)) for s in short_list(far, _SHORT_LIST, forgiving=True)]
-    chosen += team.work_off(tries, part(tell, 0.9, 1.0))
+    listed = short_list(far, _SHORT_LIST, forgiving=True)
+    chosen += _at_best_places(current, far, listed, spot, part(tell, 0.9, 1.0), team)
     seen = (*short_list(near, _SHORT_LIST // 2, forgiving=True), *short_list(behind, _BEHIND, forgiving=True))
     return (*chosen, *(s for found in others for s in found), *seen)
 
@@ -187,41 +188,55 @@ def _in_sight(current: Fit, left: Sequence[Hypothesis], least_nats: float, tell:
     return screen(current, left, tell, least_nats=least_nats)
 
 
-def _best_place(
+def _at_best_places(
     current: Fit,
     screened: Sequence[Screened],
-    chosen: Screened,
+    chosen: Sequence[Screened],
     spot: tuple[float, float, float] | None,
     tell: Progress,
-) -> Screened:
-    """The best of a placed effect's variants, by short fits that forgive misplaced peaks, with what they arrived at.
+    team: Team,
+) -> list[Screened]:
+    """Of each placed effect that is chosen the best of its variants, by short fits that forgive misplaced peaks.
 
-    Tried are the best ones of the screen and those next to ``spot`` (x, y, z), from where a free force explains most.
+    Each with what it arrived at; the rest as they are.
+    """
+    tried = [_placed(screened, s, spot) for s in chosen]
+    tasks: list[Task] = [(_fitted_at, (current, s)) for same in tried for s in same]
+    reached = iter(team.work_off(tasks, tell))
+    found: list[Screened] = []
+    for s, same in zip(chosen, tried, strict=True):
+        fits = [f for f in itertools.islice(reached, len(same)) if f is not None]
+        found.append(max(fits, key=lambda f: f[0])[1] if fits else s)
+    return found
+
+
+def _placed(
+    screened: Sequence[Screened], chosen: Screened, spot: tuple[float, float, float] | None
+) -> Sequence[Screened]:
+    """The best variants of a placed effect, and those next to ``spot`` (x, y, z), where a free force explains most.
+
+    None of an effect that has no place.
     """
     if "x_m" not in chosen.hypothesis.settings:
-        return chosen
-    best, found = -np.inf, chosen
+        return ()
     same = [c for c in screened if c.hypothesis.name == chosen.hypothesis.name]
-    tried = same[:_BEST] if spot is not None else same[: _BEST + _NEAREST]
-    if spot is not None:
-        x, y, _ = spot
-        rest = same[_BEST:]
-        tried += sorted(rest, key=lambda s: _distance(s, x, y))[:_NEAREST]
-    for k, s in enumerate(tried):
-        tell(k / len(tried), f"places of {s.hypothesis.name}")
-        # Its frequency is what the screen knows best; where it sits, a biased calibration has smeared.
-        start = np.concatenate([current.e, s.hypothesis.scores(chosen.values)])
-        nothing = np.zeros(current.u.size)
-        try:
-            near = fit(
-                current.problem, (*current.hypotheses, s.hypothesis), nothing, start, _SHORT, judged=_SHORT[-1][0]
-            )
-        except NoStructureError:
-            continue
-        if near.evidence_nats > best:
-            here = {k: v[0] for k, v in near.values(len(current.hypotheses)).items()}
-            best, found = near.evidence_nats, replace(s, values=here, start=near.scores[: current.scores.size])
-    return found
+    if spot is None:
+        return same[: _BEST + _NEAREST]
+    x, y, _ = spot
+    return [*same[:_BEST], *sorted(same[_BEST:], key=lambda s: _distance(s, x, y))[:_NEAREST]]
+
+
+def _fitted_at(current: Fit, s: Screened, tell: Progress) -> tuple[float, Screened] | None:
+    """Evidence of a variant after a short fit, and the variant at what it arrived at; None where it cannot be."""
+    tell(0.0, f"places of {s.hypothesis.name}")
+    # Its frequency is what the screen knows best; where it sits, a biased calibration has smeared.
+    start, hypotheses = np.concatenate([current.e, s.hypothesis.scores(s.values)]), (*current.hypotheses, s.hypothesis)
+    try:
+        near = fit(current.problem, hypotheses, np.zeros(current.u.size), start, _SHORT, judged=_SHORT[-1][0])
+    except NoStructureError:
+        return None
+    here = {k: v[0] for k, v in near.values(len(current.hypotheses)).items()}
+    return near.evidence_nats, replace(s, values=here, start=near.scores[: current.scores.size])
 
 
 def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[Screened]:

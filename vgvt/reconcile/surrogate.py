@@ -15,7 +15,7 @@ from vgvt.effects.action import Action
 from vgvt.reconcile.adjacent import beside as groups_beside
 from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.chain import chain_factor
-from vgvt.reconcile.ending import Ending, left_out, left_out_slopes
+from vgvt.reconcile.ending import Ending, accelerance_slopes, left_out, left_out_slopes
 from vgvt.reconcile.grouping import (
     Group,
     NoStructureError,
@@ -32,7 +32,7 @@ from vgvt.reconcile.level_slopes import level_accelerance_slopes
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for, whole_near
 from vgvt.reconcile.problem import MATRICES, Problem
-from vgvt.reconcile.response import Matrices, Slopes, accelerance_slopes, accelerances, by_rate, reduction, unfelt
+from vgvt.reconcile.response import Matrices, Slopes, accelerances, by_rate, reduction, unfelt
 from vgvt.reconcile.sides import Side, pulled_by, sides_of
 from vgvt.simulation.reduced import Structure
 
@@ -124,8 +124,11 @@ class Anchor:
                 out[group.channels] += left_out(*of, self._endings(group))
         return out
 
-    def slopes(self) -> ComplexArray:
-        """Derivatives (unknowns + e0.size, C, L) of :meth:`mechanical` at the anchor, in unknowns, then e."""
+    def slopes(self, wanted: NDArray[np.bool_] | None = None) -> ComplexArray:
+        """Derivatives (unknowns + e0.size, C, L) of :meth:`mechanical` at the anchor, in unknowns, then e.
+
+        Of the channels that are ``wanted`` (all of them, C,), by default all.
+        """
         problem = self.problem
         known = problem.unknowns
         omega = 2 * np.pi * problem.measured.frequency_hz
@@ -141,8 +144,10 @@ class Anchor:
                     mass_slopes[index] = problem.scenario.accelerometers.mass_kg * rate[index]
             changes = Slopes(**{n: by_rate(rate, group.slopes[n]) for n in MATRICES}, masses_kg=mass_slopes)
             of = (group.matrices, omega, group.runs, masses)
+            endings = self._endings(group) if problem.measured.endings else ()
             if group.levels is None:
-                out[:, group.channels] = accelerance_slopes(*of, changes)
+                of_group = None if wanted is None else wanted[group.channels]
+                out[:, group.channels] = accelerance_slopes(*of, changes, endings, of_group)
             else:
                 # What a joint shows and sets ringing is held in the unknowns.
                 shown = np.concatenate([np.zeros((len(known), *group.levels.shown.shape)), group.levels.slopes])
@@ -150,9 +155,9 @@ class Anchor:
                     group.matrices, group.levels.joints, group.levels.shown, shown, omega, group.runs, masses, changes
                 )
                 out[len(known) :, group.channels] += group.levels.left_out_slopes
-            if problem.measured.endings:
-                out[:, group.channels] += left_out_slopes(*of, self._endings(group), changes)
-        return out
+                if endings:
+                    out[:, group.channels] += left_out_slopes(*of, endings, changes)
+        return out if wanted is None else out[:, wanted]
 
     def _endings(self, group: Reduced) -> tuple[Ending, ...]:
         """How the records of a group's runs end."""

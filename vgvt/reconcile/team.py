@@ -8,16 +8,22 @@ from __future__ import annotations
 
 import io
 import multiprocessing
+import os
 import pickle
 import signal
 import sys
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from itertools import chain
 from multiprocessing.connection import Connection, wait
+from multiprocessing.sharedctypes import Synchronized
+from queue import SimpleQueue
+from threading import Thread
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 from vgvt.reconcile.progress import Progress
 
@@ -26,7 +32,12 @@ FORKS = sys.platform.startswith("linux")
 # Between two words of a helper.
 _SELDOM_S = 0.25
 
+_CANNOT_TRAVEL = (pickle.PicklingError, AttributeError, TypeError)
+_FORK = multiprocessing.get_context("fork" if FORKS else None)
+
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
+Turn: TypeAlias = "Synchronized[int]"
+"""The number of the task whose turn it is, seen by all."""
 
 
 class Team:
@@ -34,7 +45,11 @@ class Team:
 
     def __init__(self, workers: int, shared: Sequence[object]) -> None:
         self._shared = tuple(shared)
-        self._helpers = [_Helper(self._shared) for _ in range(workers - 1)] if FORKS and _may_have_children() else []
+        self._helpers: list[_Helper] = []
+        self._turn: Turn | None = None
+        if workers > 1 and FORKS and _may_have_children():
+            self._turn = _FORK.Value("i", 0)
+            self._helpers = [_Helper(self._shared, self._turn) for _ in range(workers - 1)]
 
     def __enter__(self) -> Self:
         return self
@@ -49,14 +64,14 @@ class Team:
         Functions are module-level ones, so that helpers know them too. A task that cannot be sent is done here, and so
         is one that failed: its error is raised as it would be without helpers.
         """
-        round_ = _Round(tasks, self._helpers, self._shared, tell)
+        round_ = _Round(tasks, self._helpers, self._shared, self._turn, tell)
         try:
             return round_.done()
         except BaseException:
             # What a helper still works at nobody waits for.
             for helper in self._helpers:
                 helper.dismiss()
-            self._helpers = []
+            self._helpers, self._turn = [], None
             raise
 
 
@@ -65,29 +80,49 @@ def _may_have_children() -> bool:
 
 
 class _Round:
-    """Tasks being worked off: helpers take from the end, this process from the beginning."""
+    """Tasks being worked off: whoever is free takes the next one, so that nobody waits for another to hand it out."""
 
     def __init__(
-        self, tasks: Sequence[Task], helpers: Sequence[_Helper], shared: tuple[object, ...], tell: Progress
-    ) -> None:
-        self._tasks, self._tell, self._shared = tasks, tell, shared
-        self._left, self._here = deque(range(len(tasks))), deque[int]()
-        self._helpers = list(helpers)
-        self._busy: dict[Connection, tuple[_Helper, int]] = {}
+        self, tasks: Sequence[Task], helpers: Sequence[_Helper], shared: tuple[object, ...], turn: Turn | None,
+        tell: Progress,
+    ) -> None:  # fmt: skip
+        self._tasks, self._shared, self._turn, self._tell = tasks, shared, turn, tell
+        self._busy = {helper.pipe: helper for helper in helpers}
+        self._here = deque[int]()
         self._results: dict[int, Any] = {}
         self._shares = [0.0] * len(tasks)
 
     def done(self) -> list[Any]:
-        while self._left or self._here:
-            k = self._here.popleft() if self._here else self._left.popleft()
-            self._send()
+        count = len(self._tasks)
+        self._begin()
+        for k in range(count) if self._turn is None else chain(range(count)[:1], _turns(self._turn, count)):
             self._do(k)
             self._hear(0.0)
+            self._do_what_came_back()
         while self._busy:
             self._hear(None)
-            while self._here:
-                self._do(self._here.popleft())
-        return [self._results[k] for k in range(len(self._tasks))]
+            self._do_what_came_back()
+        # A helper that died, of memory as a rule, has its task done here.
+        for k in range(count):
+            if k not in self._results:
+                self._do(k)
+        return [self._results[k] for k in range(count)]
+
+    def _begin(self) -> None:
+        """Give every helper all tasks: in one piece, so that what they have in common travels once."""
+        if self._turn is None:
+            return
+        self._turn.value = 1  # the first is for this process
+        packed = _packed_tasks(self._tasks, self._shared)
+        for pipe in tuple(self._busy):
+            try:
+                pipe.send_bytes(packed)
+            except OSError:
+                del self._busy[pipe]
+
+    def _do_what_came_back(self) -> None:
+        while self._here:
+            self._do(self._here.popleft())
 
     def _do(self, k: int) -> None:
         function, arguments = self._tasks[k]
@@ -99,23 +134,6 @@ class _Round:
         self._tell(sum(self._shares) / len(self._shares), message)
         self._hear(0.0)
 
-    def _send(self) -> None:
-        """Give every idle helper a task."""
-        busy = {id(helper) for helper, _ in self._busy.values()}
-        for helper in [h for h in self._helpers if id(h) not in busy]:
-            if not self._left:
-                return
-            k = self._left.pop()
-            try:
-                helper.pipe.send_bytes(_packed(self._tasks[k], self._shared))
-            except (pickle.PicklingError, AttributeError, TypeError):
-                self._here.append(k)
-            except OSError:
-                self._here.append(k)
-                self._helpers.remove(helper)
-            else:
-                self._busy[helper.pipe] = (helper, k)
-
     def _hear(self, patience_s: float | None) -> None:
         """Take in all that helpers have said; with None wait until one says something."""
         ready = wait(list(self._busy), patience_s)
@@ -126,35 +144,28 @@ class _Round:
             ready = wait(list(self._busy), 0.0)
 
     def _take(self, pipe: Connection) -> None:
-        """One message, and another task for whoever is done with one."""
-        helper, k = self._busy[pipe]
+        """One message."""
         try:
-            kind, value = _unpacked(pipe.recv_bytes(), self._shared)
+            kind, k, value = _unpacked(pipe.recv_bytes(), self._shared)
         except (EOFError, OSError):
-            # A helper that died, of memory as a rule, has its task done here.
-            del self._busy[pipe]
-            self._helpers.remove(helper)
-            self._here.append(k)
-            return
+            kind, k, value = "over", 0, None
         if kind == "told":
             self._shares[k] = value[0]
             self._tell(sum(self._shares) / len(self._shares), value[1])
-            return
-        del self._busy[pipe]
-        if kind == "done":
+        elif kind == "done":
             self._results[k], self._shares[k] = value, 1.0
-        else:
+        elif kind == "do it yourself":
             self._here.append(k)
-        self._send()
+        else:
+            del self._busy[pipe]
 
 
 class _Helper:
     """A forked process and the pipe to it."""
 
-    def __init__(self, shared: tuple[object, ...]) -> None:
-        context = multiprocessing.get_context("fork")
-        self.pipe, other = context.Pipe()
-        self._process = context.Process(target=_help, args=(other, self.pipe, shared), daemon=True)
+    def __init__(self, shared: tuple[object, ...], turn: Turn) -> None:
+        self.pipe, other = _FORK.Pipe()
+        self._process = _FORK.Process(target=_help, args=(other, self.pipe, shared, turn), daemon=True)
         with warnings.catch_warnings():
             # Where a terminal's progress has a thread of its own, Python 3.12 warns of its locks: helpers draw nothing.
             warnings.simplefilter("ignore", DeprecationWarning)
@@ -168,32 +179,76 @@ class _Helper:
         self._process.join()
 
 
-def _help(pipe: Connection, others_end: Connection, shared: tuple[object, ...]) -> None:
-    """What a helper does all its life: tasks, one after the other, until nobody is there to send one."""
+def _help(pipe: Connection, others_end: Connection, shared: tuple[object, ...], turn: Turn) -> None:
+    """What a helper does all its life: its share of one round after the other, until nobody is there to begin one."""
     # Ctrl-C is for the process that was started: it dismisses its helpers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     others_end.close()
-    last = 0.0
+    said: SimpleQueue[bytes] = SimpleQueue()
+    Thread(target=_send, args=(pipe, said), daemon=True).start()
     try:
         while True:
-            function, arguments = _unpacked(pipe.recv_bytes(), shared)
-
-            def tell(fraction: float, message: str) -> None:
-                # Whoever reads this is busy: a pipe full of it would stop the work.
-                nonlocal last
-                if time.monotonic() - last > _SELDOM_S:
-                    last = time.monotonic()
-                    pipe.send_bytes(_packed(("told", (fraction, message)), shared))
-
-            try:
-                packed = _packed(("done", function(*arguments, tell)), shared)
-            except OSError:
-                raise
-            except Exception:  # noqa: BLE001 - an error, or what cannot travel, is met again where the task came from
-                packed = _packed(("do it yourself", None), shared)
-            pipe.send_bytes(packed)
+            tasks = _unpacked(pipe.recv_bytes(), shared)
+            for k in _turns(turn, len(tasks)):
+                said.put(_answer(k, tasks[k], said, shared))
+            said.put(_packed(("over", 0, None), shared))
     except (EOFError, OSError):
         return
+
+
+def _send(pipe: Connection, said: SimpleQueue[bytes]) -> None:
+    """Hand over what is said: a result is longer than a pipe is, and whoever takes it may be busy for long."""
+    while True:
+        try:
+            pipe.send_bytes(said.get())
+        except OSError:  # nobody is left to listen
+            os._exit(1)
+
+
+def _answer(k: int, task: Task | None, said: SimpleQueue[bytes], shared: tuple[object, ...]) -> bytes:
+    """What a task comes to, packed, or that it cannot be done here."""
+    last = 0.0
+
+    def tell(fraction: float, message: str) -> None:
+        # Whoever reads this has other things to do.
+        nonlocal last
+        if time.monotonic() - last > _SELDOM_S:
+            last = time.monotonic()
+            said.put(_packed(("told", k, (fraction, message)), shared))
+
+    if task is not None:
+        function, arguments = task
+        # An error, or what cannot travel, is met again where the task came from.
+        with suppress(Exception):
+            return _packed(("done", k, function(*arguments, tell)), shared)
+    return _packed(("do it yourself", k, None), shared)
+
+
+def _turns(turn: Turn, count: int) -> Iterator[int]:
+    """The numbers below a count that nobody else has taken, one after the other."""
+    while True:
+        with turn.get_lock():
+            k = turn.value
+            turn.value = k + 1
+        if k >= count:
+            return
+        yield k
+
+
+def _packed_tasks(tasks: Sequence[Task], shared: tuple[object, ...]) -> bytes:
+    """Tasks packed, None for one that cannot be sent."""
+    try:
+        return _packed(list(tasks), shared)
+    except _CANNOT_TRAVEL:
+        return _packed([task if _travels(task, shared) else None for task in tasks], shared)
+
+
+def _travels(task: Task, shared: tuple[object, ...]) -> bool:
+    try:
+        _packed(task, shared)
+    except _CANNOT_TRAVEL:
+        return False
+    return True
 
 
 def _packed(value: object, shared: tuple[object, ...]) -> bytes:

@@ -24,14 +24,14 @@ from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_element
-from vgvt.simulation.linear import joint_force, linearise, settle
+from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
+from vgvt.simulation.settling import settle_near
 from vgvt.simulation.silence import silent
 
 Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
-_AT_REST_N = 1e-8
 # Plans that are kept: an edit makes roots joints or not, and seldom moves a point.
 _PLANS = 16
 
@@ -252,39 +252,18 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
 
 
 def _rest(model: mujoco.MjModel, springs: list[str], names: tuple[str, ...], near: Structure | None) -> Array:
-    """The equilibrium (nq,), ground springs holding nothing; Newton's method with the neighbour's stiffness first."""
+    """The equilibrium (nq,), ground springs holding nothing; from a neighbour's first."""
     held = model.tendon_stiffness.copy()
     for name in springs:
         model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:
-        found = None if near is None else _chord(model, names, near)
+        found = None
+        if near is not None:
+            start = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
+            found = settle_near(model, start, near.softness() if near.joints == names else None)
         return settle(model) if found is None else found
     finally:
         model.tendon_stiffness[:] = held
-
-
-def _chord(model: mujoco.MjModel, names: tuple[str, ...], near: Structure) -> Array | None:
-    """Equilibrium (nq,) by steps of the stiffness at a guess made from a neighbour's; None where it does not arrive."""
-    data = mujoco.MjData(model)
-    qpos = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
-    step, inverse = 1e-5, near.softness() if near.joints == names else None
-    for count in range(24):
-        data.qpos[:], data.qvel[:] = qpos, 0.0
-        force = joint_force(model, data)
-        if np.abs(force).max() < _AT_REST_N:
-            return qpos
-        if not np.isfinite(force).all():
-            return None
-        # A neighbour's serves for as long as it leads somewhere.
-        if inverse is None or (count > 0 and count % 8 == 0):
-            columns = []
-            for change in np.eye(model.nv) * step:
-                data.qpos[:] = qpos + change
-                columns.append((joint_force(model, data) - force) / step)
-            inverse = np.asarray(np.linalg.inv(-np.array(columns).T))
-        move = inverse @ force
-        qpos = qpos + move * min(1.0, 0.2 / max(np.abs(move).max(), 1e-300))
-    return None
 
 
 def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.MjData:
