@@ -103,12 +103,14 @@ def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     current = replace(calibrated, u=u, hypotheses=(soft,) if named else ())
     large, screened = Screened(soft, {"bending": TRUE}, 1.0), list[list[str]]()
 
-    def looked(at: Fit, left: tuple[Hypothesis, ...], tell: object, **more: object) -> tuple[Screened, ...]:
+    def looked(at: Fit, left: tuple[Hypothesis, ...], *more: object, **rest: object) -> list[Any]:
         screened.append([h.name for h in left])
-        return ()
+        return []
 
     monkeypatch.setattr(shortlist, "screen", looked)
-    monkeypatch.setattr(shortlist, "_forgiving", lambda at: at)
+    monkeypatch.setattr(shortlist, "sizing", looked)
+    monkeypatch.setattr(shortlist, "held", lambda *given: ())
+    monkeypatch.setattr(shortlist, "_forgiving", lambda at, tell: at)
     monkeypatch.setattr(shortlist, "localise", lambda at: SimpleNamespace(places=()))
     monkeypatch.setattr(shortlist, "from_stated", lambda at, left, tell: (large,))
     monkeypatch.setattr(shortlist, "beside_likeness", lambda at, joints, linear, tell: ())

@@ -49,7 +49,7 @@ def test_a_calibration_that_forgives_starts_where_there_is_one(monkeypatch: pyte
     current: Any = SimpleNamespace(problem=None, hypotheses=(), u=np.ones(2), e=np.zeros(1))
     starts: list[Any] = []
 
-    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, stages: Any, judged: float) -> Any:
+    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, stages: Any, tell: Any, judged: float) -> Any:
         starts.append(u)
         return "fitted" if u.any() else falls()
 

@@ -20,8 +20,9 @@ from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate, fit
 from vgvt.reconcile.scan import scan_of
-from vgvt.reconcile.screen import parted, screen
+from vgvt.reconcile.screen import parted, screen, sizing
 from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.team import Team
 
 NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "stiffness-asymmetry")
 
@@ -60,6 +61,18 @@ def test_the_true_effect_comes_first(null: Fit, hypotheses: Any, monkeypatch: py
     assert len({s.hypothesis for s in found}) == len(found) == len(hypotheses)
     assert len(set(seen)) > 1
     assert len(seen) < len(hypotheses)
+
+
+def test_a_team_sees_the_same(null: Fit, hypotheses: Any) -> None:
+    """Each of it sizes its share of the variants; which those are changes nothing."""
+    few = [*hypotheses[:8], *hypotheses[-3:]]
+    with Team(2, (null.problem, *few)) as team:
+        assert len(sizing(null, few, team)) == team.workers
+        shared = screen(null, few, team=team)
+    alone = screen(null, few)
+    assert [s.hypothesis for s in shared] == [s.hypothesis for s in alone]
+    for one, other in zip(shared, alone, strict=True):
+        assert one.values == other.values and one.gain_nats == other.gain_nats
 
 
 @pytest.mark.slow

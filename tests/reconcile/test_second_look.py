@@ -244,7 +244,7 @@ def test_the_further_a_calibration_is_bent_the_more_is_forgiven(
     """And then it begins where peaks overlap, not at the stated values."""
     seen: list[Any] = []
 
-    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, given: Any, judged: float) -> None:
+    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, given: Any, tell: Any, judged: float) -> None:
         seen.append((float(u[0]), given, judged))
 
     monkeypatch.setattr(shortlist, "fit", fitted)

@@ -100,9 +100,17 @@ def test_it_is_looked_for_so_where_data_are_met_and_where_unknowns_are_bent(
 
         return look
 
-    for name in ("upright", "_near", "_far"):
-        monkeypatch.setattr(shortlist, name, seen(name.strip("_")))
-    monkeypatch.setattr(shortlist, "_forgiving", lambda current: current)
+    forgiving: Any = "forgiving"
+
+    def sizing(stand: Any, *given: Any) -> list[Any]:
+        asked.append("far" if stand is forgiving else "near")
+        return []
+
+    monkeypatch.setattr(shortlist, "upright", seen("upright"))
+    monkeypatch.setattr(shortlist, "screen", lambda *given, **more: seen("near")())
+    monkeypatch.setattr(shortlist, "sizing", sizing)
+    monkeypatch.setattr(shortlist, "held", lambda *given: ())
+    monkeypatch.setattr(shortlist, "_forgiving", lambda current, tell: forgiving)
     monkeypatch.setattr(shortlist, "swallowed", lambda current, before: True)
     monkeypatch.setattr(shortlist, "_asked", lambda current, left, known: (list(left), []))
     monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
@@ -158,7 +166,7 @@ def test_where_tolerances_lean_and_nothing_is_in_sight_it_is_asked_too(
     plain: dict[str, Any] = {n: SimpleNamespace(name=n, settings={}) for n in (*sees, "hidden")}
     seen = tuple(Screened(plain[n], {}, 50.0) for n in sees)
     hidden = Screened(plain["hidden"], {}, 3000.0, upright=True)
-    monkeypatch.setattr(shortlist, "_in_sight", lambda *given: seen)
+    monkeypatch.setattr(shortlist, "screen", lambda *given, **more: seen)
     monkeypatch.setattr(shortlist, "_upright", lambda *given: (hidden,))
     monkeypatch.setattr(shortlist, "freed", lambda hypothesis: SimpleNamespace(parameters=()))
     monkeypatch.setattr(shortlist, "_strained", lambda current, needed: True)

@@ -21,15 +21,19 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level, level_grid
 from vgvt.reconcile.one_thread import one_thread
+from vgvt.reconcile.progress import Progress, part, silent
 from vgvt.reconcile.scan import scan_of
 from vgvt.reconcile.stand import Stand, step_from_neutral
+from vgvt.reconcile.team import ALONE, Task, Team
 
 Array = NDArray[np.float64]
 # Steps around the best of a scan, as shares of its own.
 _FINE = 0.25
-_KEPT, _WORTH_REFINING, _WORTH_CHECKING = 3, 1.0, 0.5
-# More than any short list asks for, in all and of one effect.
-_SLOTS, _OF_ONE = 9, 3
+_KEPT, _WORTH_REFINING = 3, 1.0
+WORTH_CHECKING = 0.5
+"""Nats that a variant must promise to be looked at closer."""
+SLOTS, _OF_ONE = 9, 3
+"""More than any short list asks for, in all; and of one effect."""
 # Variants of one effect that are looked at in small.
 _LOOKED_AT = 6
 _SIZED = 0.8
@@ -64,29 +68,52 @@ class Screened:
         return {p.name: float(p.neutral) for p in mine if p.neutral is not None}
 
 
-@one_thread
 def screen(
     null: Fit,
     hypotheses: Sequence[Hypothesis],
-    progress: Callable[[float, str], None] | None = None,
+    tell: Progress = silent,
     *,
-    least_nats: float = _WORTH_CHECKING,
-    slots: int = _SLOTS,
+    least_nats: float = WORTH_CHECKING,
+    slots: int = SLOTS,
+    team: Team = ALONE,
 ) -> tuple[Screened, ...]:
     """All variants by what they could buy, best first; an effect that leaves A/F alone is not ``visible``.
 
     Sizes come from a closed form for every variant; the most promising ones are then checked at those sizes, down to
-    what is promised ``least_nats`` and until ``slots`` of them hold.
+    what is promised ``least_nats`` and until ``slots`` of them hold. A ``team`` shares the former.
     """
-    stand = Stand.of(null)
-    tell = progress or (lambda fraction, message: None)
-    sized: list[Screened] = []
+    shares = team.work_off(sizing(null, hypotheses, team), part(tell, 0.0, _SIZED))
+    return held(null, joined(shares), least_nats, slots, part(tell, _SIZED, 1.0))
+
+
+def sizing(null: Fit, hypotheses: Sequence[Hypothesis], team: Team) -> list[Task]:
+    """Tasks that give every variant the sizes of the closed form, one for each of a team."""
+    count = min(team.workers, len(hypotheses))
+    # Those of one effect, which cost alike, follow each other.
+    return [(_shared, (null, hypotheses[k::count])) for k in range(count)]
+
+
+def joined(shares: Sequence[Sequence[Sequence[Screened]]]) -> list[Screened]:
+    """What such tasks found, in the order of the hypotheses."""
+    longest = itertools.zip_longest(*shares, fillvalue=())
+    return [s for together in longest for found in together for s in found]
+
+
+@one_thread
+def _shared(null: Fit, hypotheses: Sequence[Hypothesis], tell: Progress) -> list[list[Screened]]:
+    """Some hypotheses at the sizes of the closed form."""
+    stand, found = Stand.of(null), list[list[Screened]]()
     for k, hypothesis in enumerate(hypotheses):
-        tell(_SIZED * k / len(hypotheses), f"screen {hypothesis.name}")
-        sized += at_sizes(stand, hypothesis)
-    found = _check_the_best(
-        stand, sized, least_nats, slots, lambda f: tell(_SIZED + (1 - _SIZED) * f, "screen the most promising")
-    )
+        tell(k / len(hypotheses), f"screen {hypothesis.name}")
+        found.append(at_sizes(stand, hypothesis))
+    return found
+
+
+@one_thread
+def held(null: Fit, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress) -> tuple[Screened, ...]:
+    """Variants at the sizes of the closed form, the most promising ones by what they hold of their promise."""
+    stand = Stand.of(null)
+    found = _check_the_best(stand, sized, least_nats, slots, lambda f: tell(f, "screen the most promising"))
     starts = (null.scores if s.start is None else s.start for s in found)
     done = (replace(s, remaining=stand.cost - 2 * s.gain_nats, start=u) for s, u in zip(found, starts, strict=True))
     return tuple(sorted(done, key=lambda s: -s.gain_nats))
@@ -112,7 +139,7 @@ def at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
 
 
 def _check_the_best(
-    stand: Stand, sized: list[Screened], least_nats: float, slots: int, tell: Callable[[float], None]
+    stand: Stand, sized: Sequence[Screened], least_nats: float, slots: int, tell: Callable[[float], None]
 ) -> list[Screened]:
     """The best of every variant's sizes, looked at ever closer, the most promising first, while it could be asked for.
 

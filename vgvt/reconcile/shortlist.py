@@ -16,11 +16,11 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level
 from vgvt.reconcile.likeness import beside_likeness
 from vgvt.reconcile.localise import Place, localise
-from vgvt.reconcile.progress import Progress, part
+from vgvt.reconcile.progress import Progress, part, silent
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.scan import tuned_to
-from vgvt.reconcile.screen import Screened, screen
+from vgvt.reconcile.screen import SLOTS, WORTH_CHECKING, Screened, held, joined, screen, sizing
 from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.upright import upright
 
@@ -63,20 +63,19 @@ def shortened(
     Asked ``again`` in a round, it leaves out the look that does not hang on where the calibration stands.
     """
     if not swallowed(current, before):
-        found = _in_sight(current, left, _OPEN * needed, part(tell, 0.0, 0.6))
+        found = screen(current, left, part(tell, 0.0, 0.6), least_nats=_OPEN * needed, team=team)
         listed = short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
         if listed or again or current.hypotheses or before.strain_sd <= before.limits.strain_sd:
             return listed
         # Tolerances lean on something, and from where they lean nothing is in sight.
-        return short_list(_upright(current, left, part(tell, 0.6, 1.0)), _SHORT_LIST // 2, forgiving=True)
+        behind = _upright(current, None, left, part(tell, 0.6, 1.0))
+        return short_list(behind, _SHORT_LIST // 2, forgiving=True)
     straight, large = _asked(current, left, left)
     # Where the data are met what stands where the unknowns are bent is as good as hidden. Where they are not, what
     # bends unknowns before anything has a name may still be what they imitate worst.
     met, first = before.train_chi2_per_dof < BIASED, not current.hypotheses and not again
-    closer = [_upright] if met else [_near, *([_upright] if first and bent(current) else [])]
-    looks: list[Task] = [(look, (current, straight)) for look in (_far, *closer)]
-    far, near, *others = team.work_off([*looks, *large], part(tell, 0.0, 0.9))
-    behind = others.pop(0) if len(closer) > 1 else ()
+    beside = first and not met and bent(current)
+    far, near, behind, *others = _looks(current, straight, large, part(tell, 0.0, 0.9), team, met=met, beside=beside)
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
@@ -87,25 +86,42 @@ def shortened(
     return (*chosen, *(s for found in others for s in found), *seen)
 
 
-def _near(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
-    """What is in sight from where the calibration stands."""
-    return screen(current, left, tell, slots=_SHORT_LIST - 1)
+def _looks(
+    current: Fit,
+    left: Sequence[Hypothesis],
+    large: Sequence[Task],
+    tell: Progress,
+    team: Team,
+    *,
+    met: bool,
+    beside: bool,
+) -> list[tuple[Screened, ...]]:
+    """What is in sight from a calibration that still forgives misplaced peaks; from near by; and of what may not bend.
+
+    Near by is where the calibration stands, or where the data are ``met`` one that may not bend; otherwise that is the
+    third look, where it is asked for ``beside`` the second. What the ``large`` tasks find comes last.
+    """
+    near = [] if met else sizing(current, left, team)
+    forgiving, *found = team.work_off([(_forgiving, (current,)), *large, *near], part(tell, 0.0, 0.4))
+    others, shares = found[: len(large)], found[len(large) :]
+    tasks: list[Task] = [(_upright, (current, forgiving, left))] if met or beside else []
+    if not met:
+        tasks.append((held, (current, joined(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
+    found = team.work_off([*tasks, *sizing(forgiving, left, team)], part(tell, 0.4, 0.9))
+    closer, shares = found[: len(tasks)], found[len(tasks) :]
+    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0))
+    return [far, closer[-1], closer[0] if beside else (), *others]
 
 
-def _upright(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+def _upright(current: Fit, forgiving: Fit | None, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
     """What is in sight from a calibration that may not bend; where there is none, from where it stands."""
     try:
-        return upright(current, _forgiving(current), left, tell)
+        return upright(current, _forgiving(current) if forgiving is None else forgiving, left, tell)
     except NoStructureError:
-        return _near(current, left, tell)
+        return screen(current, left, tell, slots=_SHORT_LIST - 1)
 
 
-def _far(current: Fit, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
-    """What is in sight from a calibration that still forgives misplaced peaks."""
-    return screen(_forgiving(current), left, tell)
-
-
-def _forgiving(current: Fit) -> Fit:
+def _forgiving(current: Fit, tell: Progress = silent) -> Fit:
     """The model calibrated again from its stated values, or from where peaks overlap, by a coarse relative error."""
     u, e, stages = np.zeros(current.u.size), current.e, _COARSE
     if bent(current):
@@ -113,10 +129,10 @@ def _forgiving(current: Fit) -> Fit:
         (u, e), stages = rough_start(current.problem, current.hypotheses, current.e), FORGIVING
     judged = stages[-1][0]
     try:
-        return fit(current.problem, current.hypotheses, u, e, stages, judged=judged)
+        return fit(current.problem, current.hypotheses, u, e, stages, tell, judged=judged)
     except NoStructureError:
         # With what was named the stated aircraft does not hang: from where it does, then.
-        return fit(current.problem, current.hypotheses, current.u, current.e, stages, judged=judged)
+        return fit(current.problem, current.hypotheses, current.u, current.e, stages, tell, judged=judged)
 
 
 def _strained(current: Fit, needed: float) -> bool:
@@ -161,7 +177,8 @@ def second_list(
 ) -> tuple[Screened, ...]:
     """Of what is asked for after the ``first``, the few that promise most where the calibration stands, or far off."""
     straight, large = _asked(current, left, first)
-    near, *others = team.work_off([(_in_sight, (current, straight, _OPEN * needed)), *large], tell)
+    others = team.work_off(large, part(tell, 0.0, 0.5))
+    near = screen(current, straight, part(tell, 0.5, 1.0), least_nats=_OPEN * needed, team=team)
     return (*(s for found in others for s in found), *short_list(near, _SHORT_LIST // 2, needed=needed))
 
 
@@ -181,11 +198,6 @@ def _asked(
         return straight, []
     beside: list[Task] = [(beside_likeness, (current, joints, known))] if joints else []
     return straight, [(from_stated, (current, left)), *beside]
-
-
-def _in_sight(current: Fit, left: Sequence[Hypothesis], least_nats: float, tell: Progress) -> tuple[Screened, ...]:
-    """What could be worth some nats from where the calibration stands."""
-    return screen(current, left, tell, least_nats=least_nats)
 
 
 def _at_best_places(

@@ -51,6 +51,11 @@ class Team:
             self._turn = _FORK.Value("i", 0)
             self._helpers = [_Helper(self._shared, self._turn) for _ in range(workers - 1)]
 
+    @property
+    def workers(self) -> int:
+        """How many share the work."""
+        return 1 + len(self._helpers)
+
     def __enter__(self) -> Self:
         return self
 
