@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vgvt.data import InputError
-from vgvt.scenario import Airframe, Beam, Body, Item, Suspension, bundled_scenarios, load_scenario
+from vgvt.scenario import Airframe, Beam, Body, Item, Scenario, Suspension, bundled_scenarios, load_scenario
 from vgvt.scenario.placement import BOX_MARGIN, LEAST_BOX_MARGIN_M, aircraft_box_m, placement_problems
 from vgvt.scenario.points import sensor_points
 
@@ -139,3 +139,23 @@ def test_points_stay_where_they_are_however_a_wing_is_held() -> None:
     airframe = rigid.airframe.model_copy(update={"beam": (wing, *rigid.airframe.beam[1:])})
     loose = rigid.model_copy(update={"airframe": airframe})
     assert sensor_points(loose) is sensor_points(rigid)
+
+
+def test_points_stay_where_they_are_however_stiff_and_heavy_a_wing_is() -> None:
+    """Nor do thousands of steps of a fit; a shape that is another one has other points."""
+    stated = load_scenario("quick")
+    wing, body = stated.airframe.beam[0], stated.airframe.body
+
+    def with_wing(**columns: object) -> Scenario:
+        changed = wing.model_copy(update={"stations": wing.stations.model_copy(update=columns)})
+        parts = {"beam": (changed, *stated.airframe.beam[1:]), "body": body.model_copy(update={"mass_kg": 3.0})}
+        return stated.model_copy(update={"airframe": stated.airframe.model_copy(update=parts)})
+
+    rows = len(wing.stations.position_m)
+    stiffer = with_wing(bending_stiffness_n_m2=(99.0,) * rows, mass_kg_per_m=(0.3,) * rows)
+    assert sensor_points(stiffer) is sensor_points(stated)
+    higher = with_wing(position_m=tuple((x, y, z + 0.1) for x, y, z in wing.stations.position_m))
+    moved = [
+        b.position_m[2] - a.position_m[2] for a, b in zip(sensor_points(stated), sensor_points(higher), strict=True)
+    ]
+    assert max(moved) == pytest.approx(0.1)

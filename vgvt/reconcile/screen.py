@@ -37,9 +37,7 @@ SLOTS, _OF_ONE = 9, 3
 """More than any short list asks for, in all; and of one effect."""
 # Variants of one effect that are looked at in small.
 _LOOKED_AT = 6
-_SIZED, _CLOSER = 0.8, "screen the most promising"
-# For each of a team, of what is looked at together.
-_AHEAD = 8
+_SIZED = 0.8
 _SHARES = (1.0, 0.5, 0.25, 0.125)
 
 
@@ -86,7 +84,7 @@ def screen(
     what is promised ``least_nats`` and until ``slots`` of them hold. A ``team`` shares the former.
     """
     shares = team.work_off(sizing(null, hypotheses, team), part(tell, 0.0, _SIZED))
-    return held(null, in_turn(shares), least_nats, slots, part(tell, _SIZED, 1.0), team)
+    return held(null, joined(shares), least_nats, slots, part(tell, _SIZED, 1.0))
 
 
 def sizing(null: Fit, hypotheses: Sequence[Hypothesis], team: Team) -> list[Task]:
@@ -96,8 +94,8 @@ def sizing(null: Fit, hypotheses: Sequence[Hypothesis], team: Team) -> list[Task
     return [(_shared, (null, hypotheses[k::count])) for k in range(count)]
 
 
-def in_turn(shares: Sequence[Sequence[Sequence[Screened]]]) -> list[Screened]:
-    """What such tasks found, in the order of what was shared out in turn."""
+def joined(shares: Sequence[Sequence[Sequence[Screened]]]) -> list[Screened]:
+    """What such tasks found, in the order of the hypotheses."""
     longest = itertools.zip_longest(*shares, fillvalue=())
     return [s for together in longest for found in together for s in found]
 
@@ -113,50 +111,29 @@ def _shared(null: Fit, hypotheses: Sequence[Hypothesis], tell: Progress) -> list
 
 
 @one_thread
-def held(
-    null: Fit, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress, team: Team = ALONE
-) -> tuple[Screened, ...]:
+def held(null: Fit, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress) -> tuple[Screened, ...]:
     """Variants at the sizes of the closed form, the most promising ones by what they hold of their promise."""
     stand = _stand_on(null)
-
-    def closer(some: Sequence[tuple[Screened, int]]) -> list[Screened]:
-        if len(some) < team.workers:
-            return [_closer(stand, *one) for one in some]
-        tasks: list[Task] = [(_looked, (null, some[k :: team.workers])) for k in range(team.workers)]
-        return in_turn(team.work_off(tasks, silent))
-
-    ahead = 1 if team.workers == 1 else _AHEAD * team.workers
-    found = _check_the_best(stand, sized, least_nats, slots, closer, ahead, lambda f: tell(f, _CLOSER))
+    found = _check_the_best(stand, sized, least_nats, slots, lambda f: tell(f, "screen the most promising"))
     starts = (null.scores if s.start is None else s.start for s in found)
     done = (replace(s, remaining=stand.cost - 2 * s.gain_nats, start=u) for s, u in zip(found, starts, strict=True))
     return tuple(sorted(done, key=lambda s: -s.gain_nats))
 
 
-@one_thread
-def _looked(null: Fit, some: Sequence[tuple[Screened, int]], tell: Progress) -> list[list[Screened]]:
-    """Variants looked at as closely as is asked for each."""
-    stand = _stand_on(null)
-    return [[_closer(stand, *one)] for one in some]
-
-
-# What it is known by, and the problem, whose identity is a part of that for as long as it is held here.
+# The last stand, with what it is known by, and the problem, whose identity is its own for as long as it is held here.
 _last: list[tuple[tuple[object, ...], Problem, Stand]] = []
 
 
 def _stand_on(null: Fit) -> Stand:
-    """The stand on a fit, with the slopes that it knows; the last one is kept.
+    """The stand on a fit; the last one is kept, with the slopes that it knows.
 
-    A fit that was sent to a helper twice is the same by what it holds.
+    A fit that was sent to a helper once more is the same by what it holds.
     """
     named = tuple((h.name, repr(sorted(h.settings.items()))) for h in null.hypotheses)
     key = (id(null.problem), named, null.scores.tobytes(), null.chi2, null.evidence_nats)
     if not _last or _last[0][0] != key:
         _last[:] = [(key, null.problem, Stand.of(null))]
     return _last[0][2]
-
-
-def _closer(stand: Stand, s: Screened, closely: int) -> Screened:
-    return _checked(stand, s) if closely else _in_small(stand, s)
 
 
 def at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
@@ -179,61 +156,37 @@ def at_sizes(stand: Stand, hypothesis: Hypothesis) -> list[Screened]:
 
 
 def _check_the_best(
-    stand: Stand,
-    sized: Sequence[Screened],
-    least_nats: float,
-    slots: int,
-    look: Callable[[Sequence[tuple[Screened, int]]], list[Screened]],
-    ahead: int,
-    tell: Callable[[float], None],
+    stand: Stand, sized: Sequence[Screened], least_nats: float, slots: int, tell: Callable[[float], None]
 ) -> list[Screened]:
     """The best of every variant's sizes, looked at ever closer, the most promising first, while it could be asked for.
 
     First a small part of the size, then as much of it as holds: what is behind those that hold theirs stays at its
     promise. A stand that is far off promises everything; of one effect only the first few are then looked at.
-    So many as ``ahead`` says are looked at together, the next ones though what is found may make them needless.
     """
     queue = [(-s.gain_nats, k, 0, s) for k, s in enumerate(sized)]
     heapq.heapify(queue)
     best: dict[Hypothesis, Screened] = {}
     held: list[str] = []
     known: dict[str, list[float]] = {}
-    seen: dict[tuple[int, int], Screened] = {}
-
-    def asked(s: Screened, closely: int) -> bool:
-        # Those that held theirs came off the queue before: they are ahead of whatever is left.
-        enough = held.count(s.hypothesis.name) >= _OF_ONE
-        enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= slots
-        return closely < 2 and not enough and s.gain_nats >= least_nats and _checkable(stand, s)
-
-    def fresh(s: Screened, closely: int) -> bool:
-        return closely > 0 or len(known.get(s.hypothesis.name, ())) < _LOOKED_AT
-
-    def seen_with_the_next(k: int, closely: int, s: Screened) -> Screened:
-        if (k, closely) not in seen:
-            some = [(k, closely, s)]
-            for _, other, closer, t in heapq.nsmallest(ahead - 1, queue) if ahead > 1 else ():
-                if (other, closer) not in seen and asked(t, closer) and fresh(t, closer):
-                    some.append((other, closer, t))
-            found = look([(t, closer) for _, closer, t in some])
-            seen.update({(other, closer): f for (other, closer, _), f in zip(some, found, strict=True)})
-        return seen.pop((k, closely))
-
     while queue:
-        _, k, closely, s = heapq.heappop(queue)
+        _, k, closer, s = heapq.heappop(queue)
         tell(1 - len(queue) / len(sized))
         name = s.hypothesis.name
-        if asked(s, closely):
-            if fresh(s, closely):
-                there = seen_with_the_next(k, closely, s)
-                if closely == 0:
-                    known.setdefault(name, []).append(there.gain_nats)
-                heapq.heappush(queue, (-there.gain_nats, k, closely + 1, there))
+        # Those that held theirs came off the queue before: they are ahead of whatever is left.
+        enough = held.count(name) >= _OF_ONE
+        enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= slots
+        if closer < 2 and not enough and s.gain_nats >= least_nats and _checkable(stand, s):
+            seen = known.setdefault(name, [])
+            if closer == 0 and len(seen) >= _LOOKED_AT:
+                s = replace(s, gain_nats=min(s.gain_nats, min(seen)))
+            else:
+                found = _checked(stand, s) if closer else _in_small(stand, s)
+                seen += [] if closer else [found.gain_nats]
+                heapq.heappush(queue, (-found.gain_nats, k, closer + 1, found))
                 continue
-            s = replace(s, gain_nats=min(s.gain_nats, min(known[name])))
         if s.hypothesis not in best or s.gain_nats > best[s.hypothesis].gain_nats:
             best[s.hypothesis] = s
-            if closely == 2:
+            if closer == 2:
                 held.append(name)
     return list(best.values())
 

@@ -20,7 +20,7 @@ from vgvt.reconcile.progress import Progress, part, silent
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.scan import tuned_to
-from vgvt.reconcile.screen import SLOTS, WORTH_CHECKING, Screened, held, in_turn, screen, sizing
+from vgvt.reconcile.screen import SLOTS, WORTH_CHECKING, Screened, held, joined, screen, sizing
 from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.upright import upright
 
@@ -106,10 +106,10 @@ def _looks(
     others, shares = found[: len(large)], found[len(large) :]
     tasks: list[Task] = [(_upright, (current, forgiving, left))] if met or beside else []
     if not met:
-        tasks.append((held, (current, in_turn(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
+        tasks.append((held, (current, joined(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
     found = team.work_off([*tasks, *sizing(forgiving, left, team)], part(tell, 0.4, 0.9))
     closer, shares = found[: len(tasks)], found[len(tasks) :]
-    far = held(forgiving, in_turn(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0), team)
+    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0))
     return [far, closer[-1], closer[0] if beside else (), *others]
 
 

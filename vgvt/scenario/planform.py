@@ -8,10 +8,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.scenario.airframe import Airframe, Beam
+from vgvt.scenario.airframe import Airframe, Beam, Damping, Stations
 from vgvt.scenario.axis import Axis, beam_axis
 from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.recent import Recent
 
+_NOTHING = (1.0, 1.0, 1.0)
+_SHAPE = frozenset({"position_m", "forward_edge_m", "aft_edge_m"})
+_OF_NO_SHAPE = tuple(name for name in Stations.model_fields if name not in _SHAPE)
 _FLAT = 0.1
 """Least vertical part of a normal for a surface to have a height over (x, y)."""
 
@@ -22,7 +26,35 @@ def part_at(airframe: Airframe, position_m: Sequence[float]) -> str:
     ``position_m`` is (x, y, z), or (x, y) for a point on the surface itself.
     Parts without an outline take the points that no outline holds.
     """
-    return _part_at(airframe, tuple(float(c) for c in position_m))
+    return _part_at(planform_of(airframe), tuple(float(c) for c in position_m))
+
+
+def _planform_of(airframe: Airframe) -> Airframe:
+    body = airframe.body.model_copy(
+        update={
+            "mass_kg": 1.0,
+            "centre_of_gravity_m": (0.0, 0.0, airframe.body.centre_of_gravity_m[2]),
+            "inertia_kg_m2": _NOTHING,
+            "carry_through_stiffness_n_m_per_rad": None,
+        }
+    )
+    beams = tuple(
+        b.model_copy(
+            update={
+                "cells": 1,
+                "root_bending_stiffness_n_m_per_rad": None,
+                "root_torsional_stiffness_n_m_per_rad": None,
+                "stations": b.stations.model_copy(update=dict.fromkeys(_OF_NO_SHAPE, None)),
+            }
+        )
+        for b in airframe.beam
+    )
+    none = {"name": "", "configuration": "", "sources": (), "item": (), "hinged": (), "damping": Damping()}
+    return airframe.model_copy(update={**none, "body": body, "beam": beams})
+
+
+planform_of: Recent[Airframe, Airframe] = Recent(_planform_of)
+"""An airframe of which nothing is left but its shape, where points are: stiffer, heavier or looser it is the same."""
 
 
 # Effects ask again and again where the same few points are.
@@ -68,6 +100,11 @@ def surface_height_m(airframe: Airframe, part: str, x_m: float, y_m: float) -> f
 
     A vertical surface has no height over (x, y); it gives that of its nearest axis point.
     """
+    return _surface_height_m(planform_of(airframe), part, x_m, y_m)
+
+
+@lru_cache(maxsize=512)
+def _surface_height_m(airframe: Airframe, part: str, x_m: float, y_m: float) -> float:
     if part == "body":
         return airframe.body.centre_of_gravity_m[2]
     axis = beam_axis(_beam(airframe, part))

@@ -10,7 +10,7 @@ from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import Point
 from vgvt.scenario.instruments import Grid
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.planform import part_at, surface_height_m
+from vgvt.scenario.planform import part_at, planform_of, surface_height_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +24,7 @@ class SensorPoint:
 
 def sensor_points(scenario: Scenario) -> tuple[SensorPoint, ...]:
     """The points of the grid in its order; what the scenario leaves out is taken from the planform."""
-    return _points(_planform_of(scenario.airframe), scenario.accelerometers.grid)
-
-
-def _planform_of(airframe: Airframe) -> Airframe:
-    """The airframe with roots as rigid as beams come: where a point is does not hang on how firmly a wing is held."""
-    free = {"root_bending_stiffness_n_m_per_rad": None, "root_torsional_stiffness_n_m_per_rad": None}
-    return airframe.model_copy(update={"beam": tuple(b.model_copy(update=free) for b in airframe.beam)})
+    return _points(planform_of(scenario.airframe), scenario.accelerometers.grid)
 
 
 @lru_cache(maxsize=64)
