@@ -80,18 +80,26 @@ def accelerances(
     pushed = poles.modal(matrices.drive[None])[0]
     moved = to_axis @ pushed.T + matrices.spare[:, None]
     out = -square * moved + to_tilt @ pushed.T
-    for rows, mass in zip(runs, masses_kg, strict=True):
-        if not mass.any():
-            continue
-        answered = poles.modal(matrices.axis[rows])
-        # Displacement and reading at row a for a unit force at row b, (L, a, b).
-        flexible = (answered @ to_axis[rows].T).transpose(1, 2, 0)
-        reading = (answered @ to_tilt[rows].T).transpose(1, 2, 0) - square[:, None, None] * flexible
-        inertia = square[:, None] * mass
-        system = np.eye(rows.size) - flexible * inertia[:, None, :]
-        loaded = np.linalg.solve(system, moved[rows].T[:, :, None])[:, :, 0]
-        out[rows] += np.einsum("lab,lb->al", reading, inertia * loaded)
+    loaded = [(rows, mass) for rows, mass in zip(runs, masses_kg, strict=True) if mass.any()]
+    for size in {rows.size for rows, _ in loaded}:
+        # Runs of as many sensors together: they are many, and each of them is little work.
+        of = np.array([rows for rows, _ in loaded if rows.size == size])
+        inertia = square[:, None] * np.array([mass for rows, mass in loaded if rows.size == size])[:, None, :]
+        given = (matrices.axis[of] @ poles.left.T)[:, None]
+        # Displacement and reading at row a for a unit force at row b, (runs, L, a, b): residues first, then all lines.
+        flexible, reading = (_at_lines(poles, to[of][:, :, None] * given) for to in (to_axis, to_tilt))
+        reading = reading - square[:, None, None] * flexible
+        system = np.eye(size) - flexible * inertia[:, :, None, :]
+        displaced = np.linalg.solve(system, moved[of].transpose(0, 2, 1)[..., None])
+        out[of] += (reading @ (inertia[..., None] * displaced))[..., 0].transpose(0, 2, 1)
     return np.asarray(out)
+
+
+def _at_lines(poles: Poles, residues: ComplexArray) -> ComplexArray:
+    """Sums over poles at all lines (runs, L, a, b) of residues (runs, a, b, 2m)."""
+    runs, a, b, count = residues.shape
+    found = poles.reciprocal @ residues.reshape(-1, count).T
+    return np.asarray(found.reshape(-1, runs, a, b).transpose(1, 0, 2, 3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
