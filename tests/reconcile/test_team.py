@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from vgvt.data import InputError
+from vgvt.reconcile import team as module
 from vgvt.reconcile.progress import silent
 from vgvt.reconcile.team import ALONE, FORKS, Team
 
@@ -165,6 +166,16 @@ def test_what_tasks_have_in_common_travels_once() -> None:
 
 def whose(thing: object, tell: Tell) -> tuple[int, int]:
     return id(thing), os.getpid()
+
+
+def test_without_memory_to_share_nobody_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*given: object) -> None:
+        raise OSError("function not implemented")
+
+    monkeypatch.setattr(module._FORK, "Value", none)
+    with Team(2, ()) as team:
+        assert team.workers == 1
+        assert [k for k, _ in team.work_off([(who, (k,)) for k in range(2)], silent)] == [0, 1]
 
 
 def test_nobody_stays() -> None:

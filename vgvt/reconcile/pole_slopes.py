@@ -39,15 +39,13 @@ class Fractions:
     double: ComplexArray
     powers: Array
 
-    def plus(self, other: Fractions, sign: float = 1.0) -> Fractions:
-        """The sum with another function of the same poles, or the difference."""
+    def plus(self, other: Fractions) -> Fractions:
+        """The sum with another function of the same poles."""
         longest = max(self.powers.shape[0], other.powers.shape[0])
         powers = np.zeros((longest, *self.simple.shape[:2]))
-        powers[: self.powers.shape[0]] += self.powers
-        powers[: other.powers.shape[0]] += sign * other.powers
-        return replace(
-            self, simple=self.simple + sign * other.simple, double=self.double + sign * other.double, powers=powers
-        )
+        for part in (self.powers, other.powers):
+            powers[: part.shape[0]] += part
+        return replace(self, simple=self.simple + other.simple, double=self.double + other.double, powers=powers)
 
     def accelerated(self) -> Fractions:
         """The function times (iω)²: what is an amplitude becomes its acceleration."""

@@ -48,8 +48,10 @@ class Team:
         self._helpers: list[_Helper] = []
         self._turn: Turn | None = None
         if workers > 1 and FORKS and _may_have_children():
-            self._turn = _FORK.Value("i", 0)
-            self._helpers = [_Helper(self._shared, self._turn) for _ in range(workers - 1)]
+            # A system may offer processes no memory to share: nobody helps there.
+            with suppress(OSError):
+                self._turn = _FORK.Value("i", 0)
+                self._helpers = [_Helper(self._shared, self._turn) for _ in range(workers - 1)]
 
     @property
     def workers(self) -> int:
