@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +21,7 @@ from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate, fit
 from vgvt.reconcile.scan import scan_of
-from vgvt.reconcile.screen import parted, screen, sizing
+from vgvt.reconcile.screen import _stand_on, parted, screen, sizing
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.team import Team
 
@@ -73,6 +74,17 @@ def test_a_team_sees_the_same(null: Fit, hypotheses: Any) -> None:
     assert [s.hypothesis for s in shared] == [s.hypothesis for s in alone]
     for one, other in zip(shared, alone, strict=True):
         assert one.values == other.values and one.gain_nats == other.gain_nats
+
+
+def test_a_stand_is_kept_for_the_same_fit_alone(null: Fit) -> None:
+    """Sent to a helper once more it is another object, and the same fit."""
+    here = _stand_on(null)
+    assert _stand_on(replace(null)) is here
+    scores = null.u.copy()
+    scores[0] += 0.1
+    there = _stand_on(replace(null, u=scores))
+    assert there is not here and there.fit.u[0] == scores[0]
+    assert _stand_on(null).fit.u[0] == null.u[0]
 
 
 @pytest.mark.slow
