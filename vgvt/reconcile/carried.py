@@ -29,25 +29,19 @@ class Structures:
     """What a fit asks for at its scores, keeping what it assembled last.
 
     ``coarse`` while steps forgive misplaced peaks: structures are then carried along. ``whole`` where slopes are those
-    of the aircraft with all that acts on it, as it is there: dear, and for what is told. ``followed`` where the
-    last groups came to rest from others before them: to round-off where any way leads.
+    of the aircraft with all that acts on it, as it is there: dear, and for what is told.
     """
 
     problem: Problem
     coarse: bool = False
     whole: bool = False
-    followed: bool = False
     _bare: tuple[Array, Groups] | None = None
-    _last: Groups | None = None
     _others: dict[tuple[Hypothesis, ...], tuple[Array, Groups]] = field(default_factory=dict)
 
     def at(self, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array) -> Groups | None:
         """Groups at scores u and e; None where there is no such aircraft."""
         found = self._carried(u, hypotheses, e) if self.coarse else None
-        if found is None:
-            self.followed = self._last is not None
-            found = self._assembled(u, hypotheses, e)
-        return found
+        return assembled(self.problem, u, hypotheses, e) if found is None else found
 
     def beside(self, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array) -> Groups | None:
         """Groups at scores near u and e, next to which one more effect's slopes are taken: no small share of a step."""
@@ -57,15 +51,9 @@ class Structures:
         known = self._others.get(hypotheses)
         if known is not None and np.abs(scores - known[0]).max(initial=0.0) <= _BESIDE:
             return known[1]
-        found = self._assembled(u, hypotheses, e)
+        found = assembled(self.problem, u, hypotheses, e)
         if found is not None:
             self._others[hypotheses] = (scores, found)
-        return found
-
-    def _assembled(self, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array) -> Groups | None:
-        """Groups assembled anew; a fit's next aircraft hangs about as its last one did."""
-        found = assembled(self.problem, u, hypotheses, e, self._last)
-        self._last = self._last if found is None else found
         return found
 
     def _carried(self, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array) -> Groups | None:
@@ -76,7 +64,7 @@ class Structures:
             return None
         count = len(self.problem.unknowns)
         if self._bare is None or np.abs(u - self._bare[0])[:count].max(initial=0.0) > _CARRIED:
-            found = self._assembled(u, (), np.zeros(0))
+            found = assembled(self.problem, u, (), np.zeros(0))
             if found is None:
                 return None
             self._bare = (u.copy(), found)

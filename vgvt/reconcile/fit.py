@@ -216,11 +216,9 @@ def fit(
             stuck = step.gain < _NOTHING
         else:
             converged = False
-    if structures.coarse or structures.followed:
-        # What stands on a fit compares with structures that came to rest by themselves.
-        structures = Structures(problem, whole=whole)
-        here = anchor(problem, u, hypotheses, e, origin=here.origin, rough=here.origin is None, structures=structures)
-        predicted = here.predict(u, e)
+    if structures.coarse:
+        structures.coarse = False
+        here, predicted = _assembled(structures, u, hypotheses, e)
     return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
 
 

@@ -134,12 +134,8 @@ def assembled(
     u: Array,
     hypotheses: tuple[Hypothesis, ...],
     e: Array,
-    near: tuple[Group, ...] | None = None,
 ) -> tuple[Group, ...] | None:
-    """The groups of runs that share a structure, each assembled; None where the parameters are impossible.
-
-    ``near`` are groups at scores close by, whose equilibria are then sooner the start than the nominal aircraft's.
-    """
+    """The groups of runs that share a structure, each assembled; None where the parameters are impossible."""
     made = effects_at(problem, hypotheses, e)
     if made is None:
         return None
@@ -156,10 +152,7 @@ def assembled(
                 kinds.append((scenario, actions, [run]))
         # Any run, not a group's first: runs of one structure may differ in what effects do to their channels.
         filtered = any(action.channels for _, actions in per_run for action in actions)
-        beside = [g.structure for g in near] if near is not None and len(near) == len(kinds) else None
-        groups = (
-            _group(problem, u, *kind, problem.nominal if beside is None else beside[k]) for k, kind in enumerate(kinds)
-        )
+        groups = (_group(problem, u, s, a, runs) for s, a, runs in kinds)
         return tuple(replace(g, filtered=filtered) for g in groups)
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
         return None
@@ -192,7 +185,6 @@ def _group(
     scenario: Scenario,
     actions: tuple[Action, ...],
     runs: list[int],
-    near: Structure,
 ) -> Group:
     known, base_plan = _base(problem, u.tobytes())
     leans = any(p.node == base_plan.drive.dof.node for a in actions for p in a.points)
@@ -211,7 +203,7 @@ def _group(
             points[point.site] = point
             channels.append(i)
             sites.append(point.site)
-    found = refined(structure(plan, tuple(points.values()), near), problem, cells_at(problem, u))
+    found = refined(structure(plan, tuple(points.values()), problem.nominal), problem, cells_at(problem, u))
     rows = np.array([found.places.index(site) for site in sites])
     masses = np.full(len(rows), scenario.accelerometers.mass_kg)
     return Group(plan, found, np.array(channels), rows, masses)
