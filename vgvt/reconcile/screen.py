@@ -69,6 +69,7 @@ class Screened:
         return {p.name: float(p.neutral) for p in mine if p.neutral is not None}
 
 
+@one_thread
 def screen(
     null: Fit,
     hypotheses: Sequence[Hypothesis],
