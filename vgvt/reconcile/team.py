@@ -32,6 +32,7 @@ FORKS = sys.platform.startswith("linux")
 # Between two words of a helper.
 _SELDOM_S = 0.25
 
+# What pickle raises of a lambda, of what is local to a function, and of what holds a lock: the task is done here then.
 _CANNOT_TRAVEL = (pickle.PicklingError, AttributeError, TypeError)
 _FORK = multiprocessing.get_context("fork" if FORKS else None)
 
@@ -51,6 +52,7 @@ class Team:
             # A system may offer processes no memory to share: nobody helps there.
             with suppress(OSError):
                 self._turn = _FORK.Value("i", 0)
+            if self._turn is not None:
                 self._helpers = [_Helper(self._shared, self._turn) for _ in range(workers - 1)]
 
     @property

@@ -13,7 +13,7 @@ from vgvt.scenario.axis import Axis, beam_axis
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.recent import Recent
 
-_NOTHING = (1.0, 1.0, 1.0)
+# Of a station table what says where a surface is, and the rest.
 _SHAPE = frozenset({"position_m", "forward_edge_m", "aft_edge_m"})
 _OF_NO_SHAPE = tuple(name for name in Stations.model_fields if name not in _SHAPE)
 _FLAT = 0.1
@@ -30,11 +30,12 @@ def part_at(airframe: Airframe, position_m: Sequence[float]) -> str:
 
 
 def _planform_of(airframe: Airframe) -> Airframe:
+    """The airframe with the same value in everything that moves no point; a field that does must stay as it is."""
     body = airframe.body.model_copy(
         update={
             "mass_kg": 1.0,
             "centre_of_gravity_m": (0.0, 0.0, airframe.body.centre_of_gravity_m[2]),
-            "inertia_kg_m2": _NOTHING,
+            "inertia_kg_m2": (1.0, 1.0, 1.0),
             "carry_through_stiffness_n_m_per_rad": None,
         }
     )
