@@ -1,14 +1,13 @@
 """How far reconcile can be trusted: ``python docs/studies/closing_the_loop.py FOLDER`` runs the study or goes on.
 
 Every case is one small file in FOLDER, so that a study can be stopped at any time and continued; ``--report`` only
-reads them and fills docs/studies/closing-the-loop.md, its figure and the baseline of the scoreboard.
+adds them to the baseline of the scoreboard, and fills docs/studies/closing-the-loop.md and its figure from all that is
+there.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
-import json
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -32,6 +31,7 @@ from loop_results import (
     with_laboratory,
     write_matrix,
 )
+from loop_rows import BASELINES, CASES, kept, merged, read_rows, with_whole_catalogue, write_rows
 from loop_work import core, work
 from rich.console import Console
 from virtual_lab import PAGES, write_results
@@ -158,23 +158,8 @@ def run(
             said = found[0].get("named") or found[0].get("test") or found[0].get("reason", "")
             console.print(
                 f"{done}/{len(cases)}, {left_min:.0f} min left: {case.title}: {found[0]['verdict']} {said}",
-                highlight=False,
-            )
-
-
-def kept(folder: Path) -> list[Row]:
-    """The rows of every case in a folder, whichever plan it belongs to."""
-    files = sorted((folder / "cells").glob("*.json"))
-    return [row for file in files for row in json.loads(file.read_text(encoding="utf-8"))["rows"]]
-
-
-def write_table(rows: Sequence[Row], file: Path) -> None:
-    """All rows as one long table."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    with file.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, names)
-        writer.writeheader()
-        writer.writerows(rows)
+                highlight=False, soft_wrap=True,
+            )  # fmt: skip
 
 
 def results(rows: Sequence[Row]) -> str:
@@ -191,16 +176,21 @@ def results(rows: Sequence[Row]) -> str:
     )
 
 
-def report(rows: Sequence[Row], folder: Path) -> None:
-    """Fill the page, draw the confusion matrix, write the baseline and what placebos say of the thresholds."""
-    counts = confusion(rows)
-    write_results(PAGES / "closing-the-loop.md", results(rows))
+def report(fresh: Sequence[Row], folder: Path, cases: Path = CASES) -> None:
+    """Add fresh rows to the baseline; fill the page, the confusion matrix and what placebos say of thresholds from all.
+
+    The page shows campaigns for which the whole catalogue was to choose from; those of a short one are the folder's.
+    """
+    seen = [r for r in fresh if r["verdict"] != "not visible"]
+    rows = merged(read_rows(cases), with_whole_catalogue(seen))
+    write_rows(rows, cases)
+    whole = with_whole_catalogue(rows)
+    counts = confusion(whole)
+    write_results(PAGES / "closing-the-loop.md", results(whole))
     picture(counts)
-    baselines = PAGES.parents[1] / "scoreboard" / "baselines"
-    baselines.mkdir(exist_ok=True)
-    write_matrix(counts, baselines / "closing-the-loop-confusion.csv")
+    write_matrix(counts, BASELINES / "closing-the-loop-confusion.csv")
     try:
-        placebo_limits(rows, folder / "thresholds.toml")
+        placebo_limits(whole, folder / "thresholds.toml")
     except InputError as error:
         Console(stderr=True).print(f"no thresholds: {error}", highlight=False)
 
@@ -208,7 +198,7 @@ def report(rows: Sequence[Row], folder: Path) -> None:
 def report_alone(rows: Sequence[Row]) -> None:
     """Fill that part of the page and write its baseline."""
     write_results(PAGES / "closing-the-loop.md", alone(rows), "of each effect alone")
-    write_table(judged(rows, "alone"), PAGES.parents[1] / "scoreboard" / "baselines" / "closing-the-loop-alone.csv")
+    write_rows(judged(rows, "alone"), BASELINES / "closing-the-loop-alone.csv")
 
 
 def arguments() -> argparse.Namespace:
@@ -243,7 +233,7 @@ if __name__ == "__main__":
     given.folder.mkdir(parents=True, exist_ok=True)
     if not given.report:
         run(every, given.folder, given.workers, given.minutes)
-    write_table(kept(given.folder), given.folder / "cases.csv")
+    write_rows(kept(given.folder), given.folder / "cases.csv")
     if given.report and given.alone:
         report_alone(kept(given.folder))
     elif given.report:

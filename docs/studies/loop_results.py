@@ -83,10 +83,19 @@ def deviations_of(row: Row) -> list[float]:
 
 
 def headline(rows: Sequence[Row]) -> str:
-    """The promises, and what was measured."""
+    """The promises, and what was measured: by all versions that left rows, and by the one that left the last."""
+    last = rows[-1]["core"] if rows else "none"
+    columns = [_promises(rows), _promises([r for r in rows if r["core"] == last])]
+    head = ("rate", "promise", "measured (95 % Wilson interval)", f"by the last version alone ({last})")
+    lines = [(what, promise, said, columns[1][k][2]) for k, (what, promise, said) in enumerate(columns[0])]
+    return table(head, lines)
+
+
+def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
+    """Every rate with what was promised of it."""
     effect, pair = [r for r in judged(rows, "effect") if visible(r)], judged(rows, "pair")
     never, removed = judged(rows, "never"), judged(rows, "removed")
-    lines = [
+    return [
         ("placebo: an effect named", "≤ 2 %", rate(judged(rows, "placebo"), named)),
         ("placebo: not called adequate", "", rate(judged(rows, "placebo"), lambda r: r["verdict"] != "adequate")),
         ("truth in the set (≤ 3 members), above the limit", "≥ 95 %", rate(effect, in_set)),
@@ -109,7 +118,6 @@ def headline(rows: Sequence[Row]) -> str:
             [r for r in effect if r.get("oracle_held_out") and in_set(r)],
             lambda r: r["held_after"] <= 1.15 * r["oracle_held_out"])),
     ]  # fmt: skip
-    return table(("rate", "promise", "measured (95 % Wilson interval)"), lines)
 
 
 def by_key(rows: Sequence[Row], key: str) -> str:

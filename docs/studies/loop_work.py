@@ -29,7 +29,8 @@ def work(case: Case) -> list[Row]:
     started = time.process_time()
     row: Row = {
         "group": case.group, "truth": "+".join(case.truth), "draw": case.draw, "size": case.size, "noise": case.noise,
-        "source": case.source, "engine": case.engine, "catalogue": len(case.catalogue), "core": core(),
+        "source": case.source, "engine": case.engine, "catalogue": len(case.catalogue), "seed": case.base,
+        "core": core(),
     }  # fmt: skip
     try:
         stage = staged(case)

@@ -86,6 +86,7 @@ def test_stated_deviations_are_held_against_the_truth() -> None:
     assert loop_work.deviations(truth, verdict) == "mass_kg -0.50; y_m 2.00"
 
     row = {"group": "effect", "verdict": "explained", "truth": "a", "named": "a", "ratio": 3.0, "held_after": 1.0}
+    row |= {"core": "c"}
     rows = [{**row, "answer": a, "deviations": d} for a, d in (("right", "a 1.5; b -2.5"), ("wrong", "a 9.0"))]
     assert loop_results.deviations_of(rows[0]) == [1.5, -2.5]
     line = next(x for x in loop_results.headline(rows).splitlines() if "stated intervals" in x)
@@ -109,7 +110,7 @@ def test_truths_at_the_limit_are_counted_by_themselves() -> None:
     def row(ratio: float, answer: str) -> loop_results.Row:
         return {
             "group": "effect", "verdict": "explained", "truth": "a", "named": "a", "ratio": ratio, "answer": answer,
-            "held_after": 1.0,
+            "held_after": 1.0, "core": "c",
         }  # fmt: skip
 
     sized = [(1.0, "nothing"), (1.05, "right"), (0.9, "nothing"), (2.0, "right"), (9.0, "in the set")]
@@ -126,7 +127,8 @@ def test_what_no_data_could_tell_from_the_truth_is_counted_by_itself() -> None:
 
     def row(ahead: float | None, named: str) -> loop_results.Row:
         found = {"verdict": "explained", "near": False} if named else {"verdict": "unknown", "near": True}
-        return {"group": "removed", "truth": "a", "named": named, "answer": "wrong", "told_ahead_nats": ahead, **found}
+        mine = {"group": "removed", "truth": "a", "answer": "wrong", "core": "c"}
+        return {**mine, "named": named, "told_ahead_nats": ahead, **found}
 
     said = loop_results.headline([row(2.0, "twin"), row(80.0, "wrong"), row(None, "older"), row(None, "")])
     assert "| removed from the catalogue: unknown, or partly with its place | ≥ 90 % | 1 of 4, " in said
