@@ -9,7 +9,7 @@ import numpy as np
 
 from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
-from vgvt.scenario.airframe import Airframe, Beam
+from vgvt.scenario.airframe import Airframe, Beam, mirrored_names
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
 from vgvt.scenario.model import Scenario
 
@@ -80,9 +80,13 @@ def on_side(scenario: Scenario, names: tuple[str, ...], side: Side, effect: str)
     """
     if side == "both":
         return scenario, names
-    split = written_out(scenario)
-    plain = {plain_name(n) for n in names}
-    chosen = tuple(f"{n}-{side}" for n in plain if any(b.name == f"{n}-{side}" for b in split.airframe.beam))
+    chosen = tuple(copy for copy in copies_of(scenario.airframe, names) if copy.endswith(f"-{side}"))
     if not chosen:
         raise InputError(f"effect {effect}: side", f"there is no {side} copy of the beam", "Write side = 'both'.")
-    return split, chosen
+    return written_out(scenario), chosen
+
+
+def copies_of(airframe: Airframe, names: Iterable[str]) -> tuple[str, ...]:
+    """What the tables of these names are called as built: both copies of a mirrored one, right before left."""
+    wanted = set(names)
+    return tuple(copy for b in airframe.beam if b.name in wanted for copy in mirrored_names(b.name, b.mirror))

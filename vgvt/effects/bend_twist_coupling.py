@@ -6,11 +6,10 @@ import dataclasses
 from typing import ClassVar
 
 from vgvt.effects.action import NOTHING, Action
-from vgvt.effects.beams import Side, chosen_beams, on_side, plain_name
+from vgvt.effects.beams import Side, chosen_beams, copies_of, on_side
 from vgvt.effects.elements import BendTwist
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
-from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 
 
@@ -52,7 +51,4 @@ class BendTwistCoupling:
             return NOTHING
         names = chosen_beams(scenario.airframe, self.beam, self.name)
         split, names = on_side(scenario, names, self.side, self.name)
-        plain = {plain_name(n) for n in names}
-        beams = [b.name for b in expanded_beams(split.airframe)]
-        coupled = [n for n in beams if n in names or (self.side == "both" and plain_name(n) in plain)]
-        return Action(elements=tuple(BendTwist(n, self.coupling) for n in coupled))
+        return Action(elements=tuple(BendTwist(n, self.coupling) for n in copies_of(split.airframe, names)))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.effects.action import NOTHING, Action
-from vgvt.effects.beams import chosen_beams, plain_name, with_beams, with_columns
+from vgvt.effects.beams import chosen_beams, copies_of, with_beams, with_columns
 from vgvt.effects.elements import Element, GroundSpring, Vector
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
@@ -45,7 +45,13 @@ class EntrainedAir:
     )
 
     mass_fraction: float = parameter(
-        "", 0.3, 1.2, "added mass as a fraction of ¼πρc²", neutral=0.0, source="1 for a plate of high aspect ratio"
+        "",
+        0.3,
+        1.2,
+        "added mass as a fraction of ¼πρc²",
+        neutral=0.0,
+        source="1 for a plate of high aspect ratio",
+        least=0.0,
     )
     drag_n_s_per_m3: float = parameter(
         "N s/m^3", 0.05, 5.0, "drag force per normal speed and per area of wing", neutral=0.0, scale="log"
@@ -65,8 +71,8 @@ class EntrainedAir:
                 "no chosen beam has edges, so nobody knows its chord",
                 "Give its stations forward_edge_m and aft_edge_m.",
             )
-        plain = {plain_name(n) for n in edged}
-        beams = [b for b in expanded_beams(scenario.airframe) if plain_name(b.name) in plain]
+        copies = copies_of(scenario.airframe, edged)
+        beams = [b for b in expanded_beams(scenario.airframe) if b.name in copies]
         dashpots = tuple(e for b in beams for e in self._dashpots(b)) if self.drag_n_s_per_m3 > 0 else ()
         changed = with_beams(scenario, edged, self._with_air) if self.mass_fraction != 0 else None
         return Action(scenario=changed, elements=dashpots)

@@ -15,8 +15,8 @@ class Parameter:
     ``neutral`` is the value at which the effect vanishes (None where another
     parameter switches it off); ``low`` and ``high`` bound what is plausible for a small
     aircraft; ``source`` says who says so ('guess' where nobody does). ``scale`` is the
-    natural one for a prior: 'log' for positive sizes, 'linear' for signed ones. Below ``least`` it
-    is refused: a negative mass has no model, and a negative damper feeds the aircraft.
+    natural one for a prior: 'log' for positive sizes, 'linear' for signed ones. Below ``least`` (0 for
+    positive sizes that state none) it is refused: a negative mass has no model, a negative damper feeds the aircraft.
     """
 
     name: str
@@ -52,6 +52,8 @@ def parameter(
     value = default if default is not None else neutral
     if value is None:
         raise ValueError("a parameter needs a neutral value or a default")
+    if least is None and scale == "log":
+        least = 0.0
     about = {"unit": unit, "low": low, "high": high, "doc": doc, "neutral": neutral, "scale": scale}
     return dataclasses.field(default=float(value), metadata=about | {"source": source, "least": least})
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from vgvt.data import InputError
-from vgvt.effects.beams import Side, chosen_beams, plain_name, with_beams
+from vgvt.effects.beams import Side, chosen_beams, on_side, plain_name, with_beams
 from vgvt.scenario.airframe import Beam, mirrored_names
 from vgvt.scenario.model import Scenario
 
@@ -32,9 +32,9 @@ def root_joints(
 ) -> tuple[Scenario, tuple[RootJoint, ...]]:
     """The scenario with root joints at a beam, and these: its own, or for a rigid root new ones of the spare stiffness.
 
-    ``beam`` is the name of a table, a plain name, or '' for the first beam. New joints are on
-    both sides; ``side`` chooses those that are given back. InputError, naming the ``effect``,
-    for an unknown beam or a side without one.
+    ``beam`` is the name of a table, a plain name, or '' for the first beam. One ``side`` alone is
+    jointed: the root of the other stays as it is. InputError, naming the ``effect``, for an unknown
+    beam or a side without one.
     """
     airframe = scenario.airframe
     if not airframe.beam:
@@ -47,14 +47,12 @@ def root_joints(
             return table
         return table.model_copy(update={_FIELD[kind]: spare_stiffness_n_m_per_rad})
 
-    changed = with_beams(scenario, names, jointed)
+    sided, names = on_side(scenario, names, side, effect)
+    changed = with_beams(sided, names, jointed)
     joints = tuple(
         RootJoint(copy, getattr(table, _FIELD[kind]))
         for table in changed.airframe.beam
         if table.name in names
         for copy in mirrored_names(table.name, table.mirror)
-        if side == "both" or copy == plain_name(copy) or copy.endswith(f"-{side}")
     )
-    if not joints:
-        raise InputError(f"effect {effect}: side", f"there is no {side} copy of the beam", "Write side = 'both'.")
     return changed, joints

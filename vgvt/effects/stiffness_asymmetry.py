@@ -6,6 +6,7 @@ import dataclasses
 from functools import partial
 from typing import ClassVar
 
+from vgvt.data import InputError
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.beams import chosen_beams, plain_name, scaled, with_beams, with_columns, written_out
 from vgvt.effects.parameter import parameter
@@ -41,14 +42,21 @@ class StiffnessAsymmetry:
             raise ValueError("bending and torsion must lie between -1 and 1")
 
     def act(self, scenario: Scenario, run: int) -> Action:
-        """Give each side its own stiffness, in every run."""
+        """Give each side its own stiffness, in every run; InputError where no chosen beam has two sides."""
         del run
         if self.bending == self.torsion == 0:
             return NOTHING
         plain = {plain_name(n) for n in chosen_beams(scenario.airframe, self.beam, self.name)}
         split = written_out(scenario)
+        sided = {n for n in plain if {f"{n}-right", f"{n}-left"} <= {b.name for b in split.airframe.beam}}
+        if not sided:
+            raise InputError(
+                f"effect {self.name}: beam",
+                f"there is no right and left copy of {' or '.join(sorted(plain))}",
+                "Name a beam that is mirrored.",
+            )
         for side, sign in (("right", 1.0), ("left", -1.0)):
-            split = with_beams(split, [f"{n}-{side}" for n in plain], partial(self._scaled, sign=sign))
+            split = with_beams(split, [f"{n}-{side}" for n in sided], partial(self._scaled, sign=sign))
         return Action(scenario=split)
 
     def _scaled(self, beam: Beam, sign: float) -> Beam:

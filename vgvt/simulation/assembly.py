@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
 from vgvt.effects.action import Action
-from vgvt.effects.elements import Element, GroundSpring, PointPair, RotationSpring, SuspensionCubic
+from vgvt.effects.elements import Element, RotationSpring
 from vgvt.effects.registry import effects_of
 from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts
-from vgvt.simulation.elements import add_element, trim_ground_springs
+from vgvt.simulation.elements import TRIMMED, add_element, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
 from vgvt.simulation.once import cut_once, damped_airframe
@@ -324,7 +324,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
     for name, element in layout.elements:
         if element.owner == "rig":
             add_element(spec, layout.parts, name, element)
-        if isinstance(element, GroundSpring | RotationSpring | PointPair | SuspensionCubic):
+        if isinstance(element, TRIMMED):
             springs.append(name)
     return spec, springs
 

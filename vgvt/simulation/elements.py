@@ -36,6 +36,8 @@ from vgvt.simulation.damping import MODAL_DAMPING
 from vgvt.simulation.relaxation_elements import add_relaxation, add_warm_up
 from vgvt.simulation.rig import add_point_mass
 
+TRIMMED = (GroundSpring, RotationSpring, PointPair, SuspensionCubic)
+"""Springs that are laid, or moved along, to where the aircraft hangs: at rest they carry nothing."""
 # Far enough that a ground spring keeps its direction to 1e-5 for a centimetre of sideways motion.
 _FAR_M = 1000.0
 # MuJoCo's default friction sticks with a time constant of 20 ms and creeps: 14 % too little loss in a 10 Hz cycle.

@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.action import Action
-from vgvt.effects.elements import GroundSpring, RotationSpring
 from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
 from vgvt.simulation.damping import StructuralDamping
-from vgvt.simulation.elements import add_element
+from vgvt.simulation.elements import TRIMMED, add_element
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
@@ -246,7 +245,7 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     for name, element in layout.elements:
         if element.owner == "rig":
             add_element(spec, parts, name, element)
-        if isinstance(element, GroundSpring | RotationSpring):
+        if isinstance(element, TRIMMED):
             springs.append(name)
     return spec, springs, damped
 
