@@ -177,7 +177,7 @@ def loops(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
     done: list[dict[str, Any]] = []
 
     def close(campaign: Campaign, scenario: Any, *, folder: Path, progress: Any, **options: Any) -> SimpleNamespace:
-        done.append({"seed": scenario.seed, "band_hz": campaign.band_hz, **options})
+        done.append({"seed": scenario.seed, "band_hz": campaign.band_hz, "runs": campaign.runs, **options})
         progress(0.5, "half way", 3.0)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "reconciled.toml").write_text("# found\n", encoding="utf-8")
@@ -239,6 +239,23 @@ def test_other_samples_are_another_question(vgvt, tmp_path: Path, beam: Path, lo
     louder = replace(campaign, runs=(replace(first, samples=1.01 * first.samples), *campaign.runs[1:]))
     vgvt("reconcile", written(tmp_path, louder), *arguments)
     assert len(loops) == 2
+
+
+def test_a_dead_channel_is_refused_or_left_out_and_stays_on_the_aircraft(
+    vgvt, tmp_path: Path, beam: Path, loops
+) -> None:
+    """It goes to the loop as it is: that leaves it out of the data, and must know what hangs on the structure."""
+    campaign = measured()
+    silent = campaign.runs[1].samples.copy()
+    silent[1] = 0.0
+    dead = replace(campaign, runs=(campaign.runs[0], replace(campaign.runs[1], samples=silent), *campaign.runs[2:]))
+    arguments = ("reconcile", written(tmp_path, dead), "--scenario", beam, "--out", "found", "--json")
+    refused = vgvt(*arguments)
+    assert refused.status == 2
+    assert "run 2, channel a3" in refused.document["error"]["message"]
+    assert "--leave-out-faulty" in refused.document["error"]["advice"]
+    assert vgvt(*arguments, "--leave-out-faulty").status == 0
+    assert [[len(record.channels) for record in done["runs"]] for done in loops] == [[3, 3, 3, 3]]
 
 
 def test_only_and_without_choose_the_hypotheses(vgvt, tmp_path: Path, beam: Path, loops) -> None:

@@ -63,7 +63,7 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     monkeypatch.setattr(rounds, "reconsidered", asked_again)
     monkeypatch.setattr(rounds, "nowhere", lambda addition: placeless)
     null.problem = None
-    found = rounds.attribute(null, (SOFT_ROOT,), SimpleNamespace(set_nats=5.0), most=2, begun=(null, begun))
+    found = rounds.attribute(null, (SOFT_ROOT,), SimpleNamespace(set_nats=5.0), most=2, begun=(null, begun, ()))
     assert len(found.rounds) == kept
     # What stays is asked again, beside the fit that stays.
     assert asked == [(list(found.rounds), found.final, (SOFT_ROOT,))]
@@ -86,3 +86,17 @@ def test_an_earlier_name_stays_for_what_either_view_of_the_models_error_still_gr
     named: Any = ["first", "second"]
     kept = backward.needed(named, whole, SimpleNamespace(evidence_nats=9.0))
     assert kept == ((named, whole) if stays else (["second"], less))
+
+
+def test_two_names_that_a_third_made_needless_both_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second is asked beside what is left once the first is gone."""
+    things = tuple(SimpleNamespace(name=name, parameters=()) for name in ("first", "second", "third"))
+
+    def model(hypotheses: Any) -> Any:
+        return SimpleNamespace(problem=None, hypotheses=hypotheses, u=None, e=np.zeros(0), evidence_nats=50.0)
+
+    monkeypatch.setattr(backward, "fit", lambda problem, kept, *rest: model(kept))
+    monkeypatch.setattr(backward, "lasting_nats", lambda fit: 40.0)
+    named: Any = ["first", "second", "third"]
+    kept, left = backward.needed(named, model(things), SimpleNamespace(evidence_nats=9.0))  # type: ignore[arg-type]
+    assert (kept, left.hypotheses) == (["third"], things[2:])

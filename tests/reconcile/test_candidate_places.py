@@ -16,6 +16,7 @@ from vgvt.reconcile.problem import make_problem
 from vgvt.scenario import load_scenario
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.points import sensor_points
 
 
 @pytest.mark.parametrize("name", ["hati-unsymmetric", "bff", "garteur-sm-ag19", "teaching-beam"])
@@ -66,3 +67,22 @@ def test_what_one_run_alone_shows_of_a_point_cannot_have_drifted(tmp_path: Path)
     assert labels <= chosen["channel-gain"]
     assert not labels & chosen["gain-drift"]
     assert {"response", "force", "sensor-1", "sensor-2"} <= chosen["gain-drift"]
+
+
+@pytest.mark.parametrize(("name", "runs"), [("garteur-sm-ag19", 1), ("bff", 1), ("bff", 12)])
+def test_every_sensor_can_be_named(name: str, runs: int) -> None:
+    """However many pairs of sensors, or sensors and runs, there are: none is left out for coming last."""
+    scenario = load_scenario(name)
+    nodes = tuple(scenario.accelerometers.grid.node)
+    about: Any = SimpleNamespace(
+        scenario=scenario,
+        measured=SimpleNamespace(runs=(nodes,) * runs),
+        layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
+    )
+    known = available_effects()
+    swapped = {h.settings["other_node"] for h in candidates(about, {"swapped-sensors": known["swapped-sensors"]})}
+    assert swapped >= set(nodes[1:])
+    drifted = candidates(about, {"gain-drift": known["gain-drift"]})
+    labels = {str(p.dof) for p in sensor_points(scenario)}
+    assert runs == 1 or {str(h.settings["channels"]) for h in drifted} >= labels
+    assert sum(h.share for h in drifted) == pytest.approx(1.0) or not drifted

@@ -28,11 +28,14 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     start = fit(case, (), u, np.zeros(0), ())
     rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 9.7, 0.7) for h in (delay, gain))
     kept = Checkpoint(tmp_path / "rounds.json", "this question")
-    kept.keep(start, [Addition(rivals[1], rivals, rivals, None)])
+    start = replace(start, converged=True)
+    kept.keep(start, [Addition(rivals[1], rivals, rivals, None)], [rivals[0]])
     begun = kept.begun(case, (delay, gain))
     assert begun is not None
-    again, (addition,) = begun
+    again, (addition,), refused = begun
     np.testing.assert_array_equal(again.predicted, start.predicted)
+    assert again.converged
+    assert refused == (addition.rivals[0],)
     np.testing.assert_array_equal(addition.winner.fit.predicted, rivals[1].fit.predicted)
     assert addition.winner.hypothesis.label == gain.label
     assert addition.winner.hypothesis.spans == gain.spans
@@ -78,6 +81,8 @@ def test_other_samples_or_another_catalogue_are_another_question(tmp_path: Path)
     scenario, limits = small_scenario(), stored_thresholds()
     campaign = campaign_of(scenario, 4)
     first = provenance_of(campaign, scenario, ["added-mass"], limits, 100)
+    stricter = provenance_of(campaign, scenario, ["added-mass"], replace(limits, set_nats=limits.set_nats + 1), 100)
+    assert Checkpoint.of(tmp_path / "a", first).key != Checkpoint.of(tmp_path / "a", stricter).key
     run = campaign.runs[0]
     other = replace(campaign, runs=(replace(run, samples=run.samples * 1.001), *campaign.runs[1:]))
     keys = {

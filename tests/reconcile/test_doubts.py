@@ -28,7 +28,7 @@ def fitted(*far: float, converged: bool = True) -> Any:
 def found(null: Any, final: Any, rounds: int = 1) -> Any:
     """What an attribution holds of it, adequate in the end."""
     effect = SimpleNamespace(hypotheses=(SimpleNamespace(settings={}, parameters=()),), values=lambda k: {})
-    rival = SimpleNamespace(name="local-absorber", fit=effect, hypothesis=SimpleNamespace(linear=True))
+    rival = SimpleNamespace(name="local-absorber", fit=effect, hypothesis=SimpleNamespace(linear=True, settings={}))
     addition = Addition(rival, (rival,), (rival,), None)  # type: ignore[arg-type]
     left = SimpleNamespace(adequate=True)
     return SimpleNamespace(null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left)
@@ -88,6 +88,21 @@ def test_a_name_that_depends_on_level_awaits_a_second_one_before_anything_else(
     assert kind_of(going) is Kind.PARTLY_EXPLAINED
 
 
+@pytest.mark.parametrize(("also", "kind"), [("left", Kind.AMBIGUOUS), ("right", Kind.EXPLAINED)])
+def test_a_side_that_does_as_well_is_no_explanation(also: str, kind: Kind) -> None:
+    """The same effect on the other side is another repair; another start of the same side is not."""
+    case = found(fitted(), fitted())
+    (addition,) = case.rounds
+    here, there = (
+        SimpleNamespace(
+            name="root-compliance", fit=addition.winner.fit, hypothesis=SimpleNamespace(linear=True, settings=s)
+        )
+        for s in ({"side": "right"}, {"side": also})
+    )
+    case.rounds = (replace(addition, winner=here, equivalent=(here, there)),)
+    assert kind_of(case) is kind
+
+
 def test_without_a_name_there_is_nothing_to_doubt() -> None:
     assert doubts(found(fitted(converged=False), fitted(9.0, 9.0), rounds=0)) == ()
 
@@ -138,7 +153,7 @@ def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: p
 def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     monkeypatch: pytest.MonkeyPatch, kind: Kind, told: bool
 ) -> None:
-    monkeypatch.setattr(verdict, "_other_places", lambda addition: ())
+    monkeypatch.setattr(verdict, "open_places", lambda addition: ())
     monkeypatch.setattr(verdict, "several_levels", lambda problem: True)
     about = found(fitted(), fitted())
     winner: Any = SimpleNamespace(

@@ -47,7 +47,8 @@ def found(
 ) -> Attribution:
     """Rounds, by χ² per degree of freedom of the fitted and of the held-out data without and with them."""
     null, final = fitted(1000 * before[0], bent=50.0), fitted(1000 * after[0])
-    addition: Any = SimpleNamespace(winner=SimpleNamespace(name="added-mass"))
+    winner = SimpleNamespace(name="added-mass", fit=fitted(1000 * after[0]))
+    addition: Any = SimpleNamespace(winner=winner, rivals=("tried at first",))
     return Attribution(
         null, left(before[1]), (addition,) * names, final, left(after[1], adequate), last_rivals=(), vetoed=()
     )  # fmt: skip
@@ -121,6 +122,16 @@ def test_where_nothing_was_missing_nothing_comes_nearest() -> None:
     assert judged.rounds == judged.leads == ()
     assert judged.led is None
     assert judged.final is case.null
+    # What stood between these data and a name is what the first round asked, and it was not refused.
+    assert judged.last_rivals == ("tried at first",)
+    assert judged.vetoed == ()
+
+
+def test_what_could_not_be_is_refused_where_nothing_was_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = replace(found((0.9, 0.9), (0.7, 0.8)), null=fitted(900.0), null_residual=left(0.9, adequate=True))
+    monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: ("far off",))
+    monkeypatch.setattr(leads, "without_last", lambda rounds, start: (rounds, start, []))
+    assert leads.demoted(case).vetoed == (case.rounds[0].winner,)
 
 
 def test_nothing_found_leads_nowhere() -> None:

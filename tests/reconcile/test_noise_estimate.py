@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from added_noise import Noise
 
-from vgvt.data import Campaign
-from vgvt.reconcile.data import measured_frfs
+from vgvt.data import Campaign, Direction, Dof
+from vgvt.reconcile.data import MeasuredChannel, measured_frfs
+from vgvt.reconcile.variance import repeat_noise
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulate
 
@@ -103,3 +104,19 @@ def test_noise_at_the_end_of_a_record_is_no_ringing_but_a_cut_record_rings() -> 
     remarks = measured_frfs(cut, lines=100).remarks
     assert len(remarks) == len(RUNS)
     assert all("ringing" in r for r in remarks)
+
+
+def test_repeats_say_as_much_at_the_ends_of_the_band_as_within() -> None:
+    """White noise of unit variance on three runs of the same forty channels."""
+    lines, count = np.arange(200), 40
+    g = np.random.default_rng(2)
+    rows = [
+        (MeasuredChannel(run, run + 1, Dof(node, Direction.PLUS_Z), node), count * run + node)
+        for run in range(3)
+        for node in range(count)
+    ]
+    noise = (g.standard_normal((3 * count, 200)) + 1j * g.standard_normal((3 * count, 200))) / np.sqrt(2)
+    found = repeat_noise(3.0 + noise, np.ones((3, 200), complex), rows, lines)
+    assert found is not None
+    for part in (found[:, :3], found[:, 90:110], found[:, -3:]):
+        assert part.mean() == pytest.approx(1.0, rel=0.1)

@@ -15,7 +15,7 @@ from vgvt.reconcile import place_control
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, place_of
+from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, open_places, place_of
 from vgvt.reconcile.rivals import Rival
 
 CHANNELS, LINES = 8, 100
@@ -83,3 +83,25 @@ def test_a_strong_absorber_does_worse_everywhere_else(tmp_path: Path) -> None:
     assert len(trials) >= 2
     assert not any(as_good(t.fit, winner, 5.0) for t in trials)
     assert as_good(winner, winner, 5.0)
+
+
+def test_where_else_is_said_by_points_or_by_the_settings_that_say_where() -> None:
+    """Not by how it came about: another course, another order of a filter, is no other place."""
+    known = available_effects()
+
+    def rival(name: str, **settings: Any) -> Any:
+        hypothesis = Hypothesis(known[name], settings)
+        fitted = SimpleNamespace(hypotheses=(hypothesis,), values=lambda k: {})
+        return SimpleNamespace(name=name, hypothesis=hypothesis, fit=fitted)
+
+    soft, other = rival("root-compliance", side="left"), rival("root-compliance", side="right")
+    filtered = [rival("anti-alias-delay", channels="7+Z", order=order) for order in (4, 6)]
+    mass = [rival("added-mass", x_m=0.5, y_m=y) for y in (1.0, -1.0)]
+    for round_of, words in (
+        ((soft, other), ("with side = right",)),
+        ((soft, rival("carry-through-torsion")), ()),
+        (filtered, ()),
+        (mass, ("at x = 0.50 m, y = -1.00 m",)),
+    ):
+        addition: Any = Addition(round_of[0], tuple(round_of), tuple(round_of), None)
+        assert open_places(addition) == words

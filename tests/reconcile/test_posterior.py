@@ -12,10 +12,11 @@ from reconciled_case import drawn_scores, problem, small_scenario, without_instr
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
+from vgvt.reconcile.augment import posterior_of
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.posterior import honest, honest_covariance
-from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.problem import CELLS, make_problem
 from vgvt.reconcile.uncertain import edited, unknowns
 from vgvt.simulation import simulate
 
@@ -50,6 +51,19 @@ def test_an_error_common_to_lines_and_channels_makes_it_wider(calibrated: Fit) -
     ratio = all_of_it / before
     assert 2.0 < ratio.max() <= np.sqrt(22 * 5 * 2)
     assert half.max() <= all_of_it.max()
+
+
+def test_the_table_states_errors_of_amounts_and_not_of_scores(calibrated: Fit) -> None:
+    """A hundredth of a standard deviation of each score further, what is told moves by a hundredth of its own."""
+    deviations = np.sqrt(np.diag(honest(calibrated).covariance))
+    further = replace(calibrated, u=calibrated.u + 0.01 * deviations)
+    kinds = set()
+    for here, there in zip(posterior_of(calibrated), posterior_of(further), strict=True):
+        kind = "factor" if "factor" in here else "shift"
+        kinds.add((here["name"] == CELLS.name, kind))
+        moved = abs(float(there[kind]) - float(here[kind]))  # type: ignore[arg-type]
+        assert moved == pytest.approx(0.01 * float(here[f"{kind}_std"]), rel=0.05)  # type: ignore[arg-type]
+    assert {(True, "shift"), (False, "factor"), (False, "shift")} <= kinds
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +13,11 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
 
+from vgvt.effects import available_effects
 from vgvt.reconcile.addition import Addition
+from vgvt.reconcile.candidates import freed
 from vgvt.reconcile.fit import NEAR, fit
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import Procedure, changed, procedures
 from vgvt.reconcile.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
@@ -23,6 +27,7 @@ from vgvt.reconcile.undecided import next_best, undecided
 suggesting = importlib.import_module("vgvt.reconcile.suggest")
 undecided_module = importlib.import_module("vgvt.reconcile.undecided")
 GAIN = 0.05
+GAIN_CLASS = available_effects()["channel-gain"]
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +171,7 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
     """The best fit of each of the last round that names several, not five places of one of them."""
 
     def rival(name: str, fit: str) -> Any:
-        return SimpleNamespace(name=name, fit=fit, hypothesis=fit)
+        return SimpleNamespace(name=name, fit=fit, hypothesis=Hypothesis(GAIN_CLASS, {"channels": fit}))
 
     def found(*rounds: tuple[Any, ...]) -> Any:
         return SimpleNamespace(rounds=[Addition(own[0], own, own, None) for own in rounds])
@@ -180,9 +185,24 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
 
 def test_two_starts_that_met_are_one_explanation_and_two_places_are_two(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(undecided_module, "distinct_places", lambda fits: tuple(dict.fromkeys(f[0] for f in fits)))
-    starts = [SimpleNamespace(name="mass", fit=at, hypothesis="freed") for at in (("a", 1), ("a", 2), ("b", 3))]
+    mass = available_effects()["added-mass"]
+    variants = [Hypothesis(mass, {"x_m": 0.1 * k, "y_m": 0.2}) for k in range(3)]
+    ends = (("a", 1), ("a", 2), ("b", 3))
+    starts = [SimpleNamespace(name="mass", fit=at, hypothesis=freed(h)) for at, h in zip(ends, variants, strict=True)]
     about: Any = SimpleNamespace(rounds=[Addition(starts[0], tuple(starts), (), None)])  # type: ignore[arg-type]
     assert undecided(about) == (("a", 1), ("b", 3))
+
+
+def test_what_holds_the_same_others_is_known_from_another_process_too() -> None:
+    """A helper, or a file, hands on copies: the fits that hold the same others are asked for by what they hold."""
+    delay = Hypothesis(available_effects()["channel-delay"], {"channels": "response"})
+    copied = copy.copy(delay)
+    own, like, twin = (
+        SimpleNamespace(name=name, fit=SimpleNamespace(of=name, hypotheses=(beside, name)))
+        for name, beside in (("mass", delay), ("inertia", copied), ("payload", copied))
+    )
+    about: Any = SimpleNamespace(rounds=[Addition(own, (own, like), (), None, (own, twin))])  # type: ignore[arg-type]
+    assert [fit.of for fit in undecided(about)] == ["mass", "payload", "inertia"]
 
 
 def test_a_joint_that_is_alone_at_one_level_is_asked_what_another_level_tells(

@@ -9,7 +9,7 @@ import typer
 
 from vgvt.cli.console import log, show
 from vgvt.cli.document import write_document
-from vgvt.cli.options import BandOption, CampaignArgument, JsonOption
+from vgvt.cli.options import BandOption, CampaignArgument, JsonOption, LeaveOutFaultyOption
 
 if TYPE_CHECKING:
     from vgvt.data import Campaign
@@ -28,9 +28,7 @@ def identify(
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE", help="Write the one-file page of the campaign too.")
     ] = None,
-    leave_out_faulty: Annotated[
-        bool, typer.Option("--leave-out-faulty", help="Go on without channels that hold NaN or are dead.")
-    ] = False,
+    leave_out_faulty: LeaveOutFaultyOption = False,
     explain: Annotated[
         bool, typer.Option("--explain", help="Say of every pole considered why it was kept or dropped.")
     ] = False,

@@ -14,6 +14,9 @@ BandOption = Annotated[
     tuple[float, float] | None,
     typer.Option("--band", metavar="LOW HIGH", help="Frequency band in Hz; the excited band when left out."),
 ]
+LeaveOutFaultyOption = Annotated[
+    bool, typer.Option("--leave-out-faulty", help="Go on without channels that hold NaN or are dead.")
+]
 SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed of the noise, instead of the scenario's own.")]
 EngineOption = Annotated[
     str | None, typer.Option(metavar="mujoco|linear", help="Engine of the simulation, instead of the scenario's own.")

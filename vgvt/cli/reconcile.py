@@ -12,7 +12,7 @@ import typer
 
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import document_text, write_document
-from vgvt.cli.options import BandOption, JsonOption
+from vgvt.cli.options import BandOption, JsonOption, LeaveOutFaultyOption
 
 if TYPE_CHECKING:
     from vgvt.cli.reconcile_folder import ReconcileFolder
@@ -55,6 +55,7 @@ def reconcile(
     power: Annotated[
         bool, typer.Option("--power", help="Say how small each effect could be and still be seen.")
     ] = False,
+    leave_out_faulty: LeaveOutFaultyOption = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes. Default: one a core, at most four.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Do it again where the answer is there already.")] = False,
     as_json: JsonOption = False,
@@ -83,7 +84,7 @@ def reconcile(
     from vgvt.cli.soundness import sound_campaign
     from vgvt.reconcile.suitable import banded, check_suitable
 
-    measured = banded(sound_campaign(campaign, leave_out_faulty=False), band)
+    measured = banded(sound_campaign(campaign, leave_out_faulty, still_mounted=True), band)
     check_suitable(measured, believed)
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
     folder.prepare()

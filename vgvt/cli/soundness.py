@@ -9,11 +9,13 @@ from vgvt.data import Campaign, ChannelRole, InputError, Record
 from vgvt.signals.usable import fault_of
 
 
-def sound_campaign(source: str, leave_out_faulty: bool) -> Campaign:
+def sound_campaign(source: str, leave_out_faulty: bool, *, still_mounted: bool = False) -> Campaign:
     """Open a campaign and refuse it where its samples cannot be trusted; remarks go to stderr.
 
     With ``leave_out_faulty`` channels with samples that are not finite, or all
     the same, are left out instead, and so are runs that lose their force or all responses.
+    Where they are ``still_mounted``, such channels stay in the records of the runs that are kept: whoever
+    asks leaves them out itself, and must know what loads the structure.
     InputError names the source, the run and the channel.
     """
     from vgvt.files import open_campaign
@@ -32,11 +34,11 @@ def sound_campaign(source: str, leave_out_faulty: bool) -> Campaign:
         raise InputError(
             f"{source}, run {run}, channel {channel}",
             fault + more,
-            "repair the record, or identify from the rest with --leave-out-faulty",
+            "repair the record, or go on with the rest: --leave-out-faulty",
         )
     for (run, channel), fault in faults.items():
         log(f"{source}, run {run}: {channel} left out, {fault}")
-    return _without(source, campaign, set(faults))
+    return _without(source, campaign, set(faults), still_mounted)
 
 
 def channel_faults(campaign: Campaign) -> dict[tuple[int, str], str]:
@@ -61,8 +63,9 @@ def _check_rates(source: str, campaign: Campaign) -> None:
             )
 
 
-def _without(source: str, campaign: Campaign, faulty: set[tuple[int, str]]) -> Campaign:
-    runs = tuple(kept for record in campaign.runs if (kept := _record_without(record, faulty)) is not None)
+def _without(source: str, campaign: Campaign, faulty: set[tuple[int, str]], still_mounted: bool) -> Campaign:
+    sound = ((record, _record_without(record, faulty)) for record in campaign.runs)
+    runs = tuple(record if still_mounted else kept for record, kept in sound if kept is not None)
     if not runs:
         raise InputError(source, "no run keeps a force and a response", "repair the records")
     return replace(campaign, runs=runs)

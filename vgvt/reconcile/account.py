@@ -50,7 +50,7 @@ def account_of(
     own = found.null_residual.limits
     held = np.where(split.held_runs, "run", np.where(split.held_channels, "channel", ""))
     places = verdict.localisation.places if verdict.localisation else ()
-    at_null = verdict.kind in (Kind.EXPLAINED, Kind.AMBIGUOUS) or not found.rounds
+    at_null = verdict.kind is Kind.EXPLAINED or not found.rounds
     return Account(
         title=title,
         kind=verdict.kind.value,

@@ -70,8 +70,8 @@ def attribute(
     *,
     most: int = 3,
     progress: Progress | None = None,
-    begun: tuple[Fit, tuple[Addition, ...]] | None = None,
-    keep: Callable[[Fit, Sequence[Addition]], None] | None = None,
+    begun: tuple[Fit, tuple[Addition, ...], tuple[Rival, ...]] | None = None,
+    keep: Callable[[Fit, Sequence[Addition], Sequence[Rival]], None] | None = None,
     workers: int = 1,
 ) -> Attribution:
     """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
@@ -80,7 +80,8 @@ def attribute(
     data together allow, as it would if it were alone.
 
     ``thresholds`` are those of the campaign (:meth:`~vgvt.reconcile.thresholds.Thresholds.at`).
-    ``begun`` are the null model and the rounds of a call that was broken off; ``keep`` is told both after each round.
+    ``begun`` are the null model, the rounds and what they refused, of a call that was broken off; ``keep`` is told all
+    three after each round.
     ``workers`` processes share what can be done at once; the answer is the same with any number.
     """
     with Team(workers, (null.problem, *hypotheses)) as team:
@@ -93,16 +94,16 @@ def _selected(
     thresholds: Thresholds,
     most: int,
     progress: Progress | None,
-    begun: tuple[Fit, tuple[Addition, ...]] | None,
-    keep: Callable[[Fit, Sequence[Addition]], None] | None,
+    begun: tuple[Fit, tuple[Addition, ...], tuple[Rival, ...]] | None,
+    keep: Callable[[Fit, Sequence[Addition], Sequence[Rival]], None] | None,
     team: Team,
 ) -> Attribution:
     """:func:`attribute`, with those who share the work."""
     tell = progress or (lambda fraction, message: None)
-    start, done = (null, ()) if begun is None else begun
+    start, done, refused_then = (null, (), ()) if begun is None else begun
     rounds = list(done)
     current = rounds[-1].winner.fit if rounds else start
-    vetoed: list[Rival] = []
+    vetoed: list[Rival] = list(refused_then)
     rivals: tuple[Rival, ...] = rounds[-1].rivals if rounds else ()
     for k in range(len(rounds), most):
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
@@ -146,7 +147,7 @@ def _selected(
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
         current = winner.fit
         if keep is not None:
-            keep(start, rounds)
+            keep(start, rounds, vetoed)
     rounds, current = needed(rounds, current, thresholds)
     while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
         rounds, current, refused = without_last(rounds, start)

@@ -49,7 +49,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
         if unknown.scale == "log":
             row |= {"factor": amount, "factor_std": amount * unknown.sd * float(sd[k])}
         else:
-            row |= {"shift": amount, "shift_std": unknown.sd * float(sd[k])}
+            row |= {"shift": amount, "shift_std": abs(unknown.rate(float(fit.u[k]))) * float(sd[k])}
         if unknown.nominal is not None:
             row["stated"] = unknown.nominal
             row["calibrated"] = unknown.nominal * amount if unknown.scale == "log" else unknown.nominal + amount
@@ -60,7 +60,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
         u = float(fit.u[start + k])
         factor = float(np.exp(nuisance.sd * u))
         row = {"name": nuisance.name, "what": nuisance.name, "score": u, "std_score": float(sd[start + k])}
-        rows.append(row | {"factor": factor, "factor_std": nuisance.sd * float(sd[start + k])})
+        rows.append(row | {"factor": factor, "factor_std": factor * nuisance.sd * float(sd[start + k])})
     return rows
 
 

@@ -24,7 +24,11 @@ Array = NDArray[np.float64]
 
 
 def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tuple[list[Addition], Fit]:
-    """Leave out any earlier effect that the later ones have made needless."""
+    """Leave out the first of the earlier effects that the later ones have made needless, and ask again of the rest.
+
+    Needless is what gains less than a name needs by either view, every line for itself or errors that last: what both
+    grant is not taken from a name for how many lines the noise makes of them.
+    """
     if len(rounds) < 2:
         return rounds, current
     for k in range(len(rounds) - 1):
@@ -36,7 +40,7 @@ def needed(rounds: list[Addition], current: Fit, thresholds: Thresholds) -> tupl
             continue
         gained = min(current.evidence_nats - less.evidence_nats, lasting_nats(current) - lasting_nats(less))
         if gained < thresholds.evidence_nats:
-            return [r for i, r in enumerate(rounds) if i != k], less
+            return needed([r for i, r in enumerate(rounds) if i != k], less, thresholds)
     return rounds, current
 
 

@@ -28,15 +28,16 @@ from vgvt.scenario.planform import edge_lines_m
 # what did best (:mod:`vgvt.reconcile.courses`).
 _FROM_RUNS = 11
 _STATIONS = 6
-# A campaign of a dozen runs asks of a payload, in each of sixteen places, for each of them.
-_MOST = 256
+# A campaign of a dozen runs of 34 sensors asks whether each of these changed its gain, from each run on.
+_MOST = 1024
 
 
 def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
     """All variants, each with its share of its effect's prior; ``effects`` by name (default: all installed ones).
 
     Places (``x_m``, ``y_m``) are settings here: a fit may free them. They reach as far as the aircraft does, if that is
-    larger than those that the catalogue has in mind.
+    larger than those that the catalogue has in mind. Of an effect with more than a thousand variants as many are taken,
+    spread evenly over all.
     """
     found: list[Hypothesis] = []
     box = aircraft_box_m(problem.scenario.airframe)
@@ -44,10 +45,17 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
     for name, cls in (available_effects() if effects is None else effects).items():
         if name in declared:
             continue
-        variants = list(itertools.islice(_variants(problem, cls), _MOST))
+        variants = _spread(list(_variants(problem, cls)))
         spans = reach(parameters_of(cls), box)
         found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
     return tuple(found)
+
+
+def _spread(variants: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """No more than the most, evenly: a cut at the end would leave out the last sensors, always the same."""
+    if len(variants) <= _MOST:
+        return variants
+    return [variants[k] for k in np.linspace(0, len(variants) - 1, _MOST).round().astype(int)]
 
 
 def freed(hypothesis: Hypothesis) -> Hypothesis:

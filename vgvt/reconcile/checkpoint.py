@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,10 +25,17 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 
 # What is kept under another one has not all that is asked for.
-_FORMAT = 2
+_FORMAT = 3
 # No step further, with the slopes that a fit to its end has: evidence hangs on these.
 _AS_ENDED = ((0.0, 0),)
-Begun = tuple[Fit, tuple[Addition, ...]]
+
+
+class Begun(NamedTuple):
+    """The null model, the rounds that were whole, and what was refused in them."""
+
+    start: Fit
+    rounds: tuple[Addition, ...]
+    vetoed: tuple[Rival, ...]
 
 
 def provenance_of(
@@ -42,9 +49,14 @@ def provenance_of(
         "version": vgvt.__version__,
         "hypotheses": " ".join(sorted(effects)),
         "lines": str(lines),
-        "thresholds": f"{thresholds.evidence_nats:g} nats, {thresholds.chi2_per_dof:g} per degree of freedom; "
-        f"{thresholds.provenance}",
+        "thresholds": f"{thresholds.evidence_nats:g} nats, {thresholds.chi2_per_dof:g} per degree of freedom "
+        f"({_hashed(thresholds)}); {thresholds.provenance}",
     }
+
+
+def _hashed(thresholds: Thresholds) -> str:
+    """A hash of every limit: what is decided by one of them must not be taken for what another one would say."""
+    return hashlib.sha256(json.dumps(asdict(thresholds), sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,9 +72,13 @@ class Checkpoint:
         text = json.dumps([_FORMAT, sorted(provenance.items()), [str(s) for s in settings]])
         return cls(file, hashlib.sha256(text.encode()).hexdigest())
 
-    def keep(self, start: Fit, rounds: Sequence[Addition]) -> None:
-        """Write the rounds so far."""
-        document = {"key": self.key, "start": start.u.tolist(), "rounds": [_round(a) for a in rounds]}
+    def keep(self, start: Fit, rounds: Sequence[Addition], vetoed: Sequence[Rival] = ()) -> None:
+        """Write the rounds so far, and which of their rivals were refused."""
+        document = {
+            "key": self.key, "start": start.u.tolist(), "converged": start.converged,
+            "rounds": [_round(a) for a in rounds],
+            "vetoed": [(k, i) for k, a in enumerate(rounds) for i, r in enumerate(a.rivals) if r in vetoed],
+        }  # fmt: skip
         with replacing(self.file) as part:
             part.write_text(json.dumps(document), encoding="utf-8")
 
@@ -76,7 +92,9 @@ class Checkpoint:
             return None
         known = {h.name: h.cls for h in hypotheses}
         start = fit(problem, (), np.array(document["start"]), np.zeros(0), _AS_ENDED, exact=True)
-        return start, tuple(_addition(problem, known, row) for row in document["rounds"])
+        rounds = tuple(_addition(problem, known, row) for row in document["rounds"])
+        vetoed = tuple(rounds[k].rivals[i] for k, i in document["vetoed"])
+        return Begun(replace(start, converged=document["converged"]), rounds, vetoed)
 
 
 def _round(addition: Addition) -> dict[str, Any]:

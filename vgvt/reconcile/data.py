@@ -27,7 +27,7 @@ _HALF_WIDTH, _ORDER = 8, 2
 
 @dataclass(frozen=True, slots=True)
 class MeasuredChannel:
-    """One response of one run; ``run`` counts from 0, ``instrument`` is its place among the run's channels."""
+    """One response of one run; ``run`` counts from 0, ``instrument`` is its place among the run's sensors."""
 
     run: int
     run_number: int
@@ -48,6 +48,7 @@ class Measured:
     local rational models; ``variances`` holds it and cruder ones to compare with; ``sigma`` (C, L) is the standard
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
     indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record, no taper on it.
+    ``runs`` holds the nodes where every run had its sensors, those of channels that could not be used among them.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
     ``endings`` are those of the runs' records, by which these leave something out.
     """
@@ -121,7 +122,7 @@ def measured_frfs(
     level = np.sqrt(np.mean(np.abs(force) ** 2, axis=1)) * 2 / spectra.samples
     return Measured(
         frequency[chosen], channels, values, noise, variances, _sigma(values, noise, floor), force, chosen,
-        rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.responses) for run in runs), rate, level,
+        rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.mounted) for run in runs), rate, level,
         spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
         tuple(
             Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) for r, end in enumerate(spectra.ends)
@@ -163,9 +164,9 @@ def _dof(channel: Channel) -> Dof:
 
 def _channels(runs: tuple[UsableRun, ...]) -> tuple[tuple[MeasuredChannel, ...], list[tuple[MeasuredChannel, int]]]:
     found = [
-        MeasuredChannel(r, run.run, _dof(channel), k)
+        MeasuredChannel(r, run.run, _dof(channel), run.mounted.index(channel))
         for r, run in enumerate(runs)
-        for k, channel in enumerate(run.responses)
+        for channel in run.responses
     ]
     return tuple(found), [(channel, i) for i, channel in enumerate(found)]
 

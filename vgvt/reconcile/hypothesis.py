@@ -41,6 +41,10 @@ class Hypothesis:
         """The effect's name as scenarios write it."""
         return str(self.cls.name)  # type: ignore[attr-defined]
 
+    def same(self, other: Hypothesis) -> bool:
+        """Whether both are one variant: a process or a file that hands one on makes another object of it."""
+        return self.cls is other.cls and dict(self.settings) == dict(other.settings)
+
     @property
     def family(self) -> str:
         """Where the effect acts."""

@@ -71,8 +71,12 @@ def telling(found: Attribution, without: Attribution) -> Attribution:
 def demoted(found: Attribution) -> Attribution:
     """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
     bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
-    met = found.null_residual.adequate and not strained_too_much(found.null)
-    return bare if met else replace(bare, leads=found.rounds, led=found.final)
+    if not found.null_residual.adequate or strained_too_much(found.null):
+        return replace(bare, leads=found.rounds, led=found.final)
+    # What the first round asked is what stood between these data and a name; what could not be was refused one.
+    strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
+    rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
+    return replace(bare, last_rivals=rivals, vetoed=(*strange, *found.vetoed))
 
 
 def shares(found: Attribution) -> tuple[float, float]:

@@ -31,6 +31,8 @@ _NEIGHBOURS = 2
 # What a fit elsewhere is given before it is asked how far behind it is.
 _FIRST = (*FAR[:-1], (0.0, 6))
 _OTHER_SIDE = {"left": "right", "right": "left"}
+# What says where a thing is that has no place in metres.
+_WHERE = ("side", "node", "other_node", "sensors", "channels", "item", "shaker", "beam")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,6 +116,19 @@ def distinct_places(fits: Sequence[Fit]) -> tuple[Place, ...]:
         if place is not None and all(_apart(place, other) > APART_M for other in found):
             found.append(place)
     return tuple(found)
+
+
+def open_places(addition: Addition) -> tuple[str, ...]:
+    """Where else the winner's effect does as well, in words: other points, or settings that say where it is."""
+    winner = addition.winner
+    same = [r for r in addition.equivalent if r.name == winner.name and r is not winner]
+    points = distinct_places([winner.fit, *(r.fit for r in same)])[1:]
+    own = winner.hypothesis.settings
+    others = [{k: v for k, v in r.hypothesis.settings.items() if k in _WHERE and v != own.get(k)} for r in same]
+    return (
+        *(f"at x = {x:.2f} m, y = {y:.2f} m" for x, y in points),
+        *dict.fromkeys("with " + ", ".join(f"{k} = {v}" for k, v in other.items()) for other in others if other),
+    )
 
 
 def _offers(winner: Fit) -> list[tuple[str, Hypothesis, dict[str, float]]]:

@@ -48,7 +48,8 @@ class Placebo:
     def of(cls, verdict: Verdict) -> Placebo:
         """The figures of a verdict on a campaign in which nothing is missing, whatever it says."""
         found = verdict.attribution
-        rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
+        named = found.rounds or found.leads
+        rivals = named[0].rivals if named else found.last_rivals
         return cls.of_residual(found.null, found.null_residual, best_nats(rivals, found.vetoed))
 
     @classmethod

@@ -126,10 +126,10 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
     if procedure.force != 1:
         pushed, force = procedure.force * measured.pushed, procedure.force * measured.force
         measured = replace(measured, pushed=pushed, force=force)
-    if procedure.sweeps > 1:
-        # The model's own error does not average out.
-        noise = measured.noise / procedure.sweeps
-        measured = replace(measured, noise=noise, sigma=np.sqrt(measured.sigma**2 - measured.noise + noise))
+    # Noise of the instruments is what it is, and counts for less in A/F the harder the push and the more sweeps are
+    # averaged. The model's own error does neither.
+    noise = measured.noise / (procedure.force**2 * procedure.sweeps)
+    measured = replace(measured, noise=noise, sigma=np.sqrt(measured.sigma**2 - measured.noise + noise))
     return replace(problem, scenario=scenario, measured=measured, start=nominal)
 
 
@@ -144,6 +144,8 @@ def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
     channels, index = [], []
     for k, run in enumerate(runs):
         for place, node in enumerate(run):
+            if (came[k], node) not in row:
+                continue  # a sensor whose channel could not be used
             index.append(row[came[k], node])
             channels.append(replace(first.channels[index[-1]], run=k, run_number=k + 1, instrument=place))
     again = np.array([c.run >= len(first.runs) for c in channels])

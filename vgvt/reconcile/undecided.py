@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.place_control import distinct_places
 from vgvt.reconcile.rivals import Rival
 
@@ -19,7 +22,7 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
         if addition.in_its_place:
             # Fits that hold the same others: what they foretell differs by the one alone.
             beside = addition.in_its_place[0].fit.hypotheses[:-1]
-            same = (r for r in addition.equivalent if r.fit.hypotheses[:-1] == beside)
+            same = (r for r in addition.equivalent if _all_same(r.fit.hypotheses[:-1], beside))
             rivals = (*addition.in_its_place, *same)
         for r in rivals:
             best.setdefault(r.name, r.fit)
@@ -28,11 +31,16 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
     return tuple(r.fit for r in _apart(found.rounds[-1].equivalent))
 
 
+def _all_same(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> bool:
+    """Whether two models hold the same variants, in order."""
+    return len(some) == len(others) and all(a.same(b) for a, b in zip(some, others, strict=True))
+
+
 def _apart(rivals: tuple[Rival, ...]) -> list[Rival]:
     """Those of rivals with one name that say different things: two starts of one variant that met say the same."""
     kept: list[Rival] = []
     for r in rivals:
-        if not any(r.hypothesis == o.hypothesis and len(distinct_places([o.fit, r.fit])) < 2 for o in kept):
+        if not any(r.hypothesis.same(o.hypothesis) and len(distinct_places([o.fit, r.fit])) < 2 for o in kept):
             kept.append(r)
     return kept
 

@@ -152,8 +152,9 @@ def repeat_noise(
         if len(members) > 1:
             ratio = np.array([responses[i][lines] / forces[run_of[i]][lines] for i in members])
             spread = np.abs(ratio - ratio.mean(axis=0)) ** 2
-            variance = np.convolve(spread.sum(axis=0) / (len(members) - 1), kernel, mode="same")
-            out[members] = variance
+            # At the ends of the band there are fewer lines to take the mean of.
+            inside = np.convolve(np.ones(lines.size), kernel, mode="same")
+            out[members] = np.convolve(spread.sum(axis=0) / (len(members) - 1), kernel, mode="same") / inside
     size = np.array([np.abs(responses[i][lines] / forces[run_of[i]][lines]) ** 2 for _, i in rows])
     usual = np.nanmedian(out / size, axis=0)
     return np.where(np.isnan(out), usual * size, out)

@@ -14,7 +14,7 @@ from vgvt.reconcile.harmonics import words_of
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, Place
 from vgvt.reconcile.one_level import rests_on_one_level
-from vgvt.reconcile.place_control import distinct_places
+from vgvt.reconcile.place_control import open_places
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.posterior import honest
 from vgvt.reconcile.residual import Residual
@@ -123,7 +123,7 @@ def kind_of(found: Attribution) -> Kind:
     awaits_level = rests_on_one_level(found) and (bends or (found.final_residual.met and not doubtful))
     if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
-    several = any(len({r.name for r in a.alike}) > 1 or len(_other_places(a)) > 0 for a in found.rounds)
+    several = any(len({r.name for r in a.alike}) > 1 or open_places(a) for a in found.rounds)
     return Kind.AMBIGUOUS if several or rests_on_one_level(found) else Kind.EXPLAINED
 
 
@@ -171,10 +171,14 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"campaigns like it without any missing effect ({before.limits.chi2_per_dof:.2f}; noise alone "
             f"{before.noise_per_dof:.2f})"
         )
-        said.append(
+        idle = [r for r in found.last_rivals if r.convinces(limits) and r not in found.vetoed]
+        said += [
+            f"{r.hypothesis.label} gains {r.gain_nats:.0f} nats, but takes too little of what is left to have a name"
+            for r in idle[:1]
+        ] or [
             f"No plausible effect of the catalogue gains the {limits.evidence_nats:.0f} nats of evidence that a name "
             "needs, by both views of the model's own error, and holds on held-out data"
-        )
+        ]
     else:
         said += [f"Without another effect {text}" for text in before.reasons]
     for addition in found.rounds:
@@ -204,8 +208,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             if r.name not in {e.name for e in addition.equivalent}
         ]
         said += [
-            f"Its place is not determined: at x = {x:.2f} m, y = {y:.2f} m it explains the data as well"
-            for x, y in _other_places(addition)
+            f"Its place is not determined: {where} it explains the data as well" for where in open_places(addition)
         ]
     if kind is not Kind.EXPLAINED and found.rounds:
         said += [f"With it {text}" for text in after.reasons]
@@ -284,13 +287,6 @@ def _how_well(r: Rival, winner: Rival, set_nats: float) -> str:
     """How well a rival explains the data against the winner, of which it is not behind."""
     ahead = r.gain_nats - winner.gain_nats
     return f"better, by {ahead:.0f} nats" if ahead > set_nats else f"as well, within {set_nats:.0f} nats"
-
-
-def _other_places(addition: Addition) -> tuple[tuple[float, float], ...]:
-    """Where else the winner's effect does as well."""
-    winner = addition.winner
-    same = [r.fit for r in addition.equivalent if r.name == winner.name and r is not winner]
-    return distinct_places([winner.fit, *same])[1:]
 
 
 def _looks_like(place: Place) -> str:

@@ -16,7 +16,10 @@ MOST_CLIPPED = 0.005
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsableRun:
-    """The sound channels of one run; samples are views of the record's."""
+    """The sound channels of one run; samples are views of the record's.
+
+    ``mounted`` are all its response channels, those left out among them: their sensors load the structure all the same.
+    """
 
     run: int
     sample_rate_hz: float
@@ -24,6 +27,7 @@ class UsableRun:
     reference_samples: tuple[NDArray[np.floating], ...]
     responses: tuple[Channel, ...]
     response_samples: tuple[NDArray[np.floating], ...]
+    mounted: tuple[Channel, ...]
 
     @property
     def samples(self) -> int:
@@ -104,6 +108,7 @@ def _usable_run(campaign: str, record: Record, remarks: list[str]) -> UsableRun:
         tuple(x for _, x in references),
         tuple(c for c, _ in sound),
         tuple(x for _, x in sound),
+        tuple(c for c, _ in responses),
     )
 
 

@@ -1,0 +1,67 @@
+"""A channel that cannot be used is left out of what is fitted; its sensor stays on the aircraft, and in its place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario
+
+from vgvt.data import Campaign
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.problem import Problem, make_problem, problem_of
+from vgvt.reconcile.procedures import changed, procedures
+from vgvt.reconcile.surrogate import anchor
+
+# A sensor of the second run that does not decide how its record ends, and more lines than there are: both take all.
+RUN, CHANNEL, ALL_LINES = 1, 3, 10_000
+
+
+def without_one(campaign: Campaign) -> Campaign:
+    """The campaign with one response that reads nothing."""
+    record = campaign.runs[RUN]
+    samples = record.samples.copy()
+    responses = [i for i, c in enumerate(record.channels) if c.role.value == "response"]
+    samples[responses[CHANNEL]] = 0.0
+    return replace(campaign, runs=(*campaign.runs[:RUN], replace(record, samples=samples), *campaign.runs[RUN + 1 :]))
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Problem]:
+    """The same campaign whole, less the channel in question, and with that channel dead."""
+    scenario, cache = roving_scenario(), tmp_path_factory.mktemp("cache")
+    whole = make_problem(campaign_of(scenario, 1), scenario, lines=ALL_LINES, cache=cache)
+    keep = np.array([(c.run, c.instrument) != (RUN, CHANNEL) for c in whole.measured.channels])
+    dead = make_problem(without_one(campaign_of(scenario, 1)), scenario, lines=ALL_LINES, cache=cache)
+    return problem_of(whole.measured.some(keep), scenario, cache=cache), dead
+
+
+def test_the_sensor_stays_on_the_aircraft_and_the_others_in_their_places(pair: tuple[Problem, Problem]) -> None:
+    """What the others of that run are foretold to read is what it is with every channel alive."""
+    sound, dead = pair
+    assert dead.measured.runs == sound.measured.runs
+    assert dead.measured.channels == sound.measured.channels
+    assert any("left out, dead" in remark for remark in dead.measured.remarks)
+    assert dead.names == sound.names
+    u, e = np.zeros(dead.size), np.zeros(0)
+    foretold = [anchor(case, u, (), e, slopes=False).mechanical(u, e) for case in (dead, sound)]
+    np.testing.assert_allclose(foretold[0], foretold[1], rtol=1e-9)
+
+
+def test_every_effect_and_every_further_test_can_do_without_it(pair: tuple[Problem, Problem]) -> None:
+    _, dead = pair
+    assert {h.settings.get("node") for h in candidates(dead)} >= set(dead.measured.runs[RUN])
+    for procedure in procedures(dead):
+        after = changed(dead, procedure).measured
+        assert len(after.channels) == len(after.values) >= len(dead.measured.channels)
+
+
+def test_a_harder_push_leaves_less_noise_in_the_responses(pair: tuple[Problem, Problem]) -> None:
+    """The variance of A/F goes with the square of the force; what the model cannot do stays as it is."""
+    _, case = pair
+    averaged = next(p for p in procedures(case) if p.sweeps > 1)
+    quarter = replace(averaged, sweeps=1, force=0.25)
+    before, after = case.measured, changed(case, quarter).measured
+    np.testing.assert_allclose(after.noise, 16 * before.noise)
+    np.testing.assert_allclose(after.sigma**2 - after.noise, before.sigma**2 - before.noise, rtol=1e-6, atol=1e-20)
