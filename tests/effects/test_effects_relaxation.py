@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
+import scipy.linalg
 from hung_hati import UP, hung_hati, made, with_effect
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Relaxation
 from vgvt.scenario import Scenario
 from vgvt.simulation.assembly import bare_rig, plans
-from vgvt.simulation.linear import LinearModel, linearise
+from vgvt.simulation.damping import RIGID_MODES
+from vgvt.simulation.linear import LinearModel, joint_force, linearise, mass_matrix, stiffness_matrix
 from vgvt.simulation.relaxation_elements import NODE_RATE_RAD_PER_S
 
 FREQUENCY_HZ = np.linspace(2.0, 40.0, 1500)
@@ -124,3 +127,62 @@ def test_warming_leaves_truth_and_rest_as_they_were(hati: Scenario) -> None:
         # To rounding: dampers that are zero at rest are more terms of the same sums.
         np.testing.assert_allclose(there, here, rtol=0, atol=1e-14 * np.abs(here).max())
     assert replace(cold, mass=plain.mass).freedoms == plain.freedoms
+
+
+BESIDE_WARMTH: list[tuple[str, dict[str, object]]] = [
+    ("bend-twist-coupling", {"coupling": 0.3}),
+    ("bend-twist-coupling", {"coupling": -0.3, "side": "left"}),
+    ("root-freeplay", {"gap_rad": 0.004}),
+    ("root-freeplay", {"gap_rad": 0.004, "kind": "bending"}),
+    ("carry-through-torsion", {"compliance_rad_per_n_m": 1e-3}),
+    ("viscoelastic-stiffness", {"rise": 0.2}),
+]
+"""What else lays springs across the airframe's joints, or takes some of theirs."""
+
+
+@pytest.mark.parametrize("softening", [0.1, -0.1])
+@pytest.mark.parametrize("warm_first", [False, True])
+@pytest.mark.parametrize(("name", "parameters"), BESIDE_WARMTH)
+def test_every_spring_of_the_airframe_warms_up_alike(
+    hati: Scenario, name: str, parameters: dict[str, object], warm_first: bool, softening: float
+) -> None:
+    """Fully warm, all torques at any shape and the squares of all frequencies are 1 - softening of the cold ones.
+
+    Whichever table comes first. Joints are bent by far more than the gap of any play, to both sides.
+    """
+    warm: tuple[str, dict[str, object]] = ("warm-up", {"softening": softening})
+    scenario = hati
+    for effect, values in [warm, (name, parameters)] if warm_first else [(name, parameters), warm]:
+        scenario = with_effect(scenario, effect, **values)
+    model = bare_rig(plans(scenario)[0]).model
+    bent = np.zeros(model.nq)
+    bent[RIGID_MODES:] = 0.02 * np.random.default_rng(1).standard_normal(model.nq - RIGID_MODES)
+    torques, squares = [], []
+    for warmth in (0.0, 1.0):
+        data = mujoco.MjData(model)
+        data.act[:] = warmth
+        mass, stiffness = mass_matrix(model, data), stiffness_matrix(model, data, np.zeros(model.nq))
+        squares.append(scipy.linalg.eigh(stiffness, mass, eigvals_only=True))
+        data.qpos[:] = bent
+        torques.append(joint_force(model, data).copy())
+    assert np.abs(torques[0]).max() > 0.1
+    np.testing.assert_allclose(torques[1], (1 - softening) * torques[0], atol=1e-9 * np.abs(torques[0]).max())
+    # Inside its gap a root that plays holds nothing, and some modes are rigid besides the six.
+    elastic = squares[0] > (2 * np.pi * 1.0) ** 2
+    assert np.count_nonzero(elastic) > 6
+    np.testing.assert_allclose(squares[1][elastic], (1 - softening) * squares[0][elastic], rtol=1e-3)
+
+
+def test_within_its_gap_a_warm_root_holds_as_little_as_a_cold_one(hati: Scenario) -> None:
+    """What takes a stop's torque away begins at the stop: halfway there it would push the root over."""
+    gap = 0.004
+    scenario = with_effect(with_effect(hati, "root-freeplay", gap_rad=gap), "warm-up", softening=0.1)
+    model = bare_rig(plans(scenario)[0]).model
+    data = mujoco.MjData(model)
+    data.act[:] = 1.0
+    roots = [int(model.joint(f"wing-{side}-root/torsion").qposadr[0]) for side in ("right", "left")]
+    for angle in (0.25 * gap, -0.25 * gap):
+        data.qpos[roots] = angle
+        np.testing.assert_allclose(joint_force(model, data), 0.0, atol=1e-12)
+    data.qpos[roots] = gap
+    assert np.abs(joint_force(model, data)).max() > 1.0

@@ -19,6 +19,7 @@ from hung_hati import (
     stiffened,
     with_effect,
 )
+from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from vgvt.data import InputError
@@ -61,25 +62,70 @@ def test_surge_elements_sum_to_the_exact_spring(hati: Scenario) -> None:
     np.testing.assert_allclose(stiffness.real[:400], exact.real[:400], rtol=1e-3)
 
 
-def test_surge_in_the_rig_equals_substructuring_with_the_exact_spring(hati: Scenario) -> None:
-    """The plain rig with its spring exchanged at the hook for k γ cot γ (Woodbury) is the rig with surge.
+def spring_exchanged(
+    hati: Scenario, frequency_hz: NDArray[np.float64], mass_kg: float, along: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Receptance (lines,) of the plain rig's drive point with its spring exchanged at the hook (Woodbury).
 
-    Sideways the spring acts as a taut string, which below its own resonance is a third of its mass."""
+    ``along`` (lines,) is the other one's dynamic stiffness, N/m. Sideways a spring acts as a taut string, which below
+    its own resonance is a third of its mass.
+    """
+    points = (("drive-point", UP), ("hook", AFT), ("hook", RIGHT), ("hook", UP))
+    plain = receptance(hung(hati, *points), frequency_hz)
+    across = -((2 * np.pi * frequency_hz) ** 2) * mass_kg / 3
+    stiffer = along - hati.suspension.stiffness_n_per_m
+    change = np.array([np.diag(row) for row in zip(across, across, stiffer, strict=True)])
+    loaded = np.linalg.solve(np.eye(3) + change @ plain[:, 1:, 1:], change @ plain[:, 1:, :1])
+    return np.asarray(plain[:, 0, 0] - (plain[:, :1, 1:] @ loaded)[:, 0, 0])
+
+
+def test_surge_in_the_rig_equals_substructuring_with_the_exact_spring(hati: Scenario) -> None:
+    """The plain rig with its spring exchanged at the hook for k γ cot γ is the rig with surge."""
     mass, loss, k = 0.3, 0.004, hati.suspension.stiffness_n_per_m
     frequency = np.linspace(4.0, 35.0, 3000)
-    points = (("drive-point", UP), ("hook", AFT), ("hook", RIGHT), ("hook", UP))
-    plain = receptance(hung(hati, *points), frequency)
-    omega = 2 * np.pi * frequency
-    gamma = omega * np.sqrt(mass / (k * (1 + 1j * loss)))
-    along, across = k * (1 + 1j * loss) * gamma / np.tan(gamma) - k, -(omega**2) * mass / 3
-    change = np.array([np.diag(row) for row in zip(across, across, along, strict=True)])
-    loaded = np.linalg.solve(np.eye(3) + change @ plain[:, 1:, 1:], change @ plain[:, 1:, :1])
-    expected = plain[:, 0, 0] - (plain[:, :1, 1:] @ loaded)[:, 0, 0]
+    plain = receptance(hung(hati, ("drive-point", UP)), frequency)
+    gamma = 2 * np.pi * frequency * np.sqrt(mass / (k * (1 + 1j * loss)))
+    expected = spring_exchanged(hati, frequency, mass, k * (1 + 1j * loss) * gamma / np.tan(gamma))
     got = receptance(
         hung(with_effect(hati, "suspension-surge", mass_kg=mass, loss_factor=loss), ("drive-point", UP)), frequency
     )
     assert np.abs(got[:, 0, 0] - expected).max() < 0.02 * np.abs(expected).max()
     assert np.abs(expected - plain[:, 0, 0]).max() > 0.2 * np.abs(expected).max(), "the surge must show in this test"
+
+
+@pytest.mark.parametrize("frame_first", [False, True])
+@pytest.mark.parametrize(("frame_n_per_m", "frame_hz"), [(5e4, 9.0), (5e4, 12.0), (5e3, 9.0)])
+def test_a_surging_spring_on_a_frame_equals_substructuring_with_the_exact_bar(
+    hati: Scenario, frame_n_per_m: float, frame_hz: float, frame_first: bool
+) -> None:
+    """A uniform bar between the hook and a frame of dynamic stiffness z loads the hook with
+    k γ (z cos γ − k γ sin γ) / (z sin γ + k γ cos γ), γ = ω sqrt(m_s/k) (Rao, bars with an elastic end).
+
+    Its first surge is at 9.0 Hz. What it would be on a rigid frame is far from it.
+    """
+    mass, loss, ratio = 0.4, 0.005, 0.02
+    undamped = hati.suspension.model_copy(update={"damping_n_s_per_m": 0.0})
+    hati = hati.model_copy(update={"suspension": undamped})
+    frequency = np.linspace(4.0, 35.0, 3000)
+    omega, own = 2 * np.pi * frequency, 2 * np.pi * frame_hz
+    k = hati.suspension.stiffness_n_per_m * (1 + 1j * loss)
+    gamma = omega * np.sqrt(mass / k)
+    frame = frame_n_per_m * (1 + 2j * ratio * omega / own - (omega / own) ** 2)
+    cosine, sine = np.cos(gamma), np.sin(gamma)
+    along = k * gamma * (frame * cosine - k * gamma * sine) / (frame * sine + k * gamma * cosine)
+    expected, rigid = (
+        -(omega**2) * spring_exchanged(hati, frequency, mass, hook) for hook in (along, k * gamma * cosine / sine)
+    )
+    effects: list[tuple[str, dict[str, object]]] = [
+        ("suspension-surge", {"mass_kg": mass, "loss_factor": loss}),
+        ("frame-resonance", {"compliance_m_per_n": 1 / frame_n_per_m, "frequency_hz": frame_hz}),
+    ]
+    both = hati
+    for name, parameters in reversed(effects) if frame_first else effects:
+        both = with_effect(both, name, **parameters)
+    got = -(omega**2) * receptance(hung(both, ("drive-point", UP)), frequency)[:, 0, 0]
+    assert np.abs(got - expected).max() < 0.02 * np.abs(expected).max()
+    assert np.abs(rigid - expected).max() > 0.5 * np.abs(expected).max(), "the frame must show in this test"
 
 
 def test_surges_are_named_and_equally_spaced(hati: Scenario) -> None:
@@ -152,6 +198,13 @@ def test_frame_and_heave_are_two_masses_in_series(stiff: Scenario) -> None:
     assert got[0] < mode(as_tested(stiff), "heave")[0] * 0.98
 
 
+def test_a_second_frame_is_refused(hati: Scenario) -> None:
+    """It would leave the first one in the air."""
+    once = with_effect(hati, "frame-resonance", compliance_m_per_n=1e-4)
+    with pytest.raises(InputError, match="one upper end"):
+        as_tested(with_effect(once, "frame-resonance", compliance_m_per_n=2e-4))
+
+
 def test_effects_that_split_the_wings_go_together(hati: Scenario) -> None:
     """One after the other on an aircraft whose wings were written out by the first."""
     both = with_effect(hati, "stiffness-asymmetry", bending=0.1, beam="wing")
@@ -204,9 +257,26 @@ def test_impossible_sizes_are_refused(name: str, parameters: dict[str, object]) 
         ("frame-resonance", "compliance_m_per_n"),
         ("cable-drag", "damping_n_s_per_m"),
         ("stinger-moment", "rotational_stiffness_n_m_per_rad"),
+        ("amplitude-dependent-damping", "growth_per_rtkg_m"),
+        ("loose-sensor-mount", "damping_ratio"),
+        ("high-pass-mismatch", "corner_hz"),
+        ("mount-compliance", "compliance_m_per_n"),
+        ("mount-creep", "compliance_m_per_n"),
+        ("entrained-air", "mass_fraction"),
+        ("entrained-air", "drag_n_s_per_m3"),
+        ("root-friction", "friction_n_m"),
+        ("root-freeplay", "gap_rad"),
+        ("payload-change", "mass_kg"),
     ],
 )
 def test_masses_dampers_and_springs_of_their_own_are_not_negative(name: str, parameter: str) -> None:
     """Such a mass has no model, such a damper feeds the aircraft."""
     with pytest.raises(InputError, match=rf"{parameter}: effect '{name}': -0.1 is below 0"):
         made(name, **{parameter: -0.1})
+
+
+@pytest.mark.parametrize("name", ["cubic-root-stiffness", "root-friction", "root-freeplay"])
+def test_a_root_that_holds_nothing_is_refused(name: str) -> None:
+    """Its wing would hang loose: the aircraft finds no rest, or one that no lab has seen."""
+    with pytest.raises(InputError, match=rf"root_stiffness_n_m_per_rad: effect '{name}': 0 is below 1"):
+        made(name, root_stiffness_n_m_per_rad=0.0)

@@ -11,7 +11,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.candidates import candidates, freed, places
+from vgvt.reconcile.candidates import _spread, candidates, freed, places
 from vgvt.reconcile.problem import make_problem
 from vgvt.scenario import load_scenario
 from vgvt.scenario.axis import beam_axis
@@ -86,3 +86,10 @@ def test_every_sensor_can_be_named(name: str, runs: int) -> None:
     labels = {str(p.dof) for p in sensor_points(scenario)}
     assert runs == 1 or {str(h.settings["channels"]) for h in drifted} >= labels
     assert sum(h.share for h in drifted) == pytest.approx(1.0) or not drifted
+
+
+def test_of_too_many_variants_as_many_are_taken_from_every_part() -> None:
+    kept = [v["node"] for v in _spread([{"node": k} for k in range(3000)])]
+    assert len(set(kept)) == len(kept) < 3000
+    assert (kept[0], kept[-1]) == (0, 2999)
+    assert max(np.diff(kept)) <= 3

@@ -17,7 +17,10 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ClockSkew:
-    """Sample n of a skewed channel was taken at n (1 + ε)/fs: a delay that grows with time, and in a sweep with f."""
+    """Sample n of a skewed channel was taken at n (1 + ε)/fs, so that for ε > 0 it shows what comes later.
+
+    That is a lead ε t, which grows with time, and in a sweep with f; for ε < 0 it is a delay.
+    """
 
     name: ClassVar[str] = "clock-skew"
     summary: ClassVar[str] = "Responses and force are sampled by clocks that run at different rates"

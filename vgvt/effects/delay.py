@@ -17,10 +17,14 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ChannelDelay:
-    """Response channels arrive late: G(f) is multiplied by exp(-i 2 pi f tau)."""
+    """At t a channel shows what was at t - tau: G(f) of a response is multiplied by exp(-i 2 pi f tau).
+
+    A converter that takes the responses after the force does the opposite, it shows them early: then it is the force
+    that is late, channels = "force".
+    """
 
     name: ClassVar[str] = "channel-delay"
-    summary: ClassVar[str] = "Response channels are sampled later than the force"
+    summary: ClassVar[str] = "Response channels arrive later than the force"
     family: ClassVar[Family] = Family.ACQUISITION
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = "a phase linear in frequency, the same on all delayed channels; magnitudes untouched"

@@ -17,12 +17,16 @@ _UP: Vector = (0.0, 0.0, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class PointMass:
-    """A lumped mass; negative values are not possible: take it from an item of the airframe instead."""
+    """A lumped mass; negative values are not possible: take it from an item of the airframe instead.
+
+    ``frame_kg`` rides on the frame that the suspension hangs from besides, and counts where an effect lets that move.
+    """
 
     part: str
     position_m: Vector
     mass_kg: float
     owner: Owner = "airframe"
+    frame_kg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +58,11 @@ class RotationSpring:
 
 @dataclass(frozen=True, slots=True)
 class Absorber:
-    """A mass on a spring and dashpot that slides along a direction fixed to the aircraft; ``kind`` names its mode."""
+    """A mass on a spring and dashpot that slides along a direction fixed to the aircraft; ``kind`` names its mode.
+
+    Where an effect lets the suspension's frame move, spring and dashpot act on what the mass slides by less
+    ``frame_share`` of what the frame rises by.
+    """
 
     part: str
     position_m: Vector
@@ -64,6 +72,7 @@ class Absorber:
     direction: Vector = _UP
     kind: Literal["absorber", "surge"] = "absorber"
     owner: Owner = "airframe"
+    frame_share: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +212,10 @@ class Relaxation:
 
 @dataclass(frozen=True, slots=True)
 class WarmUp:
-    """All beams' springs lose a share of their stiffness while a record runs: k (1 - softening (1 - exp(-t/T)))."""
+    """The airframe's springs lose a share of their stiffness while a record runs: k (1 - softening (1 - exp(-t/T))).
+
+    Those that other effects lay across its joints lose theirs with them; the cubic part of a law stays.
+    """
 
     softening: float
     time_constant_s: float

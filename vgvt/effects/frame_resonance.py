@@ -18,7 +18,8 @@ class FrameResonance:
     """A mass on a spring and dashpot between the spring's upper end and the ground.
 
     Through a soft spring k the aircraft sees of it only k²/(k_f − ω² m_f): next
-    to nothing, unless a surge of the spring is near.
+    to nothing, unless a surge of the spring is near. A spring without mass has none: where suspension-surge is in the
+    scenario too, in either order, its surges meet the frame.
     """
 
     name: ClassVar[str] = "frame-resonance"
@@ -31,7 +32,14 @@ class FrameResonance:
     reference: ClassVar[str] = "Den Hartog, Mechanical Vibrations, 4th ed., chapter 3 (two masses in series)"
 
     compliance_m_per_n: float = parameter(
-        "m/N", 1e-6, 6e-4, "static compliance of the frame where the spring hangs", neutral=0.0, scale="log", least=0.0
+        "m/N",
+        1e-6,
+        6e-4,
+        "static compliance c of the frame where the spring hangs; its mass there is then 1/(c ω²) at its own frequency "
+        "ω, and 5 to 50 kg are usual: the corners of the two ranges are not",
+        neutral=0.0,
+        scale="log",
+        least=0.0,
     )
     frequency_hz: float = parameter(
         "Hz", 3.0, 20.0, "frequency of the frame alone", default=8.0, scale="log", least=0.0

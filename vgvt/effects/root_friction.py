@@ -43,6 +43,8 @@ class RootFriction:
         "the joint's linear stiffness where the beam's root is rigid",
         default=2000.0,
         scale="log",
+        # Without any the wing hangs loose, and the aircraft has no modes to speak of.
+        least=1.0,
     )
     kind: Kind = dataclasses.field(default="bending", metadata={"doc": "'bending' or 'torsion'"})
     side: Side = dataclasses.field(default="both", metadata={"doc": "'both', 'right' or 'left'"})

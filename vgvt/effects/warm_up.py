@@ -14,8 +14,10 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class WarmUp:
-    """EI, GJ and root springs times 1 - softening · (1 - exp(-t/T)), t from the start of every record.
+    """The airframe's linear springs times 1 - softening · (1 - exp(-t/T)), t from the start of every record.
 
+    That is EI, GJ, roots and carry-through, and what other effects lay across these, before or after it: a coupling of
+    bending and torsion, the stops of a root's play, a material's memory. A cubic root keeps its k3.
     Superposition holds, but not invariance in time: only the mujoco engine can follow, and the linear one keeps the
     airframe cold, as the truth does.
     """

@@ -84,8 +84,11 @@ def _own_joint(name: str, element: Absorber | HingedFlap) -> str:
 def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | GroundSpring | Absorber) -> None:
     """Add to the matrices, in place, what sits at a point."""
     rows, turn = point_rows(s, layout, element.part, np.array(element.position_m))
+    # Of the frame that the suspension hangs from, where that moves.
+    frame = [k for k, j in enumerate(s.joints) if j.endswith("/frame")]
     if isinstance(element, PointMass):
         s.mass[:] += element.mass_kg * rows.T @ rows
+        s.mass[frame, frame] += element.frame_kg
     elif isinstance(element, GroundSpring):
         _spring(s, _unit(element.direction) @ rows, element.stiffness_n_per_m, element.damping_n_s_per_m)
     else:
@@ -93,6 +96,7 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
         joint = s.joints.index(_own_joint(name, element))
         moved[:, joint] += turn @ _unit(element.direction)
         own[joint] = 1.0
+        own[frame] = -element.frame_share
         s.mass[:] += element.mass_kg * moved.T @ moved
         _spring(s, own, element.stiffness_n_per_m, element.damping_n_s_per_m)
 

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data import InputError
 from vgvt.effects.elements import BendTwist, HingedFlap, SuspensionFrame
 from vgvt.simulation.airframe import AirframeParts
 from vgvt.simulation.rig import FRAME_SITE, GRAVITY_M_PER_S2
@@ -19,8 +20,17 @@ _SMALL_M = 1e-3
 
 
 def add_suspension_frame(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: SuspensionFrame) -> None:
-    """Move the upper end of the hung aircraft's spring onto a mass that slides up and down."""
+    """Move the upper end of the hung aircraft's spring onto a mass that slides up and down.
+
+    InputError where it is on one already.
+    """
     del parts
+    if _suspension_frame(spec) is not None:
+        raise InputError(
+            "effects on the suspension's frame",
+            "two of them let it move, and the spring has one upper end",
+            "Keep one frame-resonance.",
+        )
     site = spec.site(FRAME_SITE)
     top = np.array(site.pos)
     # The spring refers to its end by name: give the name to a site on the frame.
@@ -35,6 +45,38 @@ def add_suspension_frame(spec: mujoco.MjSpec, parts: AirframeParts, name: str, e
     )
     _set_inertial(body, element.mass_kg, np.zeros(3), np.zeros(3))
     body.add_site(name=FRAME_SITE)
+    for joint in [j for j in spec.joints if len(j.userdata)]:
+        drive_by_frame(spec, joint, joint.userdata[0])
+    for lump in [b for b in spec.bodies if len(b.userdata)]:
+        load_frame(spec, lump, lump.userdata[0])
+
+
+def drive_by_frame(spec: mujoco.MjSpec, joint: mujoco.MjsJoint, share: float) -> None:
+    """Let spring and dashpot of a slide act on its motion less ``share`` of what the suspension's frame rises by.
+
+    A frame that comes later finds the share on the joint.
+    """
+    joint.userdata = [share]
+    frame = _suspension_frame(spec)
+    if frame is not None:
+        spring = spec.add_tendon(name=joint.name, stiffness=list(joint.stiffness), damping=list(joint.damping))
+        spring.wrap_joint(joint.name, 1.0)
+        spring.wrap_joint(frame.joints[0].name, -share)
+        joint.stiffness = joint.damping = [0.0, 0.0, 0.0]
+
+
+def load_frame(spec: mujoco.MjSpec, lump: mujoco.MjsBody, mass_kg: float) -> None:
+    """Let mass ride on the suspension's frame. A frame that comes later finds it on the ``lump`` it belongs to."""
+    lump.userdata = [mass_kg]
+    frame = _suspension_frame(spec)
+    if frame is not None:
+        frame.mass += mass_kg
+
+
+def _suspension_frame(spec: mujoco.MjSpec) -> mujoco.MjsBody | None:
+    """What the hung aircraft's spring hangs from, where that moves."""
+    holder = spec.site(FRAME_SITE).parent
+    return holder if holder.joints else None
 
 
 def add_bend_twist(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: BendTwist) -> None:

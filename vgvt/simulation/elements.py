@@ -31,9 +31,15 @@ from vgvt.effects.elements import (
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.airframe import AirframeParts
 from vgvt.simulation.contact_elements import add_mount, add_point_pair, add_rattling_mass, add_suspension_cubic
-from vgvt.simulation.coupled_elements import add_bend_twist, add_hinged_flap, add_suspension_frame
+from vgvt.simulation.coupled_elements import (
+    add_bend_twist,
+    add_hinged_flap,
+    add_suspension_frame,
+    drive_by_frame,
+    load_frame,
+)
 from vgvt.simulation.damping import MODAL_DAMPING
-from vgvt.simulation.relaxation_elements import add_relaxation, add_warm_up
+from vgvt.simulation.relaxation_elements import add_relaxation, add_warm_up, warm_springs
 from vgvt.simulation.rig import add_point_mass
 
 TRIMMED = (GroundSpring, RotationSpring, PointPair, SuspensionCubic)
@@ -46,7 +52,7 @@ _AT_ONCE_S, _RIGID = 1e-9, 0.9999
 
 
 def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Element) -> None:
-    """Add one element to ``spec`` under a unique ``name``."""
+    """Add one element to ``spec`` under a unique ``name``; what softens springs takes in those that it brings."""
     adders: dict[type, Callable[..., None]] = {
         PointMass: _add_mass,
         GroundSpring: _add_ground_spring,
@@ -65,6 +71,8 @@ def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: E
         WarmUp: add_warm_up,
     }
     adders[type(element)](spec, parts, name, element)
+    if element.owner == "airframe":
+        warm_springs(spec, parts)
 
 
 def trim_ground_springs(
@@ -82,6 +90,8 @@ def trim_ground_springs(
 def _add_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: PointMass) -> None:
     position = np.array(element.position_m)
     add_point_mass(spec, parts, name, parts.carrier(element.part, position), position, element.mass_kg)
+    if element.frame_kg > 0:
+        load_frame(spec, spec.body(name), element.frame_kg)
 
 
 def _add_ground_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: GroundSpring) -> None:
@@ -120,6 +130,8 @@ def _add_absorber(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element:
         element.stiffness_n_per_m,
         element.damping_n_s_per_m,
     )
+    if element.frame_share != 0:
+        drive_by_frame(spec, spec.joint(f"{name}/{element.kind}"), element.frame_share)
 
 
 def _slide(

@@ -1,4 +1,4 @@
-"""Elements with a state of their own in time: Maxwell branches beside the airframe's stiffness, joints that warm up.
+"""Elements with a state of their own in time: Maxwell branches beside the airframe's stiffness, springs that warm up.
 
 A Maxwell branch is a spring k and a dashpot c in series, whose node MuJoCo needs as a
 body: it gets the mass c / p for a rate p far above the band, so that the branch errs by at
@@ -10,6 +10,7 @@ says the same as one in every hinge.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -17,13 +18,18 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Relaxation, WarmUp
-from vgvt.simulation.airframe import AirframeParts
+from vgvt.simulation.airframe import AirframeParts, elastic_joints
 from vgvt.simulation.damping import RIGID_MODES
 from vgvt.simulation.linear import linearise
 
 NODE_RATE_RAD_PER_S = 2 * np.pi * 1000.0
 # Joints with less than this share of the largest momentum carry rounding errors.
 _NOTHING = 1e-10
+# What a warm-up leaves on the model for springs that come after it.
+_WARMING = "/warm-up"
+_SIDES = {0: "", 1: "-above", -1: "-below"}
+# More than any spring's torque.
+_ANY_N_M = 1e9
 
 
 def add_relaxation(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Relaxation) -> None:
@@ -46,24 +52,61 @@ def add_relaxation(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
 
 
 def add_warm_up(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: WarmUp) -> None:
-    """Give every spring of a beam an actuator that takes its torque away in proportion to the angle.
+    """Warm every spring of the airframe, and by a note on the model those that come later."""
+    spec.add_numeric(name=f"{name}{_WARMING}", data=[element.softening, element.time_constant_s])
+    warm_springs(spec, parts)
 
-    Its activation is the warmth: a first-order lag of a command that is held at 1, from 0 at the
-    start of the record. (A command's limits hold it: MuJoCo clamps whatever it is sent.)
+
+def warm_springs(spec: mujoco.MjSpec, parts: AirframeParts) -> None:
+    """Bring the actuators that soften springs up to date with the airframe's springs; nothing where none warms up.
+
+    Each takes a spring's torque away in proportion to how far that is stretched. Its activation is the warmth: a
+    first-order lag of a command that is held at 1, from 0 at the start of the record. (A command's limits hold it:
+    MuJoCo clamps whatever it is sent.)
     """
-    for chain in parts.chains.values():
-        for link in chain.links:
-            for hinge in link.hinges:
-                joint = spec.joint(f"{link.name}/{hinge.kind}")
-                warmth = spec.add_actuator(
-                    name=f"{name}-{joint.name}", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name
-                )
-                warmth.dyntype = mujoco.mjtDyn.mjDYN_FILTER
-                warmth.dynprm[0] = element.time_constant_s
-                warmth.gaintype = mujoco.mjtGain.mjGAIN_AFFINE
-                warmth.gainprm[:3] = [0.0, element.softening * joint.stiffness[0], 0.0]
-                warmth.ctrllimited = True
-                warmth.ctrlrange = [1.0, 1.0 + 1e-9]
+    for note in [n for n in spec.numerics if n.name.endswith(_WARMING)]:
+        softening, time_constant_s = (float(v) for v in note.data)
+        for spring in _airframe_springs(spec, parts):
+            name = f"{note.name.removesuffix(_WARMING)}-{spring.of}{_SIDES[spring.side]}"
+            warmth = spec.actuator(name) or spec.add_actuator(name=name, trntype=spring.kind, target=spring.of)
+            warmth.dyntype = mujoco.mjtDyn.mjDYN_FILTER
+            warmth.dynprm[0] = time_constant_s
+            taken = softening * spring.stiffness_n_m_per_rad
+            warmth.gaintype = mujoco.mjtGain.mjGAIN_AFFINE
+            warmth.gainprm[:3] = [-taken * spring.rest_rad, taken, 0.0]
+            warmth.ctrllimited = True
+            warmth.ctrlrange = [1.0, 1.0 + 1e-9]
+            if spring.side:
+                # Within the gap there is nothing to take: there the torque would have the other sign.
+                warmth.forcelimited = True
+                warmth.forcerange = [0.0, _ANY_N_M] if spring.side * softening > 0 else [-_ANY_N_M, 0.0]
+
+
+@dataclass(frozen=True, slots=True)
+class _Spring:
+    """A linear spring of a joint or tendon, at rest there; with a ``side``, only above that (1) or below (-1)."""
+
+    kind: mujoco.mjtTrn
+    of: str
+    stiffness_n_m_per_rad: float
+    rest_rad: float = 0.0
+    side: int = 0
+
+
+def _airframe_springs(spec: mujoco.MjSpec, parts: AirframeParts) -> Iterator[_Spring]:
+    """The springs of the airframe's own joints, and those that effects have laid across them so far."""
+    own = set(elastic_joints(parts))
+    for joint in spec.joints:
+        if joint.name in own:
+            yield _Spring(mujoco.mjtTrn.mjTRN_JOINT, joint.name, float(joint.stiffness[0]))
+    for tendon in spec.tendons:
+        wraps = (wrap.target.name for wrap in tendon.path if wrap.type == mujoco.mjtWrap.mjWRAP_JOINT)
+        if tendon.stiffness[0] == 0 or own.isdisjoint(wraps):
+            continue
+        low, high = (float(v) for v in tendon.springlength)
+        stops = ((low, -1), (high, 1)) if low < high else ((0.0, 0),)
+        for rest, side in stops:
+            yield _Spring(mujoco.mjtTrn.mjTRN_TENDON, tendon.name, float(tendon.stiffness[0]), rest, side)
 
 
 def _elastic_modes(spec: mujoco.MjSpec, limit_rad_per_s: float) -> Iterator[tuple[float, list[tuple[str, np.float64]]]]:

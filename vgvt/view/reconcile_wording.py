@@ -23,12 +23,16 @@ _NEXT = {
         "Then go on with reconciled.toml, which holds it.",
     ),
     "ambiguous": (
-        "Make the first of the suggested tests, or runs at another level where the reasons ask for them, and reconcile "
-        "again with these runs added.",
+        "Make the first of the suggested tests, or runs at another level where the reasons ask for them.",
+        "Runs of the same rig belong to the campaign: add them and reconcile again. A reading goes into the scenario, "
+        "its error into the tolerances.",
+        "A changed rig is another campaign with a scenario of its own: reconcile it with --only for every name.",
+        "Do not go on with reconciled.toml before that: what it holds is not settled.",
     ),
     "partly_explained": (
-        "Take the named effect as a lead, not as a finding: what is left may have bent it.",
+        "Take the named effect as a suspicion, not as a finding: what is left may have bent it.",
         "Look where the residual is left, mend or describe what is there, and reconcile again.",
+        "Take it out of reconciled.toml, which holds it, unless its separating test confirms it.",
     ),
     "unknown": (
         "Look at the place and the type of the interface below; on the aircraft that is where to knock and listen.",
