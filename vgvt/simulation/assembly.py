@@ -17,6 +17,7 @@ from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts
+from vgvt.simulation.damping import undamped
 from vgvt.simulation.elements import TRIMMED, add_element, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
@@ -214,7 +215,7 @@ def hung_rig(layout: Plan, run: int, at_rest: NDArray[np.float64] | None = None)
     """
     if at_rest is None:
         whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
-        at_rest = _settle(layout, whole.compile(), springs)
+        at_rest = _settle(layout, undamped(whole).compile(), springs)
     end_mass = 0.0 if layout.strike is not None else layout.scenario.transducer.end_mass_kg
     structure_side, springs = _hung_spec(layout, run, end_mass)
     # Armature and coil come after the coordinates of the hung aircraft.
@@ -237,7 +238,7 @@ def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float
     """
     spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
     hung = spec.compile()
-    qpos = _settle(layout, hung, springs)
+    qpos = _settle(layout, undamped(spec).compile(), springs)
     _trim(spec, springs, qpos)
     data = mujoco.MjData(hung)
     data.qpos[:] = qpos
