@@ -215,7 +215,7 @@ def hung_rig(layout: Plan, run: int, at_rest: NDArray[np.float64] | None = None)
     """
     if at_rest is None:
         whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
-        at_rest = _settle(layout, undamped(whole).compile(), springs)
+        at_rest = _settle(layout, whole, springs)
     end_mass = 0.0 if layout.strike is not None else layout.scenario.transducer.end_mass_kg
     structure_side, springs = _hung_spec(layout, run, end_mass)
     # Armature and coil come after the coordinates of the hung aircraft.
@@ -237,9 +237,9 @@ def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float
     The coordinates of armature and coil come after those and are zero there.
     """
     spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
-    hung = spec.compile()
-    qpos = _settle(layout, undamped(spec).compile(), springs)
+    qpos = _settle(layout, spec, springs)
     _trim(spec, springs, qpos)
+    hung = spec.compile()
     data = mujoco.MjData(hung)
     data.qpos[:] = qpos
     mujoco.mj_forward(hung, data)
@@ -259,7 +259,6 @@ def rigid_body(rig: Rig) -> RigidBodyProperties:
     data = mujoco.MjData(rig.model)
     data.qpos[:] = rig.qpos
     mujoco.mj_kinematics(rig.model, data)
-    mujoco.mj_comPos(rig.model, data)
     root = rig.model.body(ROOT).id
     total = NOTHING
     for body in range(rig.model.nbody):
@@ -276,8 +275,9 @@ def _transducer_side_mass(layout: Plan) -> float:
     return 0.0 if layout.strike is not None else scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
 
 
-def _settle(layout: Plan, model: mujoco.MjModel, springs: list[str]) -> NDArray[np.float64]:
+def _settle(layout: Plan, spec: mujoco.MjSpec, springs: list[str]) -> NDArray[np.float64]:
     """The equilibrium (nq,) without the springs that will be trimmed to it: put on last, they hold nothing."""
+    model = undamped(spec).compile()
     for name in springs:
         model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:
@@ -318,9 +318,8 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
         add_point_mass(spec, layout.parts, transducer, drive.carrier, drive.position_m, transducer_mass_kg)
         # On the transducer, which a compliant mount lets move on its own.
         spec.body(transducer).add_site(name=drive.site)
-    if layout.strike is not None:
-        for point in (*layout.drives, layout.strike):
-            _add_site(spec, layout, point)
+    for point in () if layout.strike is None else (*layout.drives, layout.strike):
+        _add_site(spec, layout, point)
     springs: list[str] = []
     for name, element in layout.elements:
         if element.owner == "rig":
