@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile import one_level, verdict
+from vgvt.reconcile import one_level, place_control, verdict
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.problem import CELLS
@@ -89,8 +89,9 @@ def test_a_name_that_depends_on_level_awaits_a_second_one_before_anything_else(
 
 
 @pytest.mark.parametrize(("also", "kind"), [("left", Kind.AMBIGUOUS), ("right", Kind.EXPLAINED)])
-def test_a_side_that_does_as_well_is_no_explanation(also: str, kind: Kind) -> None:
+def test_a_side_that_does_as_well_is_no_explanation(monkeypatch: pytest.MonkeyPatch, also: str, kind: Kind) -> None:
     """The same effect on the other side is another repair; another start of the same side is not."""
+    monkeypatch.setattr(place_control, "_touched", lambda fit: None)
     case = found(fitted(), fitted())
     (addition,) = case.rounds
     here, there = (

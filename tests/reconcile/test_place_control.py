@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import drawn_scores, problem
+from reconciled_case import campaign_of, claimed, drawn_scores, problem, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile import place_control
@@ -16,6 +16,7 @@ from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import NEAR, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, open_places, place_of
+from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.rivals import Rival
 
 CHANNELS, LINES = 8, 100
@@ -85,8 +86,9 @@ def test_a_strong_absorber_does_worse_everywhere_else(tmp_path: Path) -> None:
     assert as_good(winner, winner, 5.0)
 
 
-def test_where_else_is_said_by_points_or_by_the_settings_that_say_where() -> None:
+def test_where_else_is_said_by_points_or_by_the_settings_that_say_where(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not by how it came about: another course, another order of a filter, is no other place."""
+    monkeypatch.setattr(place_control, "_touched", lambda fit: None)
     known = available_effects()
 
     def rival(name: str, **settings: Any) -> Any:
@@ -105,3 +107,22 @@ def test_where_else_is_said_by_points_or_by_the_settings_that_say_where() -> Non
     ):
         addition: Any = Addition(round_of[0], tuple(round_of), tuple(round_of), None)
         assert open_places(addition) == words
+
+
+def test_the_same_channels_in_other_words_are_one_place(tmp_path: Path) -> None:
+    """A sensor's number in the last run is the point where it sits there; of A/F nobody knows which of both it was."""
+    scenario = roving_scenario()
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path)
+    last = {"shape": "step", "from_run": 4}
+
+    def elsewhere_said(one: dict[str, Any], other: dict[str, Any], name: str = "gain-drift") -> tuple[str, ...]:
+        size = {"gain-drift": {"drift": 0.05}, "channel-delay": {"delay_s": 1e-4}}[name]
+        fits = [claimed(case, name, size, **settings) for settings in (one, other)]
+        rivals = tuple(Rival(f, 9.0, 9.0, 9.0, 1.0) for f in fits)
+        return open_places(Addition(rivals[0], rivals, rivals, None))
+
+    assert elsewhere_said(last | {"channels": "sensor-3"}, last | {"channels": "12+Z"}) == ()
+    assert elsewhere_said(last | {"channels": "sensor-3"}, last | {"channels": "16+Z"}) == ("with channels = 16+Z",)
+    assert elsewhere_said({"channels": "sensor-3"}, {"channels": "12+Z"}) == ("with channels = 12+Z",)
+    assert elsewhere_said({"channels": "response"}, {"channels": "force"}, "channel-delay") == ()
+    assert elsewhere_said({"channels": "7+Z"}, {"channels": "3+Z"}, "channel-delay") == ("with channels = 3+Z",)

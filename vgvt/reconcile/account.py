@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.data import Geometry
 from vgvt.reconcile.augment import posterior_of
@@ -47,7 +48,7 @@ def account_of(
     found = verdict.attribution
     problem = found.null.problem
     split, measured, limits = problem.split, problem.measured, verdict.thresholds
-    own = found.null_residual.limits
+    own, seen = found.null_residual.limits, np.flatnonzero(measured.used)
     held = np.where(split.held_runs, "run", np.where(split.held_channels, "channel", ""))
     places = verdict.localisation.places if verdict.localisation else ()
     at_null = verdict.kind is Kind.EXPLAINED or not found.rounds
@@ -58,13 +59,13 @@ def account_of(
         unexplained=verdict.unexplained,
         facts=dict(facts or {}),
         geometry=_geometry(problem),
-        channels=tuple(ChannelRow(c.label, h) for c, h in zip(measured.channels, held.tolist(), strict=True)),
+        channels=tuple(ChannelRow(measured.channels[k].label, str(held[k])) for k in seen),
         frequency_hz=measured.frequency_hz,
-        measured=measured.values,
-        sigma=measured.sigma,
+        measured=measured.values[seen],
+        sigma=measured.sigma[seen],
         bands_hz=found.null_residual.bands_hz,
-        before=_state(found.null, found.null_residual, verdict.before),
-        after=_state(found.final, found.final_residual, verdict.after),
+        before=_state(found.null, found.null_residual, verdict.before, seen),
+        after=_state(found.final, found.final_residual, verdict.after, seen),
         limits={
             "chi2_per_dof": own.chi2_per_dof,
             "smooth_per_dof": own.smooth_per_dof,
@@ -110,7 +111,7 @@ def _geometry(problem: Problem) -> Geometry:
     return Geometry(tuple(nodes), np.array(list(nodes.values())), (), outlines_m(problem.scenario.airframe))
 
 
-def _state(fit: Fit, left: Residual, comparison: Comparison) -> ModelState:
+def _state(fit: Fit, left: Residual, comparison: Comparison, seen: NDArray[np.intp]) -> ModelState:
     figures = {
         "chi2_per_dof": left.train_chi2_per_dof,
         "smooth_per_dof": left.smooth_per_dof,
@@ -129,7 +130,7 @@ def _state(fit: Fit, left: Residual, comparison: Comparison) -> ModelState:
             ("held_channels", comparison.held_channels),
         )
     }
-    return ModelState(fit.foretold, left.table, figures, merits, left.adequate)
+    return ModelState(fit.foretold[seen], left.table[seen], figures, merits, left.adequate)
 
 
 def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tuple[EffectRow, ...]:

@@ -48,7 +48,8 @@ class Measured:
     local rational models; ``variances`` holds it and cruder ones to compare with; ``sigma`` (C, L) is the standard
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
     indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record, no taper on it.
-    ``runs`` holds the nodes where every run had its sensors, those of channels that could not be used among them.
+    A channel that could not be ``used`` (C,) has no values and an infinite ``sigma``: its sensor loads the aircraft,
+    and nothing is asked of it.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
     ``endings`` are those of the runs' records, by which these leave something out.
     """
@@ -69,10 +70,16 @@ class Measured:
     remarks: tuple[str, ...] = ()
     harmonics: tuple[Harmonic, ...] = ()
     endings: tuple[Ending, ...] = ()
+    lost: NDArray[np.bool_] | None = None
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which channels hold data, (C,)."""
+        return np.ones(len(self.channels), dtype=bool) if self.lost is None else ~self.lost
 
     def with_floor(self, floor: float) -> Measured:
         """The same data judged with another relative model-form floor."""
-        return replace(self, sigma=_sigma(self.values, self.noise, floor))
+        return replace(self, sigma=np.where(self.used[:, None], _sigma(self.values, self.noise, floor), np.inf))
 
     def some(self, keep: NDArray[np.bool_]) -> Measured:
         """Only some channels (C,) bool; runs stay."""
@@ -84,6 +91,7 @@ class Measured:
             noise=self.noise[index],
             variances={name: v[index] for name, v in self.variances.items()},
             sigma=self.sigma[index],
+            lost=None if self.lost is None else self.lost[index],
         )
 
 
@@ -120,13 +128,38 @@ def measured_frfs(
     noise = variances["local rational"]
     force = spectra.force[:, chosen]
     level = np.sqrt(np.mean(np.abs(force) ** 2, axis=1)) * 2 / spectra.samples
-    return Measured(
+    found = Measured(
         frequency[chosen], channels, values, noise, variances, _sigma(values, noise, floor), force, chosen,
         rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.mounted) for run in runs), rate, level,
         spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
         tuple(
             Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) for r, end in enumerate(spectra.ends)
         ),
+    )  # fmt: skip
+    return _with_mounted(found, runs)
+
+
+def _with_mounted(found: Measured, runs: tuple[UsableRun, ...]) -> Measured:
+    """The same with rows for every sensor on the aircraft, in the order of the records' channels."""
+    every = tuple(
+        MeasuredChannel(r, run.run, _dof(channel), k)
+        for r, run in enumerate(runs)
+        for k, channel in enumerate(run.mounted)
+    )
+    if len(every) == len(found.channels):
+        return found
+    row = {channel: i for i, channel in enumerate(found.channels)}
+    at = np.array([row.get(channel, -1) for channel in every])
+
+    def spread(values: Array, missing: float) -> Array:
+        out = values[at]
+        out[at < 0] = missing
+        return out
+
+    return replace(
+        found, channels=every, values=spread(found.values, 0.0), noise=spread(found.noise, 0.0),  # type: ignore[arg-type]
+        variances={name: spread(v, 0.0) for name, v in found.variances.items()}, sigma=spread(found.sigma, np.inf),
+        lost=at < 0,
     )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ def split(scenario: Scenario, measured: Measured, turn: int = 0) -> Split:
 
     It depends on the scenario's seed and the campaign's labels alone, not on a single sample; each ``turn`` is
     another draw. Every run that is not held out keeps a channel to fit; a campaign too small for either keeps
-    everything.
+    everything. A channel that could not be used is in neither part.
     """
     stream = named_stream(scenario.seed, "hold-out", *([turn] if turn else []))
     run = np.array([c.run for c in measured.channels])
@@ -44,12 +44,12 @@ def split(scenario: Scenario, measured: Measured, turn: int = 0) -> Split:
     if runs.size >= _FEWEST_RUNS:
         chosen = stream.permutation(runs)[: max(1, round(_RUN_SHARE * runs.size))]
         held_runs = np.isin(run, chosen)
-    held_channels = np.zeros(count, dtype=bool)
-    left = np.flatnonzero(~held_runs)
+    held_channels, used = np.zeros(count, dtype=bool), measured.used
+    left = np.flatnonzero(~held_runs & used)
     if left.size >= _FEWEST_CHANNELS:
         wanted = max(1, round(_CHANNEL_SHARE * left.size))
         for i in stream.permutation(left):
             alone = (run[left] == run[i]).sum() - held_channels[run == run[i]].sum() < 2
             if not alone and held_channels.sum() < wanted:
                 held_channels[i] = True
-    return Split(~(held_runs | held_channels), held_runs, held_channels)
+    return Split(used & ~(held_runs | held_channels), used & held_runs, held_channels)

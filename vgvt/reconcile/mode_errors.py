@@ -105,7 +105,7 @@ def _errors(
     away = np.abs(measured.frequency_hz - frequency_hz)
     lines = away <= max(half, np.sort(away)[min(_FEWEST_LINES, away.size) - 1])
     values = measured.values[:, lines]
-    size = np.linalg.norm(values, axis=1)
+    size = np.where(measured.used, np.linalg.norm(values, axis=1), 1.0)
     share = [100 * np.linalg.norm(fit.predicted[:, lines] - values, axis=1) / size for fit in (before, after)]
 
     def middle(rows: NDArray[np.bool_]) -> tuple[float, float]:

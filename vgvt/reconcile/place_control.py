@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.candidates import freed, places
 from vgvt.reconcile.fit import FAR, Fit
 from vgvt.reconcile.fit_unless_behind import fit_unless_behind
-from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.grouping import NoStructureError, effects_at
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import Progress, silent
 from vgvt.reconcile.residual import independent_values
@@ -119,16 +119,38 @@ def distinct_places(fits: Sequence[Fit]) -> tuple[Place, ...]:
 
 
 def open_places(addition: Addition) -> tuple[str, ...]:
-    """Where else the winner's effect does as well, in words: other points, or settings that say where it is."""
+    """Where else the winner's effect does as well, in words: other points, or settings that say where it is.
+
+    Not what says the same of the same channels in other words, as a sensor's number does of the point where it sits.
+    A/F is a quotient: what happens to its force, and what happens to all responses, is one place, too.
+    """
     winner = addition.winner
     same = [r for r in addition.equivalent if r.name == winner.name and r is not winner]
     points = distinct_places([winner.fit, *(r.fit for r in same)])[1:]
-    own = winner.hypothesis.settings
-    others = [{k: v for k, v in r.hypothesis.settings.items() if k in _WHERE and v != own.get(k)} for r in same]
+    own, touched = winner.hypothesis.settings, _touched(winner.fit) if same else None
+    others = [
+        {k: v for k, v in r.hypothesis.settings.items() if k in _WHERE and v != own.get(k)}
+        for r in same
+        if touched is None or _touched(r.fit) != touched
+    ]
     return (
         *(f"at x = {x:.2f} m, y = {y:.2f} m" for x, y in points),
         *dict.fromkeys("with " + ", ".join(f"{k} = {v}" for k, v in other.items()) for other in others if other),
     )
+
+
+def _touched(fit: Fit) -> tuple[frozenset[str], ...] | None:
+    """The channels of each run that the last effect of a fit changes; None for one that changes none."""
+    made = effects_at(fit.problem, fit.hypotheses, fit.e)
+    if made is None:
+        return None
+    scenario, found = fit.problem.scenario, []
+    label = {p.dof.node: str(p.dof) for p in fit.problem.layouts.first.grid}
+    for run, nodes in enumerate(scenario.acquisition.run_nodes):
+        changed = {c.channels for c in made[-1].act(scenario, run).channels}
+        shared = bool(changed & {"force", "drive", "response", "all"})
+        found.append(frozenset(label[n] for n in nodes) if shared else frozenset(changed))
+    return tuple(found) if any(found) else None
 
 
 def _offers(winner: Fit) -> list[tuple[str, Hypothesis, dict[str, float]]]:

@@ -144,16 +144,15 @@ def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
     channels, index = [], []
     for k, run in enumerate(runs):
         for place, node in enumerate(run):
-            if (came[k], node) not in row:
-                continue  # a sensor whose channel could not be used
             index.append(row[came[k], node])
             channels.append(replace(first.channels[index[-1]], run=k, run_number=k + 1, instrument=place))
-    again = np.array([c.run >= len(first.runs) for c in channels])
+    again = first.used[index] & np.array([c.run >= len(first.runs) for c in channels])
     measured = replace(
         first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
         sigma=first.sigma[index], variances={name: v[index] for name, v in first.variances.items()},
         force=first.force[came], pushed=first.pushed[came], level_n=first.level_n[came],
         endings=tuple(first.endings[k] for k in came) if first.endings else (),
+        lost=None if first.lost is None else first.lost[index],
     )  # fmt: skip
     parts = problem.split
     split = Split(parts.train[index] | again, parts.held_runs[index] & ~again, parts.held_channels[index] & ~again)

@@ -66,7 +66,8 @@ def residual(fit: Fit, thresholds: Thresholds) -> Residual:
     reasons = (*left, *_of_strain(strain, limits))
     return Residual(
         tuple(c.label for c in measured.channels), measured.frequency_hz, rho, bands, _table(rho, measured, bands),
-        chi2, held_chi2, smooth, lag_one(train), _between(rho, measured, parts), float(np.mean(np.abs(rho) > 3)),
+        chi2, held_chi2, smooth, lag_one(train), _between(rho, measured, parts),
+        float(np.mean(np.abs(rho[measured.used]) > 3)),
         independent_values(train), not left, not reasons, reasons, limits, noise_share(measured, parts.train).noise,
         noise_share(measured, parts.held).noise if held.size else None, strain,
     )  # fmt: skip

@@ -183,7 +183,7 @@ def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
     u = known_in(problem, true)
     values = anchor(problem, u, true.hypotheses, true.e, slopes=False).predict(u, true.e)
     measured = problem.measured
-    relative = np.median(measured.sigma / np.abs(measured.values))
+    relative = np.median(measured.sigma[measured.used] / np.abs(measured.values[measured.used]))
     sigma = relative * (np.abs(values) + np.median(np.abs(values), axis=1, keepdims=True))
     told = replace(problem, measured=replace(measured, values=values, sigma=sigma))
     return told, float(u @ u + true.e @ true.e)

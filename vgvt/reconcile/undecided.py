@@ -14,7 +14,8 @@ from vgvt.reconcile.rivals import Rival
 def undecided(found: Attribution) -> tuple[Fit, ...]:
     """The fits that a next test has to tell apart: of the last round that names several effects, the best fit of each.
 
-    Where no round does, all that the last one holds: one effect at several places, or, at one level, alone.
+    Where no round does, all that the last one with several holds: one effect at several places. Else what the last
+    round holds: an effect that is alone, at one level.
     """
     for addition in reversed(found.rounds):
         best: dict[str, Fit] = {}
@@ -28,7 +29,8 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
             best.setdefault(r.name, r.fit)
         if len(best) > 1:
             return tuple(best.values())
-    return tuple(r.fit for r in _apart(found.rounds[-1].equivalent))
+    apart = [_apart(addition.equivalent) for addition in reversed(found.rounds)]
+    return tuple(r.fit for r in next((several for several in apart if len(several) > 1), apart[0]))
 
 
 def _all_same(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> bool:
