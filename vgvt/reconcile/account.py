@@ -49,7 +49,10 @@ def account_of(
     problem = found.null.problem
     split, measured, limits = problem.split, problem.measured, verdict.thresholds
     own, seen = found.null_residual.limits, np.flatnonzero(measured.used)
-    held = np.where(split.held_runs, "run", np.where(split.held_channels, "channel", ""))
+    rows = [
+        ChannelRow(c.label, "run" if whole else "channel" if alone else "")
+        for c, whole, alone in zip(measured.channels, split.held_runs, split.held_channels, strict=True)
+    ]
     places = verdict.localisation.places if verdict.localisation else ()
     at_null = verdict.kind is Kind.EXPLAINED or not found.rounds
     return Account(
@@ -59,7 +62,7 @@ def account_of(
         unexplained=verdict.unexplained,
         facts=dict(facts or {}),
         geometry=_geometry(problem),
-        channels=tuple(ChannelRow(measured.channels[k].label, str(held[k])) for k in seen),
+        channels=tuple(rows[k] for k in seen),
         frequency_hz=measured.frequency_hz,
         measured=measured.values[seen],
         sigma=measured.sigma[seen],

@@ -152,7 +152,7 @@ def _with_mounted(found: Measured, runs: tuple[UsableRun, ...]) -> Measured:
     at = np.array([row.get(channel, -1) for channel in every])
 
     def spread(values: Array, missing: float) -> Array:
-        out = values[at]
+        out: Array = values[at].copy()
         out[at < 0] = missing
         return out
 
