@@ -46,7 +46,8 @@ def test_points_runs_and_drive_are_those_of_the_records() -> None:
 def test_the_held_out_channels_are_those_of_the_page() -> None:
     scenario = load_scenario(SCENARIO)
     channels = [SimpleNamespace(run=r, node=n) for r, run in enumerate(scenario.acquisition.runs) for n in run]
-    parts = split(scenario, SimpleNamespace(channels=channels))  # type: ignore[arg-type]
+    everything = SimpleNamespace(channels=channels, used=np.ones(len(channels), dtype=bool))
+    parts = split(scenario, everything)  # type: ignore[arg-type]
     runs = sorted({c.run + 1 for c, held in zip(channels, parts.held_runs, strict=True) if held})
     points = [(c.node, c.run + 1) for c, held in zip(channels, parts.held_channels, strict=True) if held]
     (named,) = re.findall(
