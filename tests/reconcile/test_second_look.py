@@ -252,3 +252,26 @@ def test_the_further_a_calibration_is_bent_the_more_is_forgiven(
     current: Any = SimpleNamespace(problem=None, hypotheses=(), u=np.array([bent]), e=np.zeros(0))
     shortlist._forgiving(current)
     assert seen == [(2.0 if stages is FORGIVING else 0.0, stages, stages[-1][0])]
+
+
+@pytest.mark.parametrize(
+    ("chi2_per_dof", "held_out", "first"),
+    [
+        (0.25, 0.29, "root"),  # 8 nats of held-out data against 5 of fitted ones
+        (0.25, 0.55, "inertia"),
+        (0.25, None, "inertia"),
+        (9.0, 0.29, "inertia"),  # under a model that misses much held-out data have chosen already
+    ],
+)
+def test_of_what_fitted_data_cannot_tell_the_one_goes_first_that_foretells_the_others(
+    monkeypatch: pytest.MonkeyPatch, chi2_per_dof: float, held_out: float | None, first: str
+) -> None:
+    """An inertia of 109 nats that leaves 0.56 of held-out data was gone on with; a root of 104 leaves 0.29."""
+    monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 30.0 * better)
+    ahead, other = (
+        SimpleNamespace(name=n, gain_nats=g, held_out=h, fit=a_fit(chi2_per_dof))
+        for n, g, h in (("inertia", 108.8, 0.56), ("root", 103.9, held_out))
+    )
+    winner, equal = rounds._foretelling((ahead, other), ahead)
+    assert winner.name == first
+    assert equal[0] is winner and set(map(id, equal)) == {id(ahead), id(other)}

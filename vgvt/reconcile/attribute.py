@@ -141,8 +141,8 @@ def _selected(
         vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
         if not confirmed:
             break
-        winner = _first(confirmed)
-        equal = (*_equal(winner, confirmed, thresholds), *_ahead_in_all(winner, rivals, confirmed, thresholds))
+        winner, equal = _foretelling(_equal(_first(confirmed), confirmed, thresholds), _first(confirmed))
+        equal = (*equal, *_ahead_in_all(winner, rivals, confirmed, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
         current = winner.fit
@@ -211,6 +211,22 @@ def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) ->
         return tuple(r for r in confirmed if _as_good(r, winner.held_out))
     near = winner.gain_nats - thresholds.set_nats
     return tuple(r for r in confirmed if r.gain_nats > near)
+
+
+def _foretelling(equal: tuple[Rival, ...], ahead: Rival) -> tuple[Rival, tuple[Rival, ...]]:
+    """Of what cannot be told from the rival that is ``ahead`` the one that all data together put first, and all of it.
+
+    Fitted data leave it open: what foretells the others better is the model to go on with.
+    """
+    missed = ahead.held_out
+    if len(equal) < 2 or ahead.fit.chi2_per_dof >= BIASED or missed is None:
+        return ahead, equal
+
+    def by_all(r: Rival) -> float:
+        return r.gain_nats + held_out_nats(ahead.fit, missed - r.held_out) if r.held_out is not None else -np.inf
+
+    first = max(equal, key=by_all)
+    return first, (first, *(r for r in equal if r is not first))
 
 
 def _as_good(r: Rival, missed: float) -> bool:

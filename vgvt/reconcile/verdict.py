@@ -189,7 +189,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
         )
         # Of all that held-out data confirm the winner gains most: what gains more is not confirmed by them.
-        ahead = {r.name: r.gain_nats for r in addition.equivalent if r.gain_nats > winner.gain_nats}
+        beyond = winner.gain_nats + limits.set_nats
+        ahead = {r.name: r.gain_nats for r in addition.equivalent if r.gain_nats > beyond}
         others = sorted({r.name for r in addition.equivalent} - {winner.name, *ahead})
         said += [
             f"{name} would gain {gain:.0f} nats, more than held-out data speak against it"
