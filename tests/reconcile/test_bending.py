@@ -12,7 +12,7 @@ from reconciled_case import roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
 from vgvt.reconcile import bending
-from vgvt.reconcile.bending import level_nats, straightened
+from vgvt.reconcile.bending import level_nats, plain_likenesses, straightened
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
@@ -70,3 +70,34 @@ def test_where_nothing_bends_the_linear_likeness_has_the_name(
 
 def test_nothing_confirmed_stays_nothing() -> None:
     assert straightened([], 5.0) == []
+
+
+@pytest.mark.parametrize(
+    ("linear", "levels", "seen_nats", "beside"),
+    [
+        (False, False, 99.0, ["mass"]),
+        (False, True, 0.1, ["mass"]),
+        (False, True, 30.0, []),  # the levels are answered otherwise: that no mass does
+        (True, False, 0.0, []),
+    ],
+)
+def test_a_plain_likeness_that_meets_the_data_stands_beside_what_no_level_shows(
+    monkeypatch: pytest.MonkeyPatch, linear: bool, levels: bool, seen_nats: float, beside: list[str]
+) -> None:
+    """A mass of 81 g was a rattling one, 27 nats ahead by a seat of 112 Hz, and the mass was not in the answer."""
+    monkeypatch.setattr(bending, "several_levels", lambda problem: levels)
+    monkeypatch.setattr(bending, "level_nats", lambda fit: seen_nats)
+    met = ("mass", "inertia", "absorber")
+    monkeypatch.setattr(
+        bending, "residual", lambda fit, thresholds: SimpleNamespace(adequate=getattr(fit, "of", None) in met)
+    )
+    alike = ("mass", "root", "absorber")
+    rows = (("mass", 520.3, True), ("mass", 520.4, True), ("inertia", 530.0, True), ("root", 500.0, True))
+    confirmed = [rival(*row) for row in (*rows, ("absorber", 545.0, True))]
+    for r in confirmed:
+        r.fit.of = r.name
+    winner = rival("rattling", 547.1, linear, alike)
+    equal = (winner, confirmed[-1])
+    found = plain_likenesses(winner, [winner, *confirmed], equal, SimpleNamespace(set_nats=5.0))  # type: ignore[arg-type]
+    assert [r.name for r in found] == beside
+    assert [r.gain_nats for r in found] == [520.4] * len(beside)

@@ -148,6 +148,7 @@ def test_a_plausible_rival_goes_first_where_it_does_as_well(
     monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
     monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 0.0)
     monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
+    monkeypatch.setattr(rounds, "plain_likenesses", lambda *given: ())
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked: found)
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)

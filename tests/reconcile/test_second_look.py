@@ -106,6 +106,7 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     monkeypatch.setattr(rounds, "_taking_it_away", lambda current, confirmed, before: confirmed)
     monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
+    monkeypatch.setattr(rounds, "plain_likenesses", lambda *given: ())
 
 
 def a_fit(chi2_per_dof: float) -> Any:

@@ -29,7 +29,12 @@ class RattlingMass:
     signature: ClassVar[str] = (
         "bursts of high frequency while the place moves by more than 1 g, low coherence there; silent at low level"
     )
-    confused_with: ClassVar[tuple[str, ...]] = ("local-absorber", "clipping-range", "root-freeplay")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "added-mass",
+        "local-absorber",
+        "clipping-range",
+        "root-freeplay",
+    )
     separating_test: ClassVar[str] = "listen; halve the level: below 1 g at the place the bursts stop altogether"
     reference: ClassVar[str] = (
         "Holmes, The dynamics of repeated impacts with a sinusoidally vibrating table, J. Sound Vib. 84, 1982"

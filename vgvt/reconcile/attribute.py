@@ -10,7 +10,7 @@ import numpy as np
 
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.backward import needed, nowhere, without_last
-from vgvt.reconcile.bending import straightened
+from vgvt.reconcile.bending import plain_likenesses, straightened
 from vgvt.reconcile.candidate_fits import begun_anew, finalists, fitted_from
 from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.courses import best_course, in_other_courses
@@ -143,6 +143,7 @@ def _selected(
             break
         winner, equal = _foretelling(_equal(_first(confirmed), confirmed, thresholds), _first(confirmed))
         equal = (*equal, *_ahead_in_all(winner, rivals, confirmed, thresholds))
+        equal = (*equal, *plain_likenesses(winner, confirmed, equal, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
         current = winner.fit

@@ -12,7 +12,9 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.misfit import data_misfit
+from vgvt.reconcile.residual import residual
 from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.thresholds import Thresholds
 
 if TYPE_CHECKING:
     from vgvt.reconcile.rivals import Rival
@@ -35,6 +37,27 @@ def straightened(confirmed: Sequence[Rival], set_nats: float) -> list[Rival]:
         return near and level_nats(r.fit) < set_nats
 
     return [r for r in confirmed if not needless(r)]
+
+
+def plain_likenesses(
+    winner: Rival, confirmed: Sequence[Rival], equal: Sequence[Rival], thresholds: Thresholds
+) -> tuple[Rival, ...]:
+    """Linear effects that a nonlinear ``winner`` is confused with and that meet the data alone, beside those ``equal``.
+
+    Where no level is answered otherwise than another, all that the winner is ahead by is one parameter more that acts
+    linearly: a mass on a seat far above the band makes up for what the model's form misses of a mass. The best of each
+    name among the confirmed, if it leaves no more than campaigns leave in which nothing is missing.
+    """
+    if winner.hypothesis.linear:
+        return ()
+    if several_levels(winner.fit.problem) and level_nats(winner.fit) >= thresholds.set_nats:
+        return ()
+    names = set(winner.hypothesis.cls.confused_with) - {r.name for r in equal}  # type: ignore[attr-defined]
+    found: dict[str, Rival] = {}
+    for r in sorted(confirmed, key=lambda r: -r.gain_nats):
+        if r.name in names and r.hypothesis.linear and residual(r.fit, thresholds).adequate:
+            found.setdefault(r.name, r)
+    return tuple(found.values())
 
 
 def level_nats(found: Fit) -> float:

@@ -191,7 +191,18 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         # Of all that held-out data confirm the winner gains most: what gains more is not confirmed by them.
         beyond = winner.gain_nats + limits.set_nats
         ahead = {r.name: r.gain_nats for r in addition.equivalent if r.gain_nats > beyond}
-        others = sorted({r.name for r in addition.equivalent} - {winner.name, *ahead})
+        # At one level a plain likeness stands beside a nonlinear name that is ahead of it by what depends on no level.
+        met = winner.fit.chi2_per_dof < BIASED
+        plain = {
+            r.name: winner.gain_nats - r.gain_nats
+            for r in addition.equivalent
+            if met and r.name != winner.name and r.gain_nats < winner.gain_nats - limits.set_nats
+        }
+        others = sorted({r.name for r in addition.equivalent} - {winner.name, *ahead, *plain})
+        said += [
+            f"{name} meets the data, too, {nats:.0f} nats behind, and no level of force tells the two"
+            for name, nats in plain.items()
+        ]
         said += [
             f"{name} would gain {gain:.0f} nats, more than held-out data speak against it"
             for name, gain in ahead.items()
