@@ -29,8 +29,8 @@ range is for an aircraft of some kilograms and three metres of span, with the so
 `vgvt list effects` prints the same catalogue, with `--json` for programs, and installed plugins beside it. Each effect
 has a small scenario that shows it, `spoiled-NAME`: see [the scenarios](../../scenarios/README.md).
 
-To [add an effect](../how-to/add-an-effect.md), write one file like those in `vgvt/effects/`, give it an entry point in the group `vgvt.effects`, and
-let it pass the conformance suite:
+To [add an effect](../how-to/add-an-effect.md), write one file like those in `vgvt/effects/`, give it an entry point
+in the group `vgvt.effects`, and let it pass the conformance suite:
 
 ```text
 import pytest
