@@ -273,6 +273,6 @@ def test_of_what_fitted_data_cannot_tell_the_one_goes_first_that_foretells_the_o
         SimpleNamespace(name=n, gain_nats=g, held_out=h, fit=a_fit(chi2_per_dof))
         for n, g, h in (("inertia", 108.8, 0.56), ("root", 103.9, held_out))
     )
-    winner, equal = rounds._foretelling((ahead, other), ahead)
+    winner, equal = rounds._foretelling(ahead, (ahead, other))
     assert winner.name == first
     assert equal[0] is winner and set(map(id, equal)) == {id(ahead), id(other)}

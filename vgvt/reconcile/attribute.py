@@ -141,7 +141,8 @@ def _selected(
         vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
         if not confirmed:
             break
-        winner, equal = _foretelling(_equal(_first(confirmed), confirmed, thresholds), _first(confirmed))
+        ahead = _first(confirmed)
+        winner, equal = _foretelling(ahead, _equal(ahead, confirmed, thresholds))
         equal = (*equal, *_ahead_in_all(winner, rivals, confirmed, thresholds))
         equal = (*equal, *plain_likenesses(winner, confirmed, equal, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
@@ -214,7 +215,7 @@ def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) ->
     return tuple(r for r in confirmed if r.gain_nats > near)
 
 
-def _foretelling(equal: tuple[Rival, ...], ahead: Rival) -> tuple[Rival, tuple[Rival, ...]]:
+def _foretelling(ahead: Rival, equal: tuple[Rival, ...]) -> tuple[Rival, tuple[Rival, ...]]:
     """Of what cannot be told from the rival that is ``ahead`` the one that all data together put first, and all of it.
 
     Fitted data leave it open: what foretells the others better is the model to go on with.

@@ -49,7 +49,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
         if unknown.scale == "log":
             row |= {"factor": amount, "factor_std": amount * unknown.sd * float(sd[k])}
         else:
-            row |= {"shift": amount, "shift_std": abs(unknown.rate(float(fit.u[k]))) * float(sd[k])}
+            row |= {"shift": amount, "shift_std": unknown.rate(float(fit.u[k])) * float(sd[k])}
         if unknown.nominal is not None:
             row["stated"] = unknown.nominal
             row["calibrated"] = unknown.nominal * amount if unknown.scale == "log" else unknown.nominal + amount

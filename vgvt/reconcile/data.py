@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,13 +152,13 @@ def _with_mounted(found: Measured, runs: tuple[UsableRun, ...]) -> Measured:
     row = {channel: i for i, channel in enumerate(found.channels)}
     at = np.array([row.get(channel, -1) for channel in every])
 
-    def spread(values: Array, missing: float) -> Array:
-        out: Array = values[at].copy()
+    def spread(values: NDArray[Any], missing: float) -> NDArray[Any]:
+        out: NDArray[Any] = values[at]
         out[at < 0] = missing
         return out
 
     return replace(
-        found, channels=every, values=spread(found.values, 0.0), noise=spread(found.noise, 0.0),  # type: ignore[arg-type]
+        found, channels=every, values=spread(found.values, 0.0), noise=spread(found.noise, 0.0),
         variances={name: spread(v, 0.0) for name, v in found.variances.items()}, sigma=spread(found.sigma, np.inf),
         lost=at < 0,
     )  # fmt: skip
