@@ -27,7 +27,7 @@ from vgvt.reconcile.problem import problem_of
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.streams import named_stream
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 LINES = 160
 SIZES = (1.0, 2.0, 6.0)
@@ -119,7 +119,7 @@ def staged(case: Case) -> Staged:
             sizes[name], own = chosen
             ratio = min(ratio, own)
         tables = tuple(EffectTable(name=name, **values) for name, values in sizes.items())
-        campaign = simulate(true.model_copy(update={"effect": tables}), engine=case.engine).campaign
+        campaign = simulated_campaign(true.model_copy(update={"effect": tables}), engine=case.engine)
     for name, said in sizes.items():
         own_place = where(name, said, true)
         place = own_place if own_place.known else place
@@ -221,7 +221,7 @@ def expected(noise: float, whole: bool = False) -> Fit:
     ``whole`` with nothing held out.
     """
     scenario = lab.nominal()
-    campaign = simulate(lab.quiet(scenario), engine="linear").campaign
+    campaign = simulated_campaign(lab.quiet(scenario), engine="linear")
     exact = scenario.tolerances.model_copy(update={"gain": 0.0, "channel_gain": 0.0})
     instruments = scenario.model_copy(update={"tolerances": exact})
     noisy = lab.read_by_instruments(campaign, instruments, named_stream(0, "expected"), noise)

@@ -19,7 +19,7 @@ from vgvt.scenario.axis import beam_axis
 
 Array = NDArray[np.float64]
 # Nature has no cells: the truth has many more than the analysis, and other stretches of stiffness.
-ANALYSIS_CELLS, TRUE_CELLS, STRETCHES = 12, 30, 5
+ANALYSIS_CELLS, TRUE_CELLS, STRETCHES = 12, 60, 5
 # As many as can still be stepped in time at the study's sample rate; with 16 or 20 their coarseness alone is seen.
 STEPPED_CELLS = 24
 RUNS = ((1, 6, 13, 18), (3, 8, 11, 20), (5, 10, 15, 16), (2, 9, 14, 17), (4, 7, 12, 19))

@@ -5,6 +5,8 @@ The figures to quote are ratios within one run of this file, never seconds.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import mujoco
 import mujoco.rollout
 import numpy as np
@@ -13,7 +15,7 @@ import scipy.signal
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulate, simulated_campaign
 from vgvt.simulation.assembly import driven_rig, plans
 from vgvt.simulation.state_space import state_space
 from vgvt.simulation.stepping import substeps
@@ -32,6 +34,15 @@ def test_whole_simulation(benchmark: BenchmarkFixture, short_hati: Scenario) -> 
     """Assembly, truth, time stepping and acquisition."""
     result = benchmark.pedantic(simulate, args=(short_hati,), kwargs={"engine": "mujoco"}, rounds=2)
     assert len(result.campaign.runs) == 10
+
+
+@pytest.mark.benchmark(group="hati, records by the linear engine")
+@pytest.mark.parametrize("made", [simulate, simulated_campaign])
+def test_records_with_their_truth_and_alone(
+    benchmark: BenchmarkFixture, short_hati: Scenario, made: Callable[..., object]
+) -> None:
+    """Who makes many campaigns and judges them by something else has no use for each one's modes."""
+    assert benchmark.pedantic(made, args=(short_hati,), kwargs={"engine": "linear"}, rounds=2)
 
 
 @pytest.mark.benchmark(group="hati, ten runs of two seconds")

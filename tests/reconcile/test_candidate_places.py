@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,11 +12,12 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.candidates import _spread, candidates, freed, places
+from vgvt.reconcile.candidates import _spread, candidates, freed, places, tied_places
 from vgvt.reconcile.problem import make_problem
 from vgvt.scenario import load_scenario
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.planform import part_at
 from vgvt.scenario.points import sensor_points
 
 
@@ -52,6 +54,39 @@ def test_places_reach_as_far_as_the_aircraft() -> None:
         assert np.abs(there).max() < 2.1
         assert mass.values(there)["y_m"] == pytest.approx(tip["y_m"])
         assert next(p for p in freed(variants[-1]).parameters if p.name == "other_y_m").high >= farthest
+
+
+@pytest.mark.parametrize("name", ["hati-unsymmetric", "bff"])
+def test_a_tie_begins_at_the_body_and_between_any_two_beams_and_two_places_of_one(name: str) -> None:
+    """One that began at the body alone never left it: its end does not move there, and nothing says which way to go."""
+    problem: Any = SimpleNamespace(scenario=load_scenario(name))
+    airframe = problem.scenario.airframe
+    beams = {b.name for b in expanded_beams(airframe)}
+    held = [
+        frozenset(part_at(airframe, end) for end in ((x, y), (other_x, other_y)))
+        for x, y, other_x, other_y in tied_places(problem)
+    ]
+    parts = {part for pair in held for part in pair}
+    assert len(parts - beams) == 1
+    assert set(held) == {frozenset(pair) for pair in itertools.combinations(sorted(parts), 2)} | {
+        frozenset({beam}) for beam in parts & beams
+    }
+
+
+def test_a_tie_has_two_ends_and_no_two_ties_are_one() -> None:
+    problem: Any = SimpleNamespace(scenario=load_scenario("garteur-sm-ag19"))
+    ties = tied_places(problem)
+    assert len(set(ties)) == len(ties)
+    assert all(tie[:2] != tie[2:] for tie in ties)
+
+
+def test_a_tie_is_offered_with_both_its_ends_and_fitted_with_both_free() -> None:
+    problem: Any = SimpleNamespace(scenario=load_scenario("hati-unsymmetric"))
+    variants = candidates(problem, {"cable-bundle": available_effects()["cable-bundle"]})
+    assert {tuple(h.settings) for h in variants} == {("x_m", "y_m", "other_x_m", "other_y_m")}
+    assert [tuple(h.settings.values()) for h in variants] == list(tied_places(problem))
+    assert not freed(variants[0]).settings
+    assert sum(h.share for h in variants) == pytest.approx(1.0)
 
 
 def test_what_one_run_alone_shows_of_a_point_cannot_have_drifted(tmp_path: Path) -> None:

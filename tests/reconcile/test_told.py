@@ -139,6 +139,27 @@ def test_only_sizes_of_effects_with_more_than_one_may_go(monkeypatch: pytest.Mon
     ]
 
 
+def test_which_size_goes_is_a_choice_and_only_the_last_effect_is_asked_where_that_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = []
+
+    def fitted(problem: Any, hypotheses: Any, u: Any, e: Any, *_: Any) -> Any:
+        asked.append([dict(h.settings) for h in hypotheses])
+        return SimpleNamespace(hypotheses=hypotheses, evidence_nats=2.0, chi2=1.0, e=e, problem=None, u=u)
+
+    monkeypatch.setattr(spare_sizes, "fit", fitted)
+    monkeypatch.setattr(spare_sizes, "finished", lambda near, _: near)
+    shared = replace(ROOT, share=0.5)
+    both: Any = SimpleNamespace(
+        hypotheses=(ROOT, shared), evidence_nats=1.0, chi2=1.0, e=np.arange(4.0), problem=None, u=np.zeros(2)
+    )
+    lean = leaner(both, last=True)
+    assert [settings[0] for settings in asked] == [{"side": "both"}] * 2
+    assert [h.share for h in lean.hypotheses] == [1.0, 0.25]
+    assert len(leaner(both).hypotheses[0].parameters) == 1
+
+
 def test_what_is_far_behind_without_a_size_is_not_gone_on_with(monkeypatch: pytest.MonkeyPatch) -> None:
     found: Any = SimpleNamespace(
         hypotheses=(ROOT,), evidence_nats=1.0, chi2=100.0, e=np.arange(2.0), problem=None, u=np.zeros(2)

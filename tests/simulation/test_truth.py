@@ -9,7 +9,7 @@ from small_rig import revised
 
 from vgvt.data import synthesise
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import truth_of
+from vgvt.simulation import simulate, simulated_campaign, truth_of
 from vgvt.simulation.assembly import driven_rig, plan, plans
 from vgvt.simulation.state_space import state_space
 from vgvt.simulation.truth import assemble_truth
@@ -53,6 +53,17 @@ def test_true_poles_are_those_of_acceleration_over_force(name: str) -> None:
     # Rigid modes: the stiffness is a difference quotient, and they have little of it.
     for pole in modes.band(0.05, 3.0).poles:
         assert np.abs(zeros - pole).min() < 2e-4 * abs(pole)
+
+
+@pytest.mark.parametrize("engine", ["linear", "mujoco"])
+def test_records_alone_are_those_that_come_with_the_truth(small: Scenario, engine: str) -> None:
+    with_truth, alone = simulate(small, engine=engine).campaign, simulated_campaign(small, engine=engine)
+    assert (alone.name, alone.notes, alone.band_hz) == (with_truth.name, with_truth.notes, with_truth.band_hz)
+    for one, other in zip(alone.runs, with_truth.runs, strict=True):
+        assert one.channels == other.channels
+        np.testing.assert_array_equal(one.samples, other.samples)
+    with pytest.raises(ValueError, match="engine must be"):
+        simulated_campaign(small, engine="finite elements")
 
 
 def test_in_plane_sensors_are_scored_by_what_they_feel(small: Scenario) -> None:

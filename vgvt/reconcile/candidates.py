@@ -1,7 +1,8 @@
 """Every variant of every installed effect that a campaign could show: choices enumerated, places laid out in a grid.
 
 Settings are enumerated by their type and, for the catalogue's common words, by name: ``node``, ``channels``,
-``sensors``, ``side``, ``from_run``, ``item``, and places ``x_m``, ``y_m``. Others keep their defaults.
+``sensors``, ``side``, ``from_run``, ``item``, and places ``x_m``, ``y_m``, with ``other_x_m``, ``other_y_m`` for what
+ties two together. Others keep their defaults.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from vgvt.scenario.planform import edge_lines_m
 # what did best (:mod:`vgvt.reconcile.courses`).
 _FROM_RUNS = 11
 _STATIONS = 6
+_TIED = ("x_m", "y_m", "other_x_m", "other_y_m")
 # A campaign of a dozen runs of 34 sensors asks whether each of these changed its gain, from each run on.
 _MOST = 1024
 
@@ -66,21 +68,45 @@ def freed(hypothesis: Hypothesis) -> Hypothesis:
 
 def places(problem: Problem) -> tuple[tuple[float, float], ...]:
     """Points (x, y) over the aircraft: the drive point, along the centre line, and along each beam at its middle."""
-    airframe = problem.scenario.airframe
-    x = [p[0] for p in airframe.body.outline_m] or [airframe.body.centre_of_gravity_m[0]]
     driven = problem.scenario.shaker.position_m
     # What sits on the drive point is told from what hangs below the gauge by little: it must be offered there.
-    points = [(float(driven[0]), float(driven[1]))]
-    points += [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
-    for beam in expanded_beams(airframe):
+    points = [(float(driven[0]), float(driven[1])), *_on_centre_line(problem)]
+    points += [point for beam in _on_beams(problem) for point in beam]
+    return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
+
+
+def _on_centre_line(problem: Problem) -> list[tuple[float, float]]:
+    """Three points (x, y) of the body, from nose to tail."""
+    body = problem.scenario.airframe.body
+    x = [p[0] for p in body.outline_m] or [body.centre_of_gravity_m[0]]
+    return [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
+
+
+def _on_beams(problem: Problem) -> list[list[tuple[float, float]]]:
+    """Points (x, y) of each beam at its middle, from root to tip."""
+    beams: list[list[tuple[float, float]]] = []
+    for beam in expanded_beams(problem.scenario.airframe):
         forward, aft = edge_lines_m(beam)
         middle = (forward + aft) / 2
         arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
         arc /= arc[-1]
-        for share in (np.arange(_STATIONS) + 0.75) / _STATIONS:
-            share = min(float(share), 0.97)
-            points.append((float(np.interp(share, arc, middle[:, 0])), float(np.interp(share, arc, middle[:, 1]))))
-    return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
+        shares = [min(float(share), 0.97) for share in (np.arange(_STATIONS) + 0.75) / _STATIONS]
+        beams.append([(float(np.interp(v, arc, middle[:, 0])), float(np.interp(v, arc, middle[:, 1]))) for v in shares])
+    return beams
+
+
+def tied_places(problem: Problem) -> tuple[tuple[float, float, float, float], ...]:
+    """Points (x, y, other x, other y) for what ties two places together: of beams to the body, and to each other.
+
+    An end on the body does not move against it: a fit that begins there finds no way off it.
+    """
+    beams, (_, middle, _) = _on_beams(problem), _on_centre_line(problem)
+    pairs = [(point, middle) for beam in beams for point in beam]
+    # The ends of a tie are free to move where it is fitted: two of each beam will do.
+    pairs += itertools.combinations([point for beam in beams for point in beam[2::3]], 2)
+    rounded = ((round(a, 4), round(b, 4), round(c, 4), round(d, 4)) for (a, b), (c, d) in pairs)
+    # From above a fin is a point.
+    return tuple(dict.fromkeys(tie for tie in rounded if tie[:2] != tie[2:]))
 
 
 def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
@@ -94,7 +120,11 @@ def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
         options = _options(problem, f.name, hints[f.name])
         if options is not None:
             choices[f.name] = options
-    at = places(problem) if {"x_m", "y_m"} <= numbers else (None,)
+    at: tuple[dict[str, float], ...] = ({},)
+    for names, points in ((_TIED, tied_places), (_TIED[:2], places)):
+        if set(names) <= numbers:
+            at = tuple(dict(zip(names, point, strict=True)) for point in points(problem))
+            break
     if {"node", "other_node"} <= set(choices):
         nodes = choices.pop("node")
         choices.pop("other_node")
@@ -113,8 +143,7 @@ def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
         return
     for values in itertools.product(*choices.values()):
         for place in at:
-            found = dict(zip(choices, values, strict=True))
-            yield found if place is None else found | {"x_m": place[0], "y_m": place[1]}
+            yield dict(zip(choices, values, strict=True)) | place
 
 
 def _options(problem: Problem, name: str, hint: Any) -> tuple[Any, ...] | None:

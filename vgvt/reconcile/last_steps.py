@@ -1,15 +1,19 @@
-"""Fits that a round rests on, gone on with to their ends: what is compared on its way down is compared by chance."""
+"""Fits that a round rests on, gone on with to their ends: what is compared on its way down is compared by chance.
+
+Nor is an effect refused, or put behind another one, for a size that it does not need: the same effect without it is
+what it stands for (:mod:`vgvt.reconcile.spare_sizes`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vgvt.reconcile.fit import TO_THE_END, Fit, fit
-from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.local_slopes import origin_near
-from vgvt.reconcile.progress import Progress, naming
+from vgvt.reconcile.finished import finished
+from vgvt.reconcile.fit import Fit
+from vgvt.reconcile.progress import Progress
 from vgvt.reconcile.rivals import Rival, against
 from vgvt.reconcile.shortlist import BIASED
+from vgvt.reconcile.spare_sizes import leaner, sizes_of
 from vgvt.reconcile.team import ALONE, Team
 from vgvt.reconcile.thresholds import Thresholds
 
@@ -29,16 +33,18 @@ def ended(
 ) -> tuple[Rival, ...]:
     """The rivals judged anew, those that may win at the end of their fits, not on their way.
 
-    These are the best of the confirmed, by evidence and, where much is left and held-out data decide, by these, and
-    what gains most of all, which held-out data may have refused on its way.
+    These are the best of the confirmed, by evidence and, where much is left and held-out data decide, by these, what
+    gains most of all, which held-out data may have refused on its way, and what gains a name but for what lasts, which
+    a size less may change.
     """
     first = max(rivals, key=lambda r: r.gain_nats)
     chosen = _in_reach(confirmed, thresholds.set_nats)
     if not first.fit.converged:
         chosen.add(id(first))
+    chosen |= {id(r) for r in rivals if r.gain_nats >= thresholds.evidence_nats > r.lasting_nats and _has_spare(r.fit)}
     going = [k for k, r in enumerate(rivals) if id(r) in chosen]
     fits = [r.fit for r in rivals]
-    for k, there in zip(going, team.work_off([(finished, (fits[k],)) for k in going], tell), strict=True):
+    for k, there in zip(going, team.work_off([(_at_its_end, (fits[k],)) for k in going], tell), strict=True):
         fits[k] = there
     return against(current, fits)
 
@@ -57,13 +63,12 @@ def _in_reach(confirmed: Sequence[Rival], set_nats: float) -> set[int]:
     return found
 
 
-def finished(found: Fit, tell: Progress) -> Fit:
-    """A fit gone on with to its end, with exact slopes where that is far out."""
-    if found.converged and origin_near(found.problem, found.u, found.e, None, found.hypotheses) is None:
-        return found
-    tell = naming(tell, found.hypotheses[-1])
-    try:
-        more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, tell, exact=True)
-    except NoStructureError:
-        return found
-    return more if more.evidence_nats >= found.evidence_nats else found
+def _at_its_end(found: Fit, tell: Progress) -> Fit:
+    """A fit gone on with, and without the sizes of its last effect that the data do not ask for."""
+    there = finished(found, tell)
+    return leaner(there, tell, last=True) if _has_spare(there) else there
+
+
+def _has_spare(found: Fit) -> bool:
+    """Whether the last effect of a fit has more than one size; a march, which each of them costs, is not asked."""
+    return found.hypotheses[-1].linear and len(sizes_of(found.hypotheses[-1])) > 1

@@ -12,21 +12,25 @@ from dataclasses import replace
 
 import numpy as np
 
+from vgvt.reconcile.finished import finished
 from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.fit_unless_behind import HOPELESS
 from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.last_steps import finished
+from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import Progress, naming, silent
 from vgvt.reconcile.team import ALONE, Task, Team
 
 
-def leaner(found: Fit, tell: Progress = silent, team: Team = ALONE) -> Fit:
+def leaner(found: Fit, tell: Progress = silent, team: Team = ALONE, *, last: bool = False) -> Fit:
     """The fit without the sizes that its evidence is better without, one after the other; itself where there is none.
 
-    A size that is left out is a setting of its hypothesis, at the value where it does nothing.
+    Only those of the ``last`` effect are asked, where that is said. A size that is left out is a setting of its
+    hypothesis, at the value where it does nothing; which one of them it is was a choice, and is paid for as one.
     """
     while True:
-        tries: list[Task] = [(_without, (found, k, name)) for k, name in _spare(found)]
+        tries: list[Task] = [
+            (_without, (found, k, name)) for k, name in _spare(found) if not last or k == len(found.hypotheses) - 1
+        ]
         fits = [f for f in team.work_off(tries, tell) if f is not None]
         best = max(fits, key=lambda f: f.evidence_nats, default=None)
         if best is None or best.evidence_nats <= found.evidence_nats:
@@ -34,10 +38,15 @@ def leaner(found: Fit, tell: Progress = silent, team: Team = ALONE) -> Fit:
         found = best
 
 
+def sizes_of(hypothesis: Hypothesis) -> list[str]:
+    """Names of the parameters that each say how big an effect is."""
+    return [p.name for p in hypothesis.parameters if p.neutral is not None]
+
+
 def _spare(found: Fit) -> Iterator[tuple[int, str]]:
     """Index of a hypothesis and name of a size, of all that are not the only one of their effect."""
     for k, hypothesis in enumerate(found.hypotheses):
-        sizes = [p.name for p in hypothesis.parameters if p.neutral is not None]
+        sizes = sizes_of(hypothesis)
         if len(sizes) > 1:
             yield from ((k, name) for name in sizes)
 
@@ -50,7 +59,7 @@ def _without(found: Fit, index: int, size: str, tell: Progress) -> Fit | None:
     own = found.hypotheses[index]
     names = [p.name for p in own.parameters]
     neutral = own.parameters[names.index(size)].neutral
-    less = replace(own, settings={**own.settings, size: neutral})
+    less = replace(own, settings={**own.settings, size: neutral}, share=own.share / len(sizes_of(own)))
     before = sum(len(h.parameters) for h in found.hypotheses[:index])
     e = np.delete(found.e, before + names.index(size))
     joined = (*found.hypotheses[:index], less, *found.hypotheses[index + 1 :])

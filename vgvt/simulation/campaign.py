@@ -39,39 +39,57 @@ def simulate(
     ``progress(fraction, message)`` is called now and then. Deterministic for a
     seed, whatever the number of threads.
     """
-    engine = engine or scenario.simulation.engine
-    if engine not in ("mujoco", "linear"):
-        raise ValueError(f"engine must be 'mujoco' or 'linear', got {engine!r}")
-    clock = _Clock()
-    layouts = plans(scenario)
-    rigs = [driven_rig(layout, run) for run, layout in enumerate(layouts)]
-    models = [
-        state_space(layout, rig, (*layout.points, *layout.run_points(run)))
-        for run, (layout, rig) in enumerate(zip(layouts, rigs, strict=True))
-    ]
-    truth = assemble_truth(layouts, models)
-    clock.lap("assemble")
-    if engine == "linear":
-        readings = _linear_readings(layouts, models, progress)
-    else:
-        readings = _mujoco_readings(layouts, rigs, models, progress)
-    clock.lap("simulate")
-    times = sample_times_s(scenario)
-    records = tuple(
-        record(layout, run, drive_commands(scenario, run, times), readings[run]) for run, layout in enumerate(layouts)
-    )
-    clock.lap("acquire")
-    notes = {
-        "aircraft": " ".join((scenario.airframe.name, scenario.airframe.configuration)).strip(),
-        "excitation": excitation_in_words(scenario.excitation),
-        "engine": engine,
-        "seed": str(scenario.seed),
-    } | excitation_notes(scenario)
-    return SimulationResult(
-        Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.band_hz, notes),
-        truth,
-        clock.laps,
-    )
+    made = _Made(scenario, engine, progress)
+    truth = assemble_truth(made.layouts, made.models)
+    made.clock.lap("truth")
+    return SimulationResult(made.campaign(), truth, made.clock.laps)
+
+
+def simulated_campaign(
+    scenario: Scenario, *, engine: str | None = None, progress: Callable[[float, str], None] | None = None
+) -> Campaign:
+    """The records of :func:`simulate` alone: for many campaigns whose modes nobody asks for, in half the time."""
+    return _Made(scenario, engine, progress).campaign()
+
+
+class _Made:
+    """A scenario's rigs and models, from which its records and its truth come."""
+
+    def __init__(self, scenario: Scenario, engine: str | None, progress: Progress | None) -> None:
+        self.engine = engine or scenario.simulation.engine
+        if self.engine not in ("mujoco", "linear"):
+            raise ValueError(f"engine must be 'mujoco' or 'linear', got {self.engine!r}")
+        self.clock = _Clock()
+        self._scenario, self._progress = scenario, progress
+        self.layouts = plans(scenario)
+        self._rigs = [driven_rig(layout, run) for run, layout in enumerate(self.layouts)]
+        self.models = [
+            state_space(layout, rig, (*layout.points, *layout.run_points(run)))
+            for run, (layout, rig) in enumerate(zip(self.layouts, self._rigs, strict=True))
+        ]
+        self.clock.lap("assemble")
+
+    def campaign(self) -> Campaign:
+        """Simulate, and record."""
+        scenario, layouts = self._scenario, self.layouts
+        if self.engine == "linear":
+            readings = _linear_readings(layouts, self.models, self._progress)
+        else:
+            readings = _mujoco_readings(layouts, self._rigs, self.models, self._progress)
+        self.clock.lap("simulate")
+        times = sample_times_s(scenario)
+        records = tuple(
+            record(layout, run, drive_commands(scenario, run, times), readings[run])
+            for run, layout in enumerate(layouts)
+        )
+        self.clock.lap("acquire")
+        notes = {
+            "aircraft": " ".join((scenario.airframe.name, scenario.airframe.configuration)).strip(),
+            "excitation": excitation_in_words(scenario.excitation),
+            "engine": self.engine,
+            "seed": str(scenario.seed),
+        } | excitation_notes(scenario)
+        return Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.band_hz, notes)
 
 
 def geometry(layout: Plan) -> Geometry:

@@ -57,6 +57,7 @@ def modal_model(
     limit_hz: float,
     labels: tuple[str, ...] = (),
     tilt: NDArray[np.float64] | None = None,
+    pairs: tuple[NDArray[np.complex128], NDArray[np.complex128]] | None = None,
 ) -> ModalModel:
     """The modes up to ``limit_hz`` seen at ``dofs``, the rows of the model's displacement map.
 
@@ -64,8 +65,9 @@ def modal_model(
     the largest entry is +1, and ``modal_mass_kg`` belongs to that scale. With ``tilt`` (D, nv),
     what a unit of each coordinate lets the sensors feel of gravity, m/s², shapes are
     those that accelerometers feel, displacement + tilt/λ²; residues stay those of the displacement.
+    ``pairs`` are the model's :func:`eigenpairs` where they are known already.
     """
-    poles, vectors = eigenpairs(model)
+    poles, vectors = eigenpairs(model) if pairs is None else pairs
     below = np.abs(poles) <= 2 * np.pi * limit_hz
     poles, vectors = poles[below], vectors[:, below]
     moved = (model.displacement @ vectors).T

@@ -70,7 +70,7 @@ def _modes_seen(
     # Without gravity, as for the bare airframe, there is nothing to feel of it.
     tilt = tilt_rows(rig, points) if rig.model.opt.gravity.any() else None
     dofs = tuple(p.dof for p in points)
-    return modal_model(linear, dofs, tuple(references), limit_hz(layout.scenario), labels, tilt)
+    return modal_model(linear, dofs, tuple(references), limit_hz(layout.scenario), labels, tilt, (poles, vectors))
 
 
 def _seen_from_the_gauges(
