@@ -47,7 +47,7 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     monkeypatch.setattr(last_steps, "against", against)
 
     def gone_on(word: str) -> Any:
-        return lambda found, *_, **__: SimpleNamespace(name=f"{found.name}, {word}", hypotheses=found.hypotheses)
+        return lambda found, *_, **__: SimpleNamespace(**{**vars(found), "name": f"{found.name}, {word}"})
 
     monkeypatch.setattr(last_steps, "finished", gone_on("ended"))
     monkeypatch.setattr(last_steps, "leaner", gone_on("leaner"))
@@ -106,9 +106,11 @@ def test_what_lasts_refuses_nothing_for_a_size_that_it_does_not_need(judged: lis
         rival("mass", 12.0, lasting=4.0),
         rival("march", 12.0, effect=marched, lasting=4.0),
         rival("less air", 8.0, effect=AIR, lasting=4.0),
+        rival("air beside more", 12.0, effect=AIR, lasting=4.0, left=BIASED),
         rival("named air", 12.0, effect=AIR),
     ]
+    rest = ("mass", "march", "less air", "air beside more")
     last_steps.ended(NULL, rivals, (), NEEDS, told)
-    assert judged.pop() == ("air, ended, leaner", "mass", "march", "less air", "named air")
-    last_steps.ended(NULL, rivals, (rivals[4],), NEEDS, told)
-    assert judged.pop() == ("air, ended, leaner", "mass", "march", "less air", "named air, ended, leaner")
+    assert judged.pop() == ("air, ended, leaner", *rest, "named air")
+    last_steps.ended(NULL, rivals, (rivals[-1],), NEEDS, told)
+    assert judged.pop() == ("air, ended, leaner", *rest, "named air, ended, leaner")

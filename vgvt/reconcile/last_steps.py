@@ -70,5 +70,9 @@ def _at_its_end(found: Fit, tell: Progress) -> Fit:
 
 
 def _has_spare(found: Fit) -> bool:
-    """Whether the last effect of a fit has more than one size; a march, which each of them costs, is not asked."""
-    return found.hypotheses[-1].linear and len(sizes_of(found.hypotheses[-1])) > 1
+    """Whether the last effect of a fit has more than one size, and what it leaves can tell them apart.
+
+    Where much is left what is missing asks for sizes, too; and a march, which each of them costs, is not asked.
+    """
+    last = found.hypotheses[-1]
+    return found.chi2_per_dof < BIASED and last.linear and len(sizes_of(last)) > 1
