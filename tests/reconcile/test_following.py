@@ -18,7 +18,7 @@ from vgvt.reconcile.following import leaders
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.rough_start import rough_start
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.surrogate import anchor
 
 SURGE = Hypothesis(SuspensionSurge)

@@ -18,7 +18,7 @@ from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.from_stated import _sizes, bent, from_stated
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import silent
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.team import FORKS, Team
 
 TRUE = 0.2

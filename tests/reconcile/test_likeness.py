@@ -21,7 +21,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.likeness import beside_likeness
 from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.progress import Progress, silent
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.suggest import suggest
 from vgvt.simulation import simulate
 

@@ -21,8 +21,10 @@ from vgvt.reconcile.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import Fit, calibrate, fit
 from vgvt.reconcile.scan import scan_of
-from vgvt.reconcile.screen import _stand_on, parted, screen, sizing
+from vgvt.reconcile.screen import screen, sizing
+from vgvt.reconcile.screened import parted
 from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.stand_on import stand_on
 from vgvt.reconcile.team import Team
 
 NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "stiffness-asymmetry")
@@ -78,13 +80,13 @@ def test_a_team_sees_the_same(null: Fit, hypotheses: Any) -> None:
 
 def test_a_stand_is_kept_for_the_same_fit_alone(null: Fit) -> None:
     """Sent to a helper once more it is another object, and the same fit."""
-    here = _stand_on(null)
-    assert _stand_on(replace(null)) is here
+    here = stand_on(null)
+    assert stand_on(replace(null)) is here
     scores = null.u.copy()
     scores[0] += 0.1
-    there = _stand_on(replace(null, u=scores))
+    there = stand_on(replace(null, u=scores))
     assert there is not here and there.fit.u[0] == scores[0]
-    assert _stand_on(null).fit.u[0] == null.u[0]
+    assert stand_on(null).fit.u[0] == null.u[0]
 
 
 @pytest.mark.slow

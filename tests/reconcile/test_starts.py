@@ -17,7 +17,7 @@ from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.rivals import against
-from vgvt.reconcile.screen import Screened, parted
+from vgvt.reconcile.screened import Screened, parted
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.thresholds import SMOOTHED, stored_thresholds
 

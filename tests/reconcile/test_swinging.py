@@ -14,7 +14,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.localise import Place
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.scan import tuned_to
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.shortlist import _swinging
 
 SURGE = Hypothesis(available_effects()["suspension-surge"])

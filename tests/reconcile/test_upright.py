@@ -20,7 +20,8 @@ from vgvt.reconcile.from_stated import bent
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.problem import CELLS, make_problem
 from vgvt.reconcile.progress import silent
-from vgvt.reconcile.screen import Screened, screen
+from vgvt.reconcile.screen import screen
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.shortlist import BIASED, shortened
 from vgvt.reconcile.surrogate import anchor
 from vgvt.reconcile.upright import held, upright

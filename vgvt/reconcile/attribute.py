@@ -29,7 +29,7 @@ from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual, residual
 from vgvt.reconcile.rivals import Rival, against
 from vgvt.reconcile.same_place import left_where_it_was
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.shortlist import BIASED, second_list, shortened, swallowed
 from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.thresholds import Thresholds

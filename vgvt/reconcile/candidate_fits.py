@@ -15,7 +15,7 @@ from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.progress import Progress, naming
 from vgvt.reconcile.rough_start import rough_start
-from vgvt.reconcile.screen import Screened, parted
+from vgvt.reconcile.screened import Screened, parted
 from vgvt.reconcile.team import ALONE, Team
 
 FINALISTS = 4

@@ -22,7 +22,7 @@ from vgvt.reconcile.level_grid import depends_on_level
 from vgvt.reconcile.progress import Progress, naming, part
 from vgvt.reconcile.rough_start import log_distance, nearest
 from vgvt.reconcile.scan import in_band, start_values
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.surrogate import anchor
 
 Array = NDArray[np.float64]

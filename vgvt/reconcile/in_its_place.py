@@ -24,7 +24,8 @@ from vgvt.reconcile.place_control import as_good
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.progress import Progress, part, silent
 from vgvt.reconcile.rivals import Rival, against
-from vgvt.reconcile.screen import Screened, at_sizes
+from vgvt.reconcile.screen import at_sizes
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.shortlist import BIASED
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.team import ALONE, Task, Team

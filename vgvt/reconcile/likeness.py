@@ -24,7 +24,7 @@ from vgvt.reconcile.harmonics import answers_jaggedly
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.progress import Progress, naming, part
-from vgvt.reconcile.screen import Screened
+from vgvt.reconcile.screened import Screened
 
 Array = NDArray[np.float64]
 _Stages = tuple[tuple[float, int], ...]

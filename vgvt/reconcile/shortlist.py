@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from vgvt.reconcile.candidates import freed
+from vgvt.reconcile.closer_look import SLOTS, held
 from vgvt.reconcile.fit import FORGIVING, Fit, fit
 from vgvt.reconcile.from_stated import bent, from_stated
 from vgvt.reconcile.grouping import NoStructureError
@@ -20,7 +21,8 @@ from vgvt.reconcile.progress import Progress, part, silent
 from vgvt.reconcile.residual import Residual
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.scan import tuned_to
-from vgvt.reconcile.screen import SLOTS, WORTH_CHECKING, Screened, held, joined, screen, sizing
+from vgvt.reconcile.screen import WORTH_CHECKING, joined, screen, sizing
+from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.team import ALONE, Task, Team
 from vgvt.reconcile.upright import upright
 
@@ -109,7 +111,7 @@ def _looks(
         tasks.append((held, (current, joined(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
     found = team.work_off([*tasks, *sizing(forgiving, left, team)], part(tell, 0.4, 0.9))
     closer, shares = found[: len(tasks)], found[len(tasks) :]
-    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0))
+    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0), team)
     return [far, closer[-1], closer[0] if beside else (), *others]
 
 

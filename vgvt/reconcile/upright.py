@@ -18,7 +18,8 @@ from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem
 from vgvt.reconcile.progress import Progress
-from vgvt.reconcile.screen import Screened, screen
+from vgvt.reconcile.screen import screen
+from vgvt.reconcile.screened import Screened
 
 _HELD = 0.1
 _STAGES = ((0.05, 4), (0.0, 12))
