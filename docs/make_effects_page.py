@@ -24,10 +24,12 @@ mass_kg = 0.08
 frequency_hz = 14.0
 ```
 
-Effects act in the order of their tables. At its neutral value a parameter switches the effect off. The plausible
-range is for an aircraft of some kilograms and three metres of span, with the source of the numbers, or *guess*.
-`vgvt list effects` prints the same catalogue, with `--json` for programs, and installed plugins beside it. Each effect
-has a small scenario that shows it, `spoiled-NAME`: see [the scenarios](../../scenarios/README.md).
+All effects are at work together: an aircraft does not know in which order its tables stand. Only what changes one
+channel's samples in time (interference, hum, lost samples) follows that order. At its neutral value a parameter
+switches the effect off. The plausible range is for an aircraft of some kilograms and three metres of span, with the
+source of the numbers, or *guess*. `vgvt list effects` prints the same catalogue, with `--json` for programs, and
+installed plugins beside it. Each effect has a small scenario that shows it, `spoiled-NAME`: see [the
+scenarios](../../scenarios/README.md).
 
 To [add an effect](../how-to/add-an-effect.md), write one file like those in `vgvt/effects/`, give it an entry point
 in the group `vgvt.effects`, and let it pass the conformance suite:

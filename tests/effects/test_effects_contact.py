@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vgvt.data import InputError
 from vgvt.effects.elements import MountCompliance, RattlingMass
 from vgvt.simulation.airframe import ROOT, cut_airframe
-from vgvt.simulation.elements import add_element
+from vgvt.simulation.elements import add_elements
 from vgvt.simulation.rig import GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass
 
 MASS_KG = 0.02
@@ -30,7 +30,7 @@ def on_the_ground(element: MountCompliance | RattlingMass, gravity: bool) -> muj
     parts = cut_airframe(hung_hati().airframe)
     if isinstance(element, MountCompliance):
         add_point_mass(spec, parts, TRANSDUCER, ROOT, np.array(parts.origin_m[ROOT]), MASS_KG)
-    add_element(spec, parts, "it", element)
+    add_elements(spec, parts, [("it", element)])
     model: mujoco.MjModel = spec.compile()
     return model
 

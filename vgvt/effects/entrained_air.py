@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.beams import chosen_beams, copies_of, with_beams, with_columns
 from vgvt.effects.elements import Element, GroundSpring, Vector
@@ -36,6 +37,7 @@ class EntrainedAir:
     name: ClassVar[str] = "entrained-air"
     summary: ClassVar[str] = "The wing carries air along: added mass and drag"
     family: ClassVar[Family] = Family.AIRFRAME
+    turn: ClassVar[Turn] = Turn.BESIDE_SECTIONS
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = "all bending frequencies 1 to 4 % low and low modes better damped than high ones"
     confused_with: ClassVar[tuple[str, ...]] = ("added-mass", "suspension-damping", "nonproportional-damper")

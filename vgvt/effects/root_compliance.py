@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.beams import Side, chosen_beams, on_side, with_beams
 from vgvt.effects.parameter import parameter
@@ -23,6 +24,7 @@ class RootCompliance:
     name: ClassVar[str] = "root-compliance"
     summary: ClassVar[str] = "The wing root is softer than stated, on one side or both"
     family: ClassVar[Family] = Family.AIRFRAME
+    turn: ClassVar[Turn] = Turn.AT_ROOTS
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = (
         "all bending (or torsion) modes drop, by their own root moment; one side mixes symmetries"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.beams import Side
 from vgvt.effects.parameter import parameter
@@ -21,6 +22,7 @@ class RootCreep:
     name: ClassVar[str] = "root-creep"
     summary: ClassVar[str] = "The wing root softens from run to run, and nothing else does"
     family: ClassVar[Family] = Family.BETWEEN_RUNS
+    turn: ClassVar[Turn] = Turn.AT_ROOTS
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = (
         "bending (or torsion) modes drop in the order of time, each by its own root moment, the others stay"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import JointLaw
 from vgvt.effects.parameter import parameter
@@ -20,6 +21,7 @@ class CubicRootStiffness:
     name: ClassVar[str] = "cubic-root-stiffness"
     summary: ClassVar[str] = "The wing root gets stiffer the further it turns"
     family: ClassVar[Family] = Family.NONLINEAR
+    turn: ClassVar[Turn] = Turn.IN_JOINTS
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = (
         "natural frequencies of the modes that turn the root rise with level, peaks lean right; third harmonics, "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import JointLaw
 from vgvt.effects.parameter import parameter
@@ -23,6 +24,7 @@ class RootFriction:
     name: ClassVar[str] = "root-friction"
     summary: ClassVar[str] = "The wing root sticks at low level and slips with dry friction at high level"
     family: ClassVar[Family] = Family.NONLINEAR
+    turn: ClassVar[Turn] = Turn.IN_JOINTS
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = (
         "frequencies fall with level, from those of a rigid root to those of the slipping joint; damping is highest in "

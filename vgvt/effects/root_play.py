@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import JointLaw
 from vgvt.effects.parameter import parameter
@@ -23,6 +24,7 @@ class RootFreeplay:
     name: ClassVar[str] = "root-freeplay"
     summary: ClassVar[str] = "The wing root turns freely within a small gap"
     family: ClassVar[Family] = Family.NONLINEAR
+    turn: ClassVar[Turn] = Turn.IN_JOINTS
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = (
         "strong softening at low level unless the weight holds the joint against a stop, jumps, odd harmonics; the "

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.protocol import Effect
 from vgvt.reconcile.grouping import Group, assembled, cells_at, effects_at, home, refined_rows
@@ -168,12 +169,8 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
     kinds: list[tuple[Scenario, Scenario, tuple[Action, ...], list[int]]] = []
     filtered = False
     for run in range(len(start.scenario.acquisition.run_nodes)):
-        scenario, actions = start.scenario, []
-        for other in others:
-            actions.append(other.act(scenario, run))
-            scenario = actions[-1].scenario or scenario
-        actions.append(effect.act(scenario, run))
-        edited = actions[-1].scenario or scenario
+        scenario, _ = acted(others, start.scenario, run)
+        edited, actions = acted((*others, effect), start.scenario, run)
         filtered = filtered or bool(actions[-1].channels)
         for before, after, known, runs in kinds:
             alike = [(a.elements, a.points) for a in actions] == [(a.elements, a.points) for a in known]
@@ -182,7 +179,7 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
                 runs.append(run)
                 break
         else:
-            kinds.append((scenario, edited, tuple(actions), [run]))
+            kinds.append((scenario, edited, actions, [run]))
     return tuple(
         Change(frozenset(runs), actions[-1], before, _layout(start, after, actions), filtered)
         for before, after, actions, runs in kinds

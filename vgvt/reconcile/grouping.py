@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.protocol import Effect
 from vgvt.effects.registry import effects_of
@@ -88,15 +89,7 @@ def run_actions(
     scenario: Scenario, effects: tuple[Effect, ...], runs: int
 ) -> list[tuple[Scenario, tuple[Action, ...]]]:
     """What effects make of every one of ``runs`` runs: the edited scenario and the actions, in their order."""
-    found = []
-    for run in range(runs):
-        changed, actions = scenario, []
-        for effect in effects:
-            action = effect.act(changed, run)
-            changed = action.scenario if action.scenario is not None else changed
-            actions.append(action)
-        found.append((changed, tuple(actions)))
-    return found
+    return [acted(effects, scenario, run) for run in range(runs)]
 
 
 def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Array:

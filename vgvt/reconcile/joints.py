@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,16 +33,28 @@ class Joints:
 
 
 def joint_laws(layout: Plan, s: Structure) -> dict[int, Law]:
-    """Force laws by the coordinate of the structure that they act on, each about where the weight holds it."""
-    found = {}
+    """Force laws by the coordinate of the structure that they act on, each about where the weight holds it.
+
+    What several effects say of one joint is one law.
+    """
+    said: dict[int, JointLaw] = {}
     for _, element in layout.elements:
         if isinstance(element, JointLaw):
             name = f"{part_name(layout.parts.airframe, element.beam, 1.0)}-root/{element.kind}"
             index = s.joints.index(name)
-            law = Law.of(element, float(s.equilibrium[index]))
-            if law.cubic or law.friction or law.play:
-                found[index] = law
-    return found
+            said[index] = element if index not in said else _together(said[index], element)
+    laws = {index: Law.of(element, float(s.equilibrium[index])) for index, element in said.items()}
+    return {index: law for index, law in laws.items() if law.cubic or law.friction or law.play}
+
+
+def _together(one: JointLaw, other: JointLaw) -> JointLaw:
+    """What two effects make of one joint, whose stiffness both know."""
+    return replace(
+        one,
+        cubic_n_m_per_rad3=one.cubic_n_m_per_rad3 + other.cubic_n_m_per_rad3,
+        friction_n_m=one.friction_n_m + other.friction_n_m,
+        play_rad=max(one.play_rad, other.play_rad),
+    )
 
 
 def joints_of(

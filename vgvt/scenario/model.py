@@ -59,7 +59,7 @@ class Scenario(Table):
     excitation: Excitation
     """The command to the shaker."""
     effect: tuple[EffectTable, ...] = ()
-    """Departures from the ideal test, applied in this order."""
+    """Departures from the ideal test, all at work together: their order changes no aircraft."""
     simulation: Simulation = Simulation()
     """How the test is computed."""
     tolerances: Tolerances = Tolerances()

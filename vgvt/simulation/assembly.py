@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
+from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, RotationSpring
 from vgvt.effects.registry import effects_of
@@ -18,7 +19,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts
 from vgvt.simulation.damping import undamped
-from vgvt.simulation.elements import TRIMMED, add_element, trim_ground_springs
+from vgvt.simulation.elements import TRIMMED, add_elements, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
 from vgvt.simulation.once import cut_once, damped_airframe
@@ -138,12 +139,8 @@ def plans(scenario: Scenario) -> list[Plan]:
         return [_struck(ideal, run) for run in range(count)]
     layouts = []
     for run in range(count):
-        changed, actions = scenario, []
-        for effect in effects:
-            action = act_on(effect, changed, run)
-            changed = action.scenario if action.scenario is not None else changed
-            actions.append(action)
-        layouts.append(_struck(_with_actions(plan(changed), tuple(actions)), run))
+        changed, actions = acted(effects, scenario, run, act_on)
+        layouts.append(_struck(_with_actions(plan(changed), actions), run))
     return layouts
 
 
@@ -294,9 +291,7 @@ def _settle(layout: Plan, spec: mujoco.MjSpec, springs: list[str]) -> NDArray[np
 def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
     """Airframe with its damping, the elements that effects add to it, and a site at every grid point."""
     spec = damped_airframe(layout.scenario.airframe).copy()
-    for name, element in layout.elements:
-        if element.owner == "airframe":
-            add_element(spec, layout.parts, name, element)
+    add_elements(spec, layout.parts, ((n, e) for n, e in layout.elements if e.owner == "airframe"))
     for point in layout.grid:
         _add_site(spec, layout, point)
     return spec
@@ -320,13 +315,8 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
         spec.body(transducer).add_site(name=drive.site)
     for point in () if layout.strike is None else (*layout.drives, layout.strike):
         _add_site(spec, layout, point)
-    springs: list[str] = []
-    for name, element in layout.elements:
-        if element.owner == "rig":
-            add_element(spec, layout.parts, name, element)
-        if isinstance(element, TRIMMED):
-            springs.append(name)
-    return spec, springs
+    add_elements(spec, layout.parts, ((n, e) for n, e in layout.elements if e.owner == "rig"))
+    return spec, [name for name, element in layout.elements if isinstance(element, TRIMMED)]
 
 
 def _add_site(spec: mujoco.MjSpec, layout: Plan, point: MeasurementPoint) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import mujoco
@@ -39,7 +39,7 @@ from vgvt.simulation.coupled_elements import (
     load_frame,
 )
 from vgvt.simulation.damping import MODAL_DAMPING
-from vgvt.simulation.relaxation_elements import add_relaxation, add_warm_up, warm_springs
+from vgvt.simulation.relaxation_elements import add_relaxations, add_warm_up, warm_springs
 from vgvt.simulation.rig import add_point_mass
 
 TRIMMED = (GroundSpring, RotationSpring, PointPair, SuspensionCubic)
@@ -51,8 +51,23 @@ _FAR_M = 1000.0
 _AT_ONCE_S, _RIGID = 1e-9, 0.9999
 
 
-def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Element) -> None:
-    """Add one element to ``spec`` under a unique ``name``; what softens springs takes in those that it brings."""
+def add_elements(spec: mujoco.MjSpec, parts: AirframeParts, elements: Iterable[tuple[str, Element]]) -> None:
+    """Add elements to ``spec``, each under a unique name; in which order they come changes nothing.
+
+    A joint is given its gap when it has all else; what relaxes beside the airframe's modes asks for these when all that
+    is elastic is there, and nothing yet that relaxes; what softens springs takes in those that others bring.
+    """
+    named = sorted(elements, key=lambda e: isinstance(e[1], JointLaw) and e[1].play_rad > 0)
+    for name, element in named:
+        if not isinstance(element, Relaxation):
+            _add(spec, parts, name, element)
+    add_relaxations(spec, [(name, element) for name, element in named if isinstance(element, Relaxation)])
+    if any(element.owner == "airframe" for _, element in named):
+        warm_springs(spec, parts)
+
+
+def _add(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Element) -> None:
+    """Add one element."""
     adders: dict[type, Callable[..., None]] = {
         PointMass: _add_mass,
         GroundSpring: _add_ground_spring,
@@ -67,12 +82,9 @@ def add_element(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: E
         HingedFlap: add_hinged_flap,
         PointPair: add_point_pair,
         RattlingMass: add_rattling_mass,
-        Relaxation: add_relaxation,
         WarmUp: add_warm_up,
     }
     adders[type(element)](spec, parts, name, element)
-    if element.owner == "airframe":
-        warm_springs(spec, parts)
 
 
 def trim_ground_springs(
@@ -162,9 +174,10 @@ def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
             f"the beam has no {element.kind} spring at its root",
             f"Give the beam a root_{element.kind}_stiffness_n_m_per_rad (torsion: root_torsional_…).",
         )
-    joint.stiffness = [element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3]
+    cubic = float(joint.stiffness[2]) + element.cubic_n_m_per_rad3
+    joint.stiffness = [element.stiffness_n_m_per_rad, 0.0, cubic]
     if element.friction_n_m > 0:
-        joint.frictionloss = element.friction_n_m
+        joint.frictionloss = float(joint.frictionloss) + element.friction_n_m
         joint.solref_friction = [_AT_ONCE_S, 1.0]
         joint.solimp_friction = [_RIGID, _RIGID, 1e-3, 0.5, 2.0]
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
@@ -172,7 +185,7 @@ def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
         joint.stiffness = [0.0, 0.0, 0.0]
         tendon = spec.add_tendon(
             name=name,
-            stiffness=[element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3],
+            stiffness=[element.stiffness_n_m_per_rad, 0.0, cubic],
             springlength=[-element.play_rad, element.play_rad],
         )
         tendon.wrap_joint(joint.name, 1.0)

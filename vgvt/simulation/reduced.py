@@ -22,7 +22,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
 from vgvt.simulation.damping import StructuralDamping
-from vgvt.simulation.elements import TRIMMED, add_element
+from vgvt.simulation.elements import TRIMMED, add_elements
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
@@ -229,9 +229,7 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping."""
     scenario, parts = layout.scenario, layout.parts
     spec, damped = with_damped_joints(parts)
-    for name, element in layout.elements:
-        if element.owner == "airframe":
-            add_element(spec, parts, name, element)
+    add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "airframe"))
     known = {p.site for p in layout.grid}
     for point in (*layout.grid, *(p for p in points if p.site not in known)):
         spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - parts.origin_m[point.carrier])
@@ -241,13 +239,8 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     drive = layout.drive
     add_point_mass(spec, parts, TRANSDUCER, drive.carrier, drive.position_m, carried)
     spec.body(TRANSDUCER).add_site(name=DRIVE_SITE)
-    springs: list[str] = []
-    for name, element in layout.elements:
-        if element.owner == "rig":
-            add_element(spec, parts, name, element)
-        if isinstance(element, TRIMMED):
-            springs.append(name)
-    return spec, springs, damped
+    add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "rig"))
+    return spec, [name for name, element in layout.elements if isinstance(element, TRIMMED)], damped
 
 
 def _rest(model: mujoco.MjModel, springs: list[str], names: tuple[str, ...], near: Structure | None) -> Array:

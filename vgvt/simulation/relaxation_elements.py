@@ -9,7 +9,7 @@ says the same as one in every hinge.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -22,6 +22,8 @@ from vgvt.simulation.airframe import AirframeParts, elastic_joints
 from vgvt.simulation.damping import RIGID_MODES
 from vgvt.simulation.linear import linearise
 
+Mode = tuple[float, list[tuple[str, np.float64]]]
+"""Angular frequency, and the modal coordinate as joints with their weights."""
 NODE_RATE_RAD_PER_S = 2 * np.pi * 1000.0
 # Joints with less than this share of the largest momentum carry rounding errors.
 _NOTHING = 1e-10
@@ -32,10 +34,17 @@ _SIDES = {0: "", 1: "-above", -1: "-below"}
 _ANY_N_M = 1e9
 
 
-def add_relaxation(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Relaxation) -> None:
-    """Put the branches beside the stiffness of every elastic mode up to the element's limit."""
-    del parts
-    for r, (omega, weights) in enumerate(_elastic_modes(spec, 2 * np.pi * element.limit_hz)):
+def add_relaxations(spec: mujoco.MjSpec, elements: Sequence[tuple[str, Relaxation]]) -> None:
+    """Put each element's branches beside the stiffness of every elastic mode up to its limit, none beside another's."""
+    if elements:
+        modes = list(_elastic_modes(spec, 2 * np.pi * max(element.limit_hz for _, element in elements)))
+        for name, element in elements:
+            _add_relaxation(spec, name, element, modes)
+
+
+def _add_relaxation(spec: mujoco.MjSpec, name: str, element: Relaxation, modes: Sequence[Mode]) -> None:
+    """Branches beside modes, as far as the element's limit reaches."""
+    for r, (omega, weights) in enumerate(m for m in modes if m[0] <= 2 * np.pi * element.limit_hz):
         stiffness = omega**2
         beside = spec.add_tendon(
             name=f"{name}-{r + 1}",
@@ -109,7 +118,7 @@ def _airframe_springs(spec: mujoco.MjSpec, parts: AirframeParts) -> Iterator[_Sp
             yield _Spring(mujoco.mjtTrn.mjTRN_TENDON, tendon.name, float(tendon.stiffness[0]), rest, side)
 
 
-def _elastic_modes(spec: mujoco.MjSpec, limit_rad_per_s: float) -> Iterator[tuple[float, list[tuple[str, np.float64]]]]:
+def _elastic_modes(spec: mujoco.MjSpec, limit_rad_per_s: float) -> Iterator[Mode]:
     """Angular frequency and modal coordinate, as joints with their weights, of the elastic modes of the airframe."""
     model = spec.compile()
     bare = linearise(model, np.zeros(model.nq))
