@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import pandas
 import pytest
@@ -184,3 +188,48 @@ def test_a_pool_that_loses_a_worker_gives_the_same_rows(serial, plan, tmp_path, 
     pandas.testing.assert_frame_equal(
         comparable(table_of(rows)), comparable(serial[serial["seed_number"] == 0].reset_index(drop=True))
     )
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks /proc who is alive")
+def test_workers_do_not_outlive_whoever_began_them(tmp_path: Path) -> None:
+    """One that was killed had told nobody: its workers went on to the end of what they were at, for minutes."""
+    told = tmp_path / "worker.txt"
+    code = f"""
+import os, time
+from pathlib import Path
+from vgvt.bench.executors import process_pool
+
+def at_work():
+    Path({str(told)!r}).write_text(str(os.getpid()))
+    time.sleep(600)
+
+if __name__ == "__main__":
+    with process_pool(1)() as pool:
+        pool.submit(at_work).result()
+"""
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    parent = subprocess.Popen([sys.executable, str(script)])
+    try:
+        assert _soon(lambda: told.exists() and told.read_text().isdigit())
+        worker = int(told.read_text())
+        assert _alive(worker)
+    finally:
+        parent.kill()
+        parent.wait()
+    assert _soon(lambda: not _alive(worker))
+
+
+def _soon(holds: Callable[[], bool]) -> bool:
+    ends = time.monotonic() + 60
+    while not holds() and time.monotonic() < ends:
+        time.sleep(0.1)
+    return holds()
+
+
+def _alive(process: int) -> bool:
+    """Whether a process runs; one that is dead but unburied does not."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

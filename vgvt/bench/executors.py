@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from multiprocessing import get_context
+from threading import Thread
 from typing import Any
 
 from vgvt.bench.cell import Cell, Row, run_cell
@@ -16,6 +18,7 @@ from vgvt.data import InputError
 MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_LOOK_S = 1.0  # between two looks for the parent
 _ATTEMPTS = 3  # of a cell whose worker died under it
 
 
@@ -27,7 +30,9 @@ def process_pool(workers: int) -> MakeExecutor:
         # Spawned, and the variables set before: BLAS reads them once, when numpy is loaded.
         before = {name: os.environ.get(name) for name in _THREADS}
         os.environ.update(dict.fromkeys(_THREADS, "1"))
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+        pool = ProcessPoolExecutor(
+            workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(),)
+        )
         try:
             yield pool
         finally:
@@ -39,6 +44,17 @@ def process_pool(workers: int) -> MakeExecutor:
                     os.environ[name] = value
 
     return make
+
+
+def leave_with_parent(parent: int) -> None:
+    """Let this process end with that of its parent, whatever it is at work on: killed, a parent can tell nobody."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_LOOK_S)
+        os._exit(1)
+
+    Thread(target=watch, name="leave with parent", daemon=True).start()
 
 
 def dask_cluster(address: str, workers: int) -> MakeExecutor:
