@@ -50,6 +50,7 @@ def with_effects(*names: str) -> Scenario:
 )
 def test_two_effects_are_one_aircraft(one: str, other: str) -> None:
     """Up to 0.4 % of a natural frequency had hung on which came first."""
+    # Stiffness is a difference of forces, good to 1e-9.
     modes, turned = (truth_of(with_effects(*names)).as_tested[0] for names in ((one, other), (other, one)))
     np.testing.assert_allclose(turned.natural_frequency_hz, modes.natural_frequency_hz, rtol=1e-8)
     np.testing.assert_allclose(turned.damping_ratio, modes.damping_ratio, rtol=1e-6, atol=1e-9)
@@ -101,7 +102,8 @@ def test_effects_act_in_their_turn_and_are_told_in_their_order() -> None:
 
         def act(self, scenario: Any, run: int) -> Action:
             seen.append(f"{self.name}{run} of {scenario}")
-            return Action(scenario=f"{scenario}+{self.name}" if self.name != "d" else None)  # type: ignore[arg-type]
+            changed: Any = f"{scenario}+{self.name}" if self.name != "d" else None
+            return Action(scenario=changed)
 
     effects: Any = [Noted("a", Turn.IN_JOINTS), Noted("b"), Noted("c", Turn.AT_ROOTS), Noted("d", Turn.STATED)]
     stated: Any = "stated"

@@ -31,8 +31,8 @@ STEP_S = 1e-4
 FRICTION_STEP_S = 2.5e-5
 
 
-def arm(effect: Effect) -> mujoco.MjModel:
-    """One metre and one kilogram of nearly rigid arm on a root joint with the effect's law."""
+def arm(*effects: Effect) -> mujoco.MjModel:
+    """One metre and one kilogram of nearly rigid arm on a root joint with the effects' law."""
     stations = Stations(
         position_m=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
         bending_stiffness_n_m2=(4e6, 4e6),
@@ -57,7 +57,23 @@ def arm(effect: Effect) -> mujoco.MjModel:
             "acquisition": whole.acquisition.model_copy(update={"runs": ((1,),)}),
         }
     )
-    return bare_rig(plans(with_effect(scenario, effect))[0]).model
+    tables = tuple(table_of(effect) for effect in effects)
+    return bare_rig(plans(scenario.model_copy(update={"effect": tables}))[0]).model
+
+
+@pytest.mark.parametrize("first", ["gap", "cubic"])
+def test_a_joint_with_a_gap_and_a_cubic_spring_has_the_torque_of_both(first: str) -> None:
+    """k p + k3 p³ of what is left of the angle beyond the gap, and nothing within it."""
+    gap = make_effect("root-freeplay", "test", kind="bending", gap_rad=2e-3)
+    cubic = make_effect("cubic-root-stiffness", "test", kind="bending", cubic_n_m_per_rad3=1e8)
+    model = arm(*((gap, cubic) if first == "gap" else (cubic, gap)))
+    data = mujoco.MjData(model)
+    root = int(model.joint("arm-root/bending").qposadr[0])
+    for angle in (-8e-3, -5e-4, 9e-4, 4e-3):
+        data.qpos[root] = angle
+        mujoco.mj_forward(model, data)
+        beyond = np.sign(angle) * max(abs(angle) - 1e-3, 0.0)
+        assert data.qfrc_passive[root] == pytest.approx(-(STIFFNESS * beyond + 1e8 * beyond**3), rel=1e-9, abs=1e-9)
 
 
 def motion(

@@ -46,14 +46,25 @@ def receptance(model: LinearModel, factor: NDArray[np.complex128] | float = 1.0)
     return np.asarray(rows[1] @ np.linalg.solve(dynamic, rows[0][None, :, None])[..., 0].T)
 
 
-def test_branches_beside_every_mode_are_a_material_with_that_modulus(hati: Scenario) -> None:
-    """K times 1 + Σ k jωτ/(1 + jωτ), solved line by line without any mode, is what the nodes make of it."""
+@pytest.mark.parametrize("coupling", [0.0, 0.2])
+def test_branches_beside_every_mode_are_a_material_with_that_modulus(hati: Scenario, coupling: float) -> None:
+    """K times 1 + Σ k jωτ/(1 + jωτ), solved line by line without any mode, is what the nodes make of it.
+
+    That stiffness is all of it: also what a coupling adds that the scenario lists behind the material.
+    """
     effect = made("viscoelastic-stiffness", rise=0.2, low_hz=1.0, high_hz=60.0)
     (element,) = effect.act(hati, 0).elements
     assert isinstance(element, Relaxation)
     s = 1j * OMEGA
     modulus = 1 + sum(share * s / (s + 2 * np.pi * corner) for share, corner in element.branches)
-    spoiled = bare(with_effect(hati, effect.name, rise=0.2, low_hz=1.0, high_hz=60.0))
+    spoiled = bare(
+        with_effect(
+            with_effect(hati, effect.name, rise=0.2, low_hz=1.0, high_hz=60.0),
+            "bend-twist-coupling",
+            coupling=coupling,
+        )
+    )
+    hati = with_effect(hati, "bend-twist-coupling", coupling=coupling)
     wanted, got = receptance(bare(hati), modulus), receptance(spoiled)
     # A node's mass takes at most half of ω/p of a branch's share of the stiffness, over 2ζ at a resonance.
     loss = float(np.abs(modulus.imag / modulus.real).max())

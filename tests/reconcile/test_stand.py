@@ -69,7 +69,7 @@ def test_following_never_ends_above_where_it_began(stand: Stand) -> None:
         assert followed[0] <= float(still @ still) * (1 + 1e-9)
 
 
-def test_a_fit_is_needed_tostand_on(stand: Stand) -> None:
+def test_a_fit_is_needed_to_stand_on(stand: Stand) -> None:
     """What is left after projection is orthogonal to everything the scores do."""
     assert isinstance(stand.fit, Fit)
     np.testing.assert_allclose(stand.basis.T @ stand.left, 0, atol=1e-6 * np.linalg.norm(stand.misfit))

@@ -30,6 +30,7 @@ class Effect(Protocol):
     ``family``; ``linear`` (superposition holds); ``signature`` it leaves in the data, in
     one sentence; ``confused_with`` names of effects that look alike; ``separating_test``
     that tells them apart; ``reference`` where the physics or the numbers come from.
+    One that is measured by what others make of the scenario says its ``turn`` (:mod:`vgvt.effects.acting`).
     Parameters are made by :func:`vgvt.effects.parameter.parameter`.
     """
 

@@ -14,49 +14,40 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import depends_on_level
 from vgvt.reconcile.one_thread import one_thread
-from vgvt.reconcile.progress import Progress, silent
+from vgvt.reconcile.progress import Progress
 from vgvt.reconcile.screened import Screened, parted
 from vgvt.reconcile.stand import Stand
 from vgvt.reconcile.stand_on import stand_on
-from vgvt.reconcile.team import ALONE, Task, Team
 
 SLOTS, _OF_ONE = 9, 3
 """More than any short list asks for, in all; and of one effect."""
 # Variants of one effect that are looked at in small.
 _LOOKED_AT = 6
 _SHARES = (1.0, 0.5, 0.25, 0.125)
-# Of those that come next in the queue, as many for each of a team are looked at together.
-_AHEAD = 3
 
 
 @one_thread
-def held(
-    null: Fit, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress, team: Team = ALONE
-) -> tuple[Screened, ...]:
+def held(null: Fit, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress) -> tuple[Screened, ...]:
     """Variants at the sizes of the closed form, the most promising ones by what they hold of their promise.
 
-    Down to what is promised ``least_nats``, and until ``slots`` of them hold. A ``team`` looks at some that come next,
-    too, whether they are asked for or not: what is asked for is the same.
+    Down to what is promised ``least_nats``, and until ``slots`` of them hold.
     """
     stand = stand_on(null)
-    found = _check_the_best(_InSmall(null, stand, team), sized, least_nats, slots, tell)
+    found = _check_the_best(stand, sized, least_nats, slots, tell)
     starts = (null.scores if s.start is None else s.start for s in found)
     done = (replace(s, remaining=stand.cost - 2 * s.gain_nats, start=u) for s, u in zip(found, starts, strict=True))
     return tuple(sorted(done, key=lambda s: -s.gain_nats))
 
 
-Queue = list[tuple[float, int, int, Screened]]
-
-
 def _check_the_best(
-    small: _InSmall, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress
+    stand: Stand, sized: Sequence[Screened], least_nats: float, slots: int, tell: Progress
 ) -> list[Screened]:
     """The best of every variant's sizes, looked at ever closer, the most promising first, while it could be asked for.
 
     First a small part of the size, then as much of it as holds: what is behind those that hold theirs stays at its
     promise. A stand that is far off promises everything; of one effect only the first few are then looked at.
     """
-    queue: Queue = [(-s.gain_nats, k, 0, s) for k, s in enumerate(sized)]
+    queue = [(-s.gain_nats, k, 0, s) for k, s in enumerate(sized)]
     heapq.heapify(queue)
     best: dict[Hypothesis, Screened] = {}
     held: list[str] = []
@@ -68,12 +59,12 @@ def _check_the_best(
         # Those that held theirs came off the queue before: they are ahead of whatever is left.
         enough = held.count(name) >= _OF_ONE
         enough = enough or sum(min(n, _OF_ONE) for n in Counter(held).values()) >= slots
-        if closer < 2 and not enough and s.gain_nats >= least_nats and _checkable(small.stand, s):
+        if closer < 2 and not enough and s.gain_nats >= least_nats and _checkable(stand, s):
             seen = known.setdefault(name, [])
             if closer == 0 and len(seen) >= _LOOKED_AT:
                 s = replace(s, gain_nats=min(s.gain_nats, min(seen)))
             else:
-                found = _checked(small.stand, s) if closer else small.of(k, s, queue, least_nats)
+                found = _checked(stand, s) if closer else _in_small(stand, s)
                 seen += [] if closer else [found.gain_nats]
                 heapq.heappush(queue, (-found.gain_nats, k, closer + 1, found))
                 continue
@@ -82,57 +73,6 @@ def _check_the_best(
             if closer == 2:
                 held.append(name)
     return list(best.values())
-
-
-class _InSmall:
-    """What a small part of variants' sizes shows, by their number; a team finds some ahead of their turn."""
-
-    def __init__(self, null: Fit, stand: Stand, team: Team) -> None:
-        self.stand = stand
-        self._null, self._team = null, team
-        self._found: dict[int, Screened] = {}
-        self._looked = Counter[str]()
-
-    def of(self, k: int, s: Screened, queue: Queue, least_nats: float) -> Screened:
-        """That of the k-th variant, which comes next of a queue."""
-        if k not in self._found:
-            self._looked[s.hypothesis.name] += 1
-            asked = [(k, s), *self._next(queue, least_nats)]
-            shares = [asked[i :: self._team.workers] for i in range(min(self._team.workers, len(asked)))]
-            tasks: list[Task] = [(_some_in_small, (self._null, [ahead for _, ahead in share])) for share in shares]
-            for share, found in zip(shares, self._team.work_off(tasks, silent), strict=True):
-                # Whoever found it may have another object for the same hypothesis.
-                self._found |= {
-                    j: replace(there, hypothesis=ahead.hypothesis)
-                    for (j, ahead), there in zip(share, found, strict=True)
-                }
-        return self._found.pop(k)
-
-    def _next(self, queue: Queue, least_nats: float) -> list[tuple[int, Screened]]:
-        """Numbers and variants of those that are likely to be asked for soon."""
-        if self._team.workers == 1:
-            return []
-        found: list[tuple[int, Screened]] = []
-        for _, k, closer, s in heapq.nsmallest(4 * _AHEAD * self._team.workers, queue):
-            name = s.hypothesis.name
-            open_ = closer == 0 and k not in self._found and self._looked[name] < _LOOKED_AT
-            if not open_ or s.gain_nats < least_nats or not _checkable(self.stand, s):
-                continue
-            found.append((k, s))
-            self._looked[name] += 1
-            if len(found) == _AHEAD * self._team.workers - 1:
-                break
-        return found
-
-
-@one_thread
-def _some_in_small(null: Fit, variants: Sequence[Screened], tell: Progress) -> list[Screened]:
-    """Some variants by a small part of their sizes."""
-    stand, found = stand_on(null), list[Screened]()
-    for k, s in enumerate(variants):
-        tell(k / len(variants), f"screen {s.hypothesis.name}")
-        found.append(_in_small(stand, s))
-    return found
 
 
 def _checkable(stand: Stand, s: Screened) -> bool:

@@ -48,10 +48,10 @@ def screen(
     """All variants by what they could buy, best first; an effect that leaves A/F alone is not ``visible``.
 
     Sizes come from a closed form for every variant; the most promising ones are then checked at those sizes, down to
-    what is promised ``least_nats`` and until ``slots`` of them hold. A ``team`` shares the work.
+    what is promised ``least_nats`` and until ``slots`` of them hold. A ``team`` shares the former.
     """
     shares = team.work_off(sizing(null, hypotheses, team), part(tell, 0.0, _SIZED))
-    return held(null, joined(shares), least_nats, slots, part(tell, _SIZED, 1.0), team)
+    return held(null, joined(shares), least_nats, slots, part(tell, _SIZED, 1.0))
 
 
 def sizing(null: Fit, hypotheses: Sequence[Hypothesis], team: Team) -> list[Task]:

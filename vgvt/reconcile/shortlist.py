@@ -111,7 +111,7 @@ def _looks(
         tasks.append((held, (current, joined(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
     found = team.work_off([*tasks, *sizing(forgiving, left, team)], part(tell, 0.4, 0.9))
     closer, shares = found[: len(tasks)], found[len(tasks) :]
-    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0), team)
+    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0))
     return [far, closer[-1], closer[0] if beside else (), *others]
 
 
