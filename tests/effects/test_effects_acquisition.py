@@ -10,7 +10,7 @@ from vgvt.data import InputError, Record
 from vgvt.effects import ChannelFilter, ChannelTransform, make_effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.effect import EffectTable
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 RATE_HZ = 1000.0
 TIME_S = np.arange(8000) / RATE_HZ
@@ -45,13 +45,13 @@ def short() -> Scenario:
 @pytest.fixture(scope="module")
 def plain(short: Scenario) -> Record:
     """The record without any effect."""
-    return simulate(short).campaign.runs[0]
+    return simulated_campaign(short).runs[0]
 
 
 def recorded(scenario: Scenario, name: str, **parameters: object) -> Record:
     """The record with one effect."""
     table = EffectTable(name=name, **parameters)
-    return simulate(scenario.model_copy(update={"effect": (table,)})).campaign.runs[0]
+    return simulated_campaign(scenario.model_copy(update={"effect": (table,)})).runs[0]
 
 
 def transformed(

@@ -8,7 +8,7 @@ from effect_rig import FREQUENCY_HZ, Complex, effect_rig, largest_error, respons
 from hung_hati import with_effect
 
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 from vgvt.simulation.assembly import plans
 from vgvt.simulation.attached import attach
 from vgvt.simulation.effect_conformance import ENGINES_AGREE, example_scenario
@@ -77,8 +77,8 @@ def test_a_surge_beside_a_known_frame_is_what_assembling_gives() -> None:
 def test_a_surging_spring_on_a_frame_looks_the_same_to_both_engines() -> None:
     """Stepped in time it is what the linear model says, and not what either effect alone would be."""
     scenario = on_top(example_scenario(), SURGE, FRAME)
-    stepped, solved = (simulate(scenario, engine=engine).campaign.runs[0].samples for engine in ("mujoco", "linear"))
-    alone = simulate(on_top(example_scenario(), SURGE), engine="linear").campaign.runs[0].samples
+    stepped, solved = (simulated_campaign(scenario, engine=engine).runs[0].samples for engine in ("mujoco", "linear"))
+    alone = simulated_campaign(on_top(example_scenario(), SURGE), engine="linear").runs[0].samples
     for got, wanted, other in zip(stepped[1:], solved[1:], alone[1:], strict=True):
         assert np.linalg.norm(got - wanted) < ENGINES_AGREE * np.linalg.norm(wanted)
         assert np.linalg.norm(other - wanted) > 2 * ENGINES_AGREE * np.linalg.norm(wanted)

@@ -30,7 +30,7 @@ from small_rig import band_spectra, revised
 from vgvt.data import InputError, ModalModel
 from vgvt.effects import make_effect
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import simulate, truth_of
+from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import hung_rig, plans
 from vgvt.simulation.linear import linearise, site_row
 
@@ -61,7 +61,7 @@ def test_drive_point_offset_scales_residues_by_the_shape(rig: Scenario) -> None:
     ratio = after.residues[:, 1, 0] / before.residues[:, 1, 0]
     np.testing.assert_allclose(np.real(ratio), entry(before, OFFSET) / entry(before, DRIVE), rtol=5e-3)
     assert np.abs(ratio - 1).max() > 0.02
-    geometry = simulate(moved, engine="linear").campaign.geometry
+    geometry = simulated_campaign(moved, engine="linear").geometry
     np.testing.assert_array_equal(geometry.position_m(DRIVE), light.shaker.position_m)
 
 
@@ -179,11 +179,11 @@ def test_force_distortion_makes_the_harmonics_it_names() -> None:
 
 def test_force_distortion_leaves_the_structures_frf(rig: Scenario) -> None:
     """Force and responses carry the same harmonics: A/F stays, force per command does not."""
-    clean = band_spectra(simulate(rig, engine="linear").campaign.runs[0])
+    clean = band_spectra(simulated_campaign(rig, engine="linear").runs[0])
     bent = band_spectra(
-        simulate(
+        simulated_campaign(
             having(rig, "force-distortion", second_harmonic=0.3, third_harmonic=0.1), engine="linear"
-        ).campaign.runs[0]
+        ).runs[0]
     )
     assert largest_error(bent[2:] / bent[1], clean[2:] / clean[1]) < 0.02
     assert largest_error(bent[1] / bent[0], clean[1] / clean[0]) > 0.2

@@ -19,7 +19,7 @@ from vgvt.data import InputError
 from vgvt.effects import Effect, make_effect
 from vgvt.effects.conformance import table_of, with_effect
 from vgvt.scenario import Airframe, Beam, Body, Damping, Scenario, Stations, load_scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 from vgvt.simulation.assembly import bare_rig, plans
 from vgvt.simulation.effect_conformance import example_scenario
 
@@ -203,7 +203,7 @@ def test_the_hung_aircraft_sticks_at_low_level_and_slips_at_high_level() -> None
     """Stepped friction tends to the rigid root for a quiet test and to the slipping joint for a loud one."""
 
     def accelerance(scenario: Scenario, engine: str) -> NDArray[np.complex128]:
-        record = simulate(scenario, engine=engine).campaign.runs[0]
+        record = simulated_campaign(scenario, engine=engine).runs[0]
         frequency = np.fft.rfftfreq(record.samples.shape[1], 1 / record.sample_rate_hz)
         spectra = np.fft.rfft(record.samples, axis=1)[:, (frequency > 4) & (frequency < 34)]
         return np.asarray(spectra[2:] / spectra[1])

@@ -22,7 +22,7 @@ from small_rig import band_spectra, revised
 
 from vgvt.data import InputError
 from vgvt.scenario import Scenario
-from vgvt.simulation import simulate, truth_of
+from vgvt.simulation import simulate, simulated_campaign, truth_of
 from vgvt.simulation.assembly import driven_rig, plans
 from vgvt.simulation.linear import joint_force
 from vgvt.simulation.state_space import state_space
@@ -81,14 +81,14 @@ def test_springs_to_the_ground_hold_nothing_up(rig: Scenario, effect: str, value
 
 def test_gain_and_sign_are_factors_of_the_chosen_channels(rig: Scenario) -> None:
     """(1 + ε) on the odd nodes, minus one on one DOF, and the rest to the converter's step."""
-    plain = simulate(rig, engine="linear").campaign.runs[0].samples
-    odd = simulate(having(rig, "channel-gain", gain_error=0.04, channels="odd"), engine="linear").campaign.runs[0]
+    plain = simulated_campaign(rig, engine="linear").runs[0].samples
+    odd = simulated_campaign(having(rig, "channel-gain", gain_error=0.04, channels="odd"), engine="linear").runs[0]
     for row, factor in ((1, 1.0), (2, 1.04), (3, 1.0), (4, 1.04), (5, 1.0)):
         np.testing.assert_allclose(odd.samples[row], factor * plain[row], atol=1e-6)
-    flipped = simulate(having(rig, "sign-flip", channels=f"{TIP}+Z"), engine="linear").campaign.runs[0]
+    flipped = simulated_campaign(having(rig, "sign-flip", channels=f"{TIP}+Z"), engine="linear").runs[0]
     np.testing.assert_allclose(flipped.samples[3], -plain[3], atol=1e-6)
     np.testing.assert_array_equal(flipped.samples[2], plain[2])
-    force = simulate(having(rig, "channel-gain", gain_error=-0.1, channels="force"), engine="linear").campaign.runs[0]
+    force = simulated_campaign(having(rig, "channel-gain", gain_error=-0.1, channels="force"), engine="linear").runs[0]
     np.testing.assert_allclose(force.samples[1], 0.9 * plain[1], atol=1e-6)
 
 
@@ -96,8 +96,10 @@ def test_high_pass_leads_by_the_corner_over_the_frequency(rig: Scenario) -> None
     """Phase lead atan(f_c/f) and magnitude 1/sqrt(1 + (f_c/f)²) against the plain record, low frequencies most."""
     corner = 0.5
     frequency = _band_hz(rig)
-    plain = band_spectra(simulate(rig, engine="linear").campaign.runs[0])
-    late = band_spectra(simulate(having(rig, "high-pass-mismatch", corner_hz=corner), engine="linear").campaign.runs[0])
+    plain = band_spectra(simulated_campaign(rig, engine="linear").runs[0])
+    late = band_spectra(
+        simulated_campaign(having(rig, "high-pass-mismatch", corner_hz=corner), engine="linear").runs[0]
+    )
     ratio = late[3] / plain[3]
     clear = np.abs(plain[3]) > 0.2 * np.median(np.abs(plain[3]))
     np.testing.assert_allclose(np.angle(ratio)[clear], np.arctan(corner / frequency)[clear], atol=5e-3)
@@ -115,7 +117,7 @@ def test_loose_sensor_rides_on_its_spring(rig: Scenario) -> None:
     """One sensor alone, by the motion of a mass on a shaken spring, solved in its own coordinates."""
     own_hz, damping = 40.0, 0.1
     loose = having(rig, "loose-sensor-mount", period_s=1 / own_hz, damping_ratio=damping, node=TIP)
-    plain, got = (band_spectra(simulate(s, engine="linear").campaign.runs[0]) for s in (rig, loose))
+    plain, got = (band_spectra(simulated_campaign(s, engine="linear").runs[0]) for s in (rig, loose))
     omega, own = 2 * np.pi * _band_hz(rig), 2 * np.pi * own_hz
     # Relative motion u of sensor and base: u'' + 2 ζ ω0 u' + ω0² u = -x''; the sensor reads x'' + u''.
     relative = -1 / (own**2 - omega**2 + 2j * damping * own * omega)

@@ -15,7 +15,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.uncertain import edited, unknowns
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 
 def small_scenario() -> Scenario:
@@ -43,7 +43,7 @@ def campaign_of(scenario: Scenario, seed: int, *effects: Effect) -> Campaign:
     drawn = np.random.default_rng(seed).standard_normal(len(known))
     truth = edited(scenario, known, drawn)
     truth = truth.model_copy(update={"seed": seed, "effect": tuple(table_of(e) for e in effects)})
-    return simulate(truth, engine="linear").campaign
+    return simulated_campaign(truth, engine="linear")
 
 
 def problem(cache: Path, seed: int, *effects: Effect) -> Problem:

@@ -16,7 +16,7 @@ from vgvt.reconcile.bending import level_nats, plain_likenesses, straightened
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 NOTHING = np.zeros(0)
 
@@ -25,7 +25,7 @@ NOTHING = np.zeros(0)
 def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     """Two runs of a linear aircraft, the second four times as loud."""
     scenario = without_instrument_noise(roving_scenario())
-    problem = make_problem(simulate(scenario, engine="linear").campaign, scenario, lines=80)
+    problem = make_problem(simulated_campaign(scenario, engine="linear"), scenario, lines=80)
     measured = problem.measured
     assert len(measured.runs) > 1
     louder = np.where(np.arange(len(measured.runs)) > 0, 4.0, 1.0)[:, None]

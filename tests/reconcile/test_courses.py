@@ -19,7 +19,7 @@ from vgvt.reconcile.holdout import Split
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.progress import silent
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 REMOUNT = available_effects()["drive-remount"]
 SHIFT = {"shift_x_m": 0.0, "shift_y_m": 0.01}
@@ -31,7 +31,7 @@ def remounted() -> Problem:
     scenario = without_instrument_noise(roving_scenario())
     effect = REMOUNT(from_run=3, **SHIFT)
     truth = scenario.model_copy(update={"effect": (table_of(effect),)})
-    return holding_out(make_problem(simulate(truth, engine="linear").campaign, scenario, lines=80), 3)
+    return holding_out(make_problem(simulated_campaign(truth, engine="linear"), scenario, lines=80), 3)
 
 
 def holding_out(case: Problem, number: int) -> Problem:
@@ -77,7 +77,7 @@ def test_a_course_that_only_a_channel_held_out_alone_could_tell_is_chosen_by_it(
     scenario, drift = without_instrument_noise(roving_scenario()), available_effects()["gain-drift"]
     settings, size = {"channels": "sensor-1", "shape": "step"}, {"drift": -0.1}
     truth = scenario.model_copy(update={"effect": (table_of(drift(from_run=4, **settings, **size)),)})
-    whole = make_problem(simulate(truth, engine="linear").campaign, scenario, lines=80)
+    whole = make_problem(simulated_campaign(truth, engine="linear"), scenario, lines=80)
     alone = np.array([c.run == 2 and c.instrument == 0 for c in whole.measured.channels])
     unseen = replace(whole, split=Split(~alone, np.zeros_like(alone), alone))
     seen = replace(whole, split=Split(np.ones_like(alone), np.zeros_like(alone), np.zeros_like(alone)))
@@ -102,7 +102,7 @@ def test_a_course_is_chosen_where_the_place_is_fitted_too() -> None:
     scenario, payload = without_instrument_noise(roving_scenario()), available_effects()["payload-change"]
     there = {"mass_kg": 0.03, "x_m": 0.8, "y_m": 0.9}
     truth = scenario.model_copy(update={"effect": (table_of(payload(from_run=3, **there)),)})
-    case = holding_out(make_problem(simulate(truth, engine="linear").campaign, scenario, lines=80), 3)
+    case = holding_out(make_problem(simulated_campaign(truth, engine="linear"), scenario, lines=80), 3)
     later = claimed(case, payload, there, from_run=4)
     chosen = best_course(later, candidates(case, {"payload-change": payload}))
     assert dict(chosen.hypotheses[-1].settings) == {"from_run": 3}

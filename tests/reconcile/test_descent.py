@@ -1,4 +1,4 @@
-"""A step of a fit along a valley that is narrow and bent, and the solution of badly scaled systems."""
+"""A step of a fit: held back as its promises ask for, with slopes taken anew where those at hand mislead."""
 
 from __future__ import annotations
 
@@ -12,39 +12,57 @@ import pytest
 from vgvt.reconcile import descent
 
 STEEP, BOTTOM = 300.0, 2.0
+HERE = np.array([0.5, 0.25])
 
 
 @pytest.fixture
 def valley(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Two scores whose misfit leaves nothing on y = x² and little at x = 2, in place of an aircraft."""
+    """Two scores whose misfit leaves nothing on y = x² and little at x = 2, in place of an aircraft.
+
+    ``asked`` are the scores at which its misfit was asked for.
+    """
+    case = SimpleNamespace(here=None, predicted=None, asked=[], bent=1.0)
 
     def predicted(u: Any) -> Any:
-        return np.array([STEEP * (u[1] - u[0] ** 2), 30 * (u[0] - BOTTOM)])
+        return np.array([STEEP * (u[1] - case.bent * u[0] ** 2), 30 * (u[0] - BOTTOM)])
 
-    def there(problem: Any, u: Any, hypotheses: Any, e: Any, **kept: Any) -> Any:
-        return here(u)
+    def there(problem: Any, u: Any, hypotheses: Any, e: Any, *, slopes: bool = True, **kept: Any) -> Any:
+        return here(u, None if not slopes or kept.get("rough") else kept.get("origin") or "anew")
 
-    def here(u: Any) -> Any:
+    def here(u: Any, origin: Any = None) -> Any:
         known = SimpleNamespace(moved=lambda score, move, at: score + move)
-        case = SimpleNamespace(unknowns=[known, known])
+        aircraft = SimpleNamespace(unknowns=[known, known])
+
+        def predict(u: Any, e: Any) -> Any:
+            case.asked.append(u)
+            return predicted(u)
+
         return SimpleNamespace(
-            problem=case, hypotheses=(), structures=None, origin=None, assembled=None, predict=lambda u, e: predicted(u)
-        )
+            problem=aircraft, hypotheses=(), structures=SimpleNamespace(whole=False), origin=origin, assembled=None,
+            predict=predict,
+        )  # fmt: skip
 
     def slopes(anchored: Any, u: Any, e: Any, predicted: Any, sigma: Any) -> Any:
-        return np.array([[-2 * STEEP * u[0], STEEP], [30.0, 0.0]])
+        return np.array([[-2 * STEEP * case.bent * u[0], STEEP], [30.0, 0.0]])
 
     monkeypatch.setattr(descent, "anchor", there)
     monkeypatch.setattr(descent, "data_misfit", lambda problem, predicted, sigma: predicted)
     monkeypatch.setattr(descent, "jacobian", slopes)
-    return SimpleNamespace(here=here, predicted=predicted)
+    monkeypatch.setattr(descent, "from_elsewhere", lambda *_: False)
+    case.here, case.predicted = here, predicted
+    return case
 
 
-def walked(valley: Any, steps: int) -> float:
+def step_from(valley: Any, u: Any, damping: float, rough: bool = False) -> descent.Step | None:
+    valley.asked.clear()
+    return descent.taken(valley.here(u), u, np.zeros(0), valley.predicted(u), np.ones(2), damping, rough)
+
+
+def walked(valley: Any, steps: int, damping: float = 0.1) -> float:
     """How far along the valley some steps lead from its beginning."""
-    u, e, damping = np.array([0.5, 0.25]), np.zeros(0), 0.1
+    u = HERE
     for _ in range(steps):
-        step = descent.taken(valley.here(u), u, e, valley.predicted(u), np.ones(2), damping, True)
+        step = step_from(valley, u, damping)
         if step is None:
             break
         assert step.gain > 0
@@ -52,35 +70,72 @@ def walked(valley: Any, steps: int) -> float:
     return float(u[0])
 
 
-def test_a_step_up_the_side_of_a_valley_is_led_back_to_its_floor(valley: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two steps reach what steps that must stay inside take many for."""
-    assert walked(valley, 2) == pytest.approx(BOTTOM, abs=0.05)
-    monkeypatch.setattr(descent, "_CORRECTIONS", 0)
-    assert walked(valley, 2) < 1.0
+def test_it_arrives_at_the_bottom(valley: Any) -> None:
+    assert walked(valley, 40) == pytest.approx(BOTTOM, abs=0.05)
 
 
-def test_a_step_that_leads_too_far_is_taken_for_a_part_before_it_is_turned(
+def test_a_step_that_keeps_its_promise_frees_the_next(valley: Any) -> None:
+    """On straight ground a step is what the tangent says: a fifth of the damping."""
+    valley.bent = 0.0
+    step = step_from(valley, HERE, 10.0)
+    assert step is not None and step.damping == pytest.approx(2.0)
+    assert len(valley.asked) == 1
+
+
+def test_what_is_refused_is_held_back_and_the_next_begins_there(valley: Any) -> None:
+    """Up the side of a valley: held back by more and more, and what was accepted is not let go of at once."""
+    step = step_from(valley, HERE, 1e-6)
+    assert step is not None
+    refused = len(valley.asked) - 1
+    assert refused > 1
+    accepted = 1.0 * 4.0 ** (refused - 1)
+    assert step.damping in (0.2 * accepted, accepted, 2.0 * accepted)
+    # The next one is not freed to what has just been refused.
+    step_from(valley, step.u, step.damping)
+    assert len(valley.asked) <= 2
+
+
+def test_what_a_step_of_little_promise_kept_holds_back_the_next(valley: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(descent, "_KEEPS_LITTLE", 2.0)
+    monkeypatch.setattr(descent, "_KEEPS_MOST", 2.0)
+    valley.bent = 0.0
+    step = step_from(valley, HERE, 10.0)
+    assert step is not None and step.damping == 20.0
+
+
+@pytest.mark.parametrize("elsewhere", [True, False])
+def test_slopes_that_mislead_are_taken_anew_before_a_step_is_shortened(
+    valley: Any, monkeypatch: pytest.MonkeyPatch, elsewhere: bool
+) -> None:
+    """Those of elsewhere point away from the bottom; where there are no others, no step is found."""
+    right = descent.jacobian
+
+    def slopes(anchored: Any, *given: Any) -> Any:
+        return right(anchored, *given) * (1.0 if anchored.origin == "anew" else -1.0)
+
+    monkeypatch.setattr(descent, "jacobian", slopes)
+    monkeypatch.setattr(descent, "from_elsewhere", lambda problem, u, e, origin, hypotheses: elsewhere and not origin)
+    valley.bent = 0.0
+    step = step_from(valley, HERE, 0.1)
+    assert (step is not None) == elsewhere
+    if step is not None:
+        assert len(valley.asked) == 2
+        assert step.here.origin == "anew"
+
+
+def test_where_a_step_keeps_less_than_half_the_next_has_its_own_slopes(
     valley: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(globals(), "STEEP", 100.0)
-    monkeypatch.setattr(descent, "_CORRECTIONS", 0)
-    monkeypatch.setattr(descent, "_REJECTIONS", 1)
-    assert walked(valley, 1) > 0.5
-    monkeypatch.setattr(descent, "_SHORTER", 1.0)
-    assert walked(valley, 1) == 0.5
-
-
-def test_a_way_back_that_leads_nowhere_is_given_up(valley: Any) -> None:
-    """After the first, whichever leaves most of what the one before it left."""
-    asked: list[float] = []
-
-    def back(u: Any, e: Any, misfit: Any) -> Any:
-        asked.append(float(u[0]))
-        return u * 0.99, e
-
-    far = np.array([30.0, 0.0])
-    assert descent._downhill(valley.here(far), (far, np.zeros(0)), np.ones(2), 1.0, back) is None
-    assert len(asked) == 2
+    monkeypatch.setattr(descent, "from_elsewhere", lambda problem, u, e, origin, hypotheses: not origin)
+    valley.bent = 0.0
+    kept = step_from(valley, HERE, 0.1)
+    assert kept is not None and kept.here.origin is None
+    monkeypatch.setattr(descent, "_TRUE", 2.0)
+    broken = step_from(valley, HERE, 0.1)
+    assert broken is not None and broken.here.origin == "anew"
+    # A rough one keeps them.
+    broken = step_from(valley, HERE, 0.1, rough=True)
+    assert broken is not None and broken.here.origin is None
 
 
 def test_badly_scaled_systems_are_solved_without_a_word() -> None:

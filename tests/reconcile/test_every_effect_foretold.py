@@ -17,7 +17,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem, problem_of
 from vgvt.reconcile.surrogate import anchor
 from vgvt.scenario.effect import EffectTable
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 # Of what an effect does, and of A/F: records of some seconds are worth six ten-thousandths without any effect.
 _OF_THE_CHANGE, _OF_THE_WHOLE = 0.03, 1e-3
@@ -49,7 +49,7 @@ def test_every_effect_does_what_the_simulator_makes_it_do(
 ) -> None:
     """Base strain about the roll axis was foretold fifteen times as large as it is."""
     scenario = without_instrument_noise(roving_scenario())
-    measured = data.measured_frfs(simulate(scenario, engine="linear").campaign, lines=60)
+    measured = data.measured_frfs(simulated_campaign(scenario, engine="linear"), lines=60)
     case = problem_of(measured, scenario)
     monkeypatch.setattr(data, "_chosen", lambda *given: measured.lines)
     u = np.zeros(case.size)
@@ -64,7 +64,7 @@ def test_every_effect_does_what_the_simulator_makes_it_do(
     for h in asked:
         values = sized(h)
         table = EffectTable(name=h.name, **h.settings, **values)
-        with_it = simulate(scenario.model_copy(update={"effect": (table,)}), engine="linear").campaign
+        with_it = simulated_campaign(scenario.model_copy(update={"effect": (table,)}), engine="linear")
         there = replace(case, measured=data.measured_frfs(with_it, lines=60))
         change = (there.measured.values - measured.values) / size
         missed = foretold(there, (h,), h.scores(values)) - without - change

@@ -15,7 +15,7 @@ from vgvt.data import Campaign, ChannelRole
 from vgvt.reconcile.data import measured_frfs
 from vgvt.reconcile.harmonics import Harmonic, answers_jaggedly, words_of
 from vgvt.scenario.effect import EffectTable
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 SHARE = 0.05
 
@@ -27,7 +27,7 @@ def swept(second: float = 0.0, third: float = 0.0) -> Campaign:
     if second or third:
         table = EffectTable(name="force-distortion", second_harmonic=second, third_harmonic=third)
         scenario = scenario.model_copy(update={"effect": (table,)})
-    return simulate(scenario, engine="linear").campaign
+    return simulated_campaign(scenario, engine="linear")
 
 
 def bent(campaign: Campaign, law: Callable[[np.ndarray], np.ndarray]) -> Campaign:

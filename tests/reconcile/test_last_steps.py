@@ -57,7 +57,7 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
 def test_a_fit_is_gone_on_with_unless_it_has_arrived_or_becomes_worse(monkeypatch: pytest.MonkeyPatch) -> None:
     further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
     monkeypatch.setattr(finished, "fit", lambda *given, exact: further)
-    monkeypatch.setattr(finished, "origin_near", lambda *_: None)
+    monkeypatch.setattr(finished, "origin_at", lambda *_: None)
     effect = SimpleNamespace(name="it")
     stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(effect,), u=0, e=0)
     assert finished.finished(stopped, told) is further

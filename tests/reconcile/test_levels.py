@@ -18,7 +18,7 @@ from vgvt.reconcile.level_grid import depends_on_level, level_grid, linear_first
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.surrogate import anchor
 from vgvt.scenario import Scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 ROOT = {"root_stiffness_n_m_per_rad": 2000.0, "kind": "bending", "side": "both"}
 CUBIC = Hypothesis(available_effects()["cubic-root-stiffness"], {"cubic_n_m_per_rad3": 2e7, **ROOT})
@@ -38,7 +38,7 @@ SCENARIO = driven(without_instrument_noise(small_scenario()), 1.0)
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    campaign = simulate(SCENARIO, engine="linear").campaign
+    campaign = simulated_campaign(SCENARIO, engine="linear")
     return make_problem(campaign, SCENARIO, lines=120, cache=tmp_path_factory.mktemp("cache"))
 
 
@@ -67,7 +67,7 @@ def test_a_whisper_leaves_the_linear_model(case: Problem) -> None:
     assert distance(rigid, case.measured.values) < 0.03
     for hypothesis in (CUBIC, PLAY):
         effect = hypothesis.cls(**hypothesis.settings)
-        wanted = measured_frfs(simulate(with_effect(SCENARIO, effect), engine="linear").campaign, lines=120)
+        wanted = measured_frfs(simulated_campaign(with_effect(SCENARIO, effect), engine="linear"), lines=120)
         same = np.isin(case.measured.lines, wanted.lines)
         there = np.isin(wanted.lines, case.measured.lines)
         held = predicted(case, (hypothesis,), 1e-4)
@@ -133,7 +133,7 @@ def in_runs(*runs: tuple[int, ...]) -> Scenario:
 def test_a_joint_that_stays_shut_rings_on_at_the_end_of_a_record(tmp_path: Path) -> None:
     """As the linear engine has it, but for what sensors weigh on a soft root: the sweep ends while a mode rings."""
     scenario = in_runs((1, 5, 9, 13), (2, 6, 10, 14))
-    campaign = simulate(with_effect(scenario, PLAY.cls(**PLAY.settings)), engine="linear").campaign
+    campaign = simulated_campaign(with_effect(scenario, PLAY.cls(**PLAY.settings)), engine="linear")
     case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
     assert distance(predicted(case, (PLAY,), 1e-4), case.measured.values) < 0.005
     endless = replace(case, measured=replace(case.measured, endings=()))
@@ -146,7 +146,7 @@ def test_a_run_among_others_has_its_own_sensors_on(tmp_path: Path) -> None:
     found = []
     for runs in ((first, second), (first,)):
         scenario = in_runs(*runs)
-        case = make_problem(simulate(scenario, engine="linear").campaign, scenario, lines=120, cache=tmp_path)
+        case = make_problem(simulated_campaign(scenario, engine="linear"), scenario, lines=120, cache=tmp_path)
         found.append(dict(zip(case.measured.lines, predicted(case, (CUBIC,))[: len(first)].T, strict=True)))
     both = sorted(found[0].keys() & found[1].keys())
     among, alone = (np.array([f[line] for line in both]).T for f in found)
@@ -201,7 +201,7 @@ def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, vo
     """
     scenario = driven(in_runs((1, 5, 9, 13)), volt)
     effect = hypothesis.cls(**hypothesis.settings)
-    campaign = simulate(with_effect(scenario, effect), engine="mujoco").campaign
+    campaign = simulated_campaign(with_effect(scenario, effect), engine="mujoco")
     case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
     found = distance(predicted(case, (hypothesis,)), case.measured.values)
     linear = distance(predicted(case, (hypothesis,), 1e-4 if hypothesis is not FRICTION else 1e3), case.measured.values)
@@ -214,5 +214,5 @@ def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, vo
 def test_what_finite_rotation_leaves_without_any_joint(tmp_path: Path, volt: float, least: float, most: float) -> None:
     """What a scenario driven that hard should state as its ``model_form``."""
     scenario = driven(in_runs((1, 5, 9, 13)), volt)
-    case = make_problem(simulate(scenario, engine="mujoco").campaign, scenario, lines=120, cache=tmp_path)
+    case = make_problem(simulated_campaign(scenario, engine="mujoco"), scenario, lines=120, cache=tmp_path)
     assert least < distance(predicted(case, ()), case.measured.values) < most

@@ -23,7 +23,8 @@ from vgvt.reconcile.problem import make_problem
 from vgvt.reconcile.progress import Progress, silent
 from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.suggest import suggest
-from vgvt.simulation import simulate
+from vgvt.reconcile.team import Team
+from vgvt.simulation import simulated_campaign
 
 NAMES = ("root-compliance", "root-freeplay", "cubic-root-stiffness")
 WIDE = 4.0
@@ -33,7 +34,7 @@ WIDE = 4.0
 def stated(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     """The model as stated beside what a joint whose play is shaken open would give it."""
     scenario = driven(without_instrument_noise(small_scenario()), 1.0)
-    campaign = simulate(scenario, engine="linear").campaign
+    campaign = simulated_campaign(scenario, engine="linear")
     case = make_problem(campaign, scenario, lines=120, cache=tmp_path_factory.mktemp("cache"))
     values = predicted(case, (PLAY,), WIDE)
     size = np.abs(values)
@@ -102,7 +103,7 @@ def test_another_level_tells_it_from_what_came_next(stated: Fit, found: tuple[Sc
 def test_a_joint_that_sticks_in_one_run_and_slips_in_another_is_begun_from_the_stated_values(tmp_path: Path) -> None:
     """It is like no linear effect."""
     scenario = driven(without_instrument_noise(roving_scenario()), 1.0)
-    case = make_problem(simulate(scenario, engine="linear").campaign, scenario, lines=120, cache=tmp_path)
+    case = make_problem(simulated_campaign(scenario, engine="linear"), scenario, lines=120, cache=tmp_path)
     louder = np.array([0.25, 0.25, 2.0, 2.0])[:, None]
     measured = replace(case.measured, pushed=louder * case.measured.pushed, force=louder * case.measured.force)
     case = replace(case, measured=measured)
@@ -149,7 +150,9 @@ def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     large = Screened(joints[0], {}, 1.0, arrived=True)
     calls = list[tuple[list[Hypothesis], list[Hypothesis]]]()
 
-    def beside(at: Fit, wanted: list[Hypothesis], linear: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+    def beside(
+        at: Fit, wanted: list[Hypothesis], linear: Sequence[Hypothesis], tell: Progress, team: Team
+    ) -> tuple[Screened, ...]:
         calls.append((wanted, list(linear)))
         return (large,)
 

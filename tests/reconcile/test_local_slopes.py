@@ -13,7 +13,7 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.reconcile.fit import STAGES, calibrate, fit
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import Origin, origin_near
+from vgvt.reconcile.local_slopes import Origin, from_elsewhere, origin_at
 from vgvt.reconcile.problem import CELLS, Problem, recentred
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.surrogate import anchor
@@ -63,9 +63,9 @@ def test_within_the_tolerances_the_slopes_of_where_it_ended_are_right_and_those_
     assert not case.at.any()
     assert worst(case, u, (), np.zeros(0)) > 0.05
     assert worst(there, u, (), np.zeros(0)) < 0.03
-    # Slopes are the same wherever they are asked for, until that is far from where they were taken.
-    assert origin_near(there, u, np.zeros(0), None) is None
-    assert origin_near(there, -4 * u, np.zeros(0), None) is not None
+    # They serve until that is far from where they were taken.
+    assert origin_at(there, u, np.zeros(0)) is None
+    assert origin_at(there, -4 * u, np.zeros(0)) is not None
 
 
 @pytest.mark.slow
@@ -125,33 +125,44 @@ def test_where_a_root_gives_way_a_lot_though_no_unknown_has_moved(case: Problem)
     hypothesis = Hypothesis(available_effects()["root-compliance"], {"side": "both"})
     e = hypothesis.scores({"bending": 0.2, "torsion": 0.002})
     assert worst(case, np.zeros(case.size), (hypothesis,), e) < 0.05
-    assert origin_near(case, np.zeros(case.size), e, None, (hypothesis,)) is not None
+    assert origin_at(case, np.zeros(case.size), e, (hypothesis,)) is not None
     little = hypothesis.scores({"bending": 0.005, "torsion": 0.005})
-    assert origin_near(case, np.zeros(case.size), little, None, (hypothesis,)) is None
+    assert origin_at(case, np.zeros(case.size), little, (hypothesis,)) is None
     known = Origin(np.zeros(case.size), e)
-    assert origin_near(case, np.zeros(case.size), e + 0.1, known, (hypothesis,)) is known
-    assert origin_near(case, np.zeros(case.size), e - 0.5, known, (hypothesis,)) is not known
+    assert not from_elsewhere(case, np.zeros(case.size), e + 0.1, known, (hypothesis,))
+    assert from_elsewhere(case, np.zeros(case.size), e - 0.5, known, (hypothesis,))
 
 
-def test_slopes_are_taken_anew_only_where_the_last_ones_do_not_serve(case: Problem) -> None:
-    count = len(case.unknowns)
+def test_which_slopes_may_mislead(case: Problem) -> None:
+    """Those of far away, where others are to be had; back home those of the stated values serve again."""
+    count, nothing = len(case.unknowns), np.zeros(0)
     near, far, further = np.zeros(case.size), np.zeros(case.size), np.zeros(case.size)
-    near[0], far[0], further[0] = 4.0, 8.0, 12.0
-    nothing = np.zeros(0)
-    assert origin_near(case, near, nothing, None) is None
-    first = origin_near(case, far, nothing, None)
+    near[0], far[0], further[0] = 4.0, 8.0, 9.5
+    assert origin_at(case, near, nothing) is None
+    assert not from_elsewhere(case, near, nothing, None)
+    first = origin_at(case, far, nothing)
     assert isinstance(first, Origin) and first.u[0] == 8.0
-    assert origin_near(case, further, nothing, first) is first
+    assert from_elsewhere(case, far, nothing, None)
+    assert not from_elsewhere(case, far, nothing, first)
+    # Of a longer way a share is as good as there.
+    assert not from_elsewhere(case, further, nothing, first)
     further[0] = 14.0
-    anew = origin_near(case, further, nothing, first)
-    assert anew is not None and anew is not first
-    # Back home the stated values serve again; with another effect's scores the old place does not.
-    assert origin_near(case, near, nothing, first) is None
-    assert origin_near(case, further, np.zeros(1), anew) is not anew
+    assert from_elsewhere(case, further, nothing, first)
+    assert from_elsewhere(case, near, nothing, first)
     # Instruments' gains have no part in it.
     gains = np.zeros(case.size)
     gains[count:] = 50.0
-    assert origin_near(case, gains, nothing, None) is None
+    assert origin_at(case, gains, nothing) is None
+
+
+def test_given_slopes_are_kept_however_far(case: Problem) -> None:
+    """Whoever walks on with them says when they mislead."""
+    far, further = np.zeros(case.size), np.zeros(case.size)
+    far[0], further[0] = 8.0, 20.0
+    first = origin_at(case, far, np.zeros(0))
+    assert anchor(case, further, origin=first).origin is first
+    anew = anchor(case, further).origin
+    assert anew is not None and anew.u[0] == 20.0
 
 
 def test_at_the_end_of_its_range_an_unknown_changes_nothing(case: Problem) -> None:

@@ -13,7 +13,7 @@ from vgvt.data import Campaign, Direction, Dof
 from vgvt.reconcile.data import MeasuredChannel, measured_frfs
 from vgvt.reconcile.variance import repeat_noise
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 BANDS = 10
 RUNS = ((1, 6, 13, 18), (3, 8, 11, 20), (5, 10, 15, 16), (2, 9, 14, 17), (4, 7, 12, 19))
@@ -47,7 +47,7 @@ def without_noise(name: str) -> Campaign:
         "transducer": scenario.transducer.model_copy(update=silent),
         "acquisition": scenario.acquisition.model_copy(update={"noise_v_per_rthz": 0.0, "bits": 32}),
     }
-    return simulate(scenario.model_copy(update=changes), engine="linear").campaign
+    return simulated_campaign(scenario.model_copy(update=changes), engine="linear")
 
 
 def by_band(values: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.posterior import honest, honest_covariance
 from vgvt.reconcile.problem import CELLS, make_problem
 from vgvt.reconcile.uncertain import edited, unknowns
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 DRAWS = 30
 
@@ -80,7 +80,7 @@ def test_stated_intervals_hold_the_truth(tmp_path: Path) -> None:
         made = hypothesis.effect(hypothesis.values(size))
         assert made is not None
         truth = without_instrument_noise(edited(scenario, known, true)).model_copy(update={"effect": (table_of(made),)})
-        campaign = Noise(0.01, False).on(simulate(truth, engine="linear").campaign, generator)
+        campaign = Noise(0.01, False).on(simulated_campaign(truth, engine="linear"), generator)
         case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
         start = drawn_scores(case, draw)
         found = honest(fit(case, (hypothesis,), start, size, NEAR))

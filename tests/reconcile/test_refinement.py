@@ -15,7 +15,7 @@ from vgvt.reconcile.refinement import meshed, towards
 from vgvt.reconcile.surrogate import anchor
 from vgvt.reconcile.uncertain import prepared
 from vgvt.scenario import Scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 from vgvt.simulation.reduced import Layouts, structure
 
 TOP_HZ = 60.0
@@ -60,7 +60,7 @@ def test_the_highest_modes_flexibility_brings_the_response_nearer(tmp_path: Path
     scenario = small_scenario()
     beams = tuple(b.model_copy(update={"cells": 36}) for b in scenario.airframe.beam)
     fine = scenario.model_copy(update={"airframe": scenario.airframe.model_copy(update={"beam": beams})})
-    campaign = simulate(without_instrument_noise(fine), engine="linear").campaign
+    campaign = simulated_campaign(without_instrument_noise(fine), engine="linear")
     case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
     u = np.zeros(case.size)
     # What 36 cells lack of a continuum is a ninth of what 12 lack.

@@ -22,7 +22,7 @@ from vgvt.reconcile.suggest import suggest
 from vgvt.reconcile.thresholds import stored_thresholds
 from vgvt.reconcile.uncertain import edited, unknowns
 from vgvt.scenario import Scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 SEED, MASS_KG = 5, 0.05
 
@@ -36,7 +36,7 @@ def recorded(scenario: Scenario, seed: int) -> Campaign:
     made = known["added-mass"](mass_kg=MASS_KG, x_m=x, y_m=y)
     true = without_instrument_noise(edited(scenario, unknowns(stated), truth))
     true = true.model_copy(update={"effect": (table_of(made),)})
-    return Noise(0.01, False).on(simulate(true, engine="linear").campaign, np.random.default_rng(seed))
+    return Noise(0.01, False).on(simulated_campaign(true, engine="linear"), np.random.default_rng(seed))
 
 
 def rivals(case: Problem) -> tuple[Fit, Fit]:

@@ -67,7 +67,9 @@ def test_what_was_imitated_comes_first_and_leads_to_the_truth(swallowed: Fit) ->
     assert first.gain_nats > 20 * max(s.gain_nats for s in screen(swallowed, offered))
     # Its start is in scores of the problem as it is, and within the tolerances.
     assert first.start is not None
-    assert np.abs(first.start).max() < 4 < np.abs(swallowed.u).max()
+    # How coarse the chain is has an end, which a score reaches wherever it goes.
+    others = np.delete(np.arange(first.start.size), swallowed.problem.unknowns.index(CELLS))
+    assert np.abs(first.start[others]).max() < 2 < 4 < np.abs(swallowed.u[others]).max()
     found = fitted_from(swallowed, first, FAR, silent)
     assert found is not None
     assert found.values(0)["roll_inertia_kg_m2"][0] == pytest.approx(TRUE_KG_M2, rel=0.1)
@@ -113,7 +115,7 @@ def test_it_is_looked_for_so_where_data_are_met_and_where_unknowns_are_bent(
     monkeypatch.setattr(shortlist, "held", lambda *given: ())
     monkeypatch.setattr(shortlist, "_forgiving", lambda current, tell: forgiving)
     monkeypatch.setattr(shortlist, "swallowed", lambda current, before: True)
-    monkeypatch.setattr(shortlist, "_asked", lambda current, left, known: (list(left), []))
+    monkeypatch.setattr(shortlist, "_asked", lambda current, left, *more: (list(left), []))
     monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
     before: Any = SimpleNamespace(train_chi2_per_dof=left)
     current: Any = SimpleNamespace(u=np.array([0.1, -moved]), hypotheses=())

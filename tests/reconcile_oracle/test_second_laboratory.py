@@ -15,7 +15,7 @@ from vgvt.data import Campaign, ChannelRole
 from vgvt.effects import make_effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.effect import EffectTable
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 NODES = (1, 10, 13, 20)
 BAND_HZ = np.linspace(3.0, 35.0, 161)
@@ -61,7 +61,7 @@ def plain() -> tuple[np.ndarray, np.ndarray]:
 
 def simulated(cells: int, *effects: EffectTable) -> np.ndarray:
     """The simulator's accelerances."""
-    return spectra(simulate(scenario(cells).model_copy(update={"effect": effects}), engine="linear").campaign)
+    return spectra(simulated_campaign(scenario(cells).model_copy(update={"effect": effects}), engine="linear"))
 
 
 def test_the_simulator_converges_to_the_second_laboratory() -> None:

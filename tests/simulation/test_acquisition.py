@@ -10,11 +10,11 @@ from small_rig import revised
 from vgvt.data import Record
 from vgvt.scenario import Scenario
 from vgvt.scenario.instruments import NoiseSpectrum
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 
 def first_run(scenario: Scenario) -> Record:
-    return simulate(scenario, engine="linear").campaign.runs[0]
+    return simulated_campaign(scenario, engine="linear").runs[0]
 
 
 def test_samples_are_whole_converter_steps(small: Scenario) -> None:

@@ -7,7 +7,7 @@ import pytest
 from small_rig import band_spectra, revised
 
 from vgvt.scenario import Scenario
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 from vgvt.simulation.command import drive_command, sample_times_s
 
 KINDS: dict[str, dict[str, object]] = {
@@ -29,7 +29,7 @@ def excited(scenario: Scenario, kind: str) -> Scenario:
 def test_both_engines_take_every_kind(small: Scenario, kind: str) -> None:
     """Sample by sample: force and accelerations of the stepped model are those of the exact solution."""
     scenario = excited(small, kind)
-    stepped, solved = (simulate(scenario, engine=engine).campaign.runs[0].samples for engine in ("mujoco", "linear"))
+    stepped, solved = (simulated_campaign(scenario, engine=engine).runs[0].samples for engine in ("mujoco", "linear"))
     np.testing.assert_array_equal(stepped[0], solved[0])
     for channel in (1, 2, 3):
         scale = np.sqrt((solved[channel] ** 2).mean())
@@ -50,7 +50,7 @@ def test_runs_and_seeds_differ_and_come_back(small: Scenario, kind: str) -> None
 
 def test_a_repeated_run_is_another_record_of_the_same_sensors(small: Scenario) -> None:
     scenario = revised(excited(small, "random"), acquisition={"repeats": 2})
-    first, second = simulate(scenario, engine="linear").campaign.runs
+    first, second = simulated_campaign(scenario, engine="linear").runs
     assert [c.name for c in first.channels] == [c.name for c in second.channels]
     assert (first.run, second.run) == (1, 2)
     assert np.abs(band_spectra(first)[0] - band_spectra(second)[0]).max() > 0

@@ -12,7 +12,7 @@ from vgvt.data import InputError
 from vgvt.scenario import Hammer, Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.signals import estimate_frf
-from vgvt.simulation import simulate, truth_of
+from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import driven_rig, hung_rig, plans, rigid_body
 from vgvt.simulation.state_space import state_space
 
@@ -46,7 +46,7 @@ def responses(scenario: Scenario, run: int = 0) -> NDArray[np.complex128]:
 
 def test_both_engines_answer_a_hit_alike(small: Scenario) -> None:
     scenario = struck(small, strength_scatter=0.1, timing_scatter_s=0.02)
-    stepped, solved = (simulate(scenario, engine=engine).campaign.runs[0] for engine in ("mujoco", "linear"))
+    stepped, solved = (simulated_campaign(scenario, engine=engine).runs[0] for engine in ("mujoco", "linear"))
     assert [c.name for c in solved.channels] == ["force", "acceleration 1+Z", "acceleration 10+Z"]
     assert str(solved.channels[0].dof) == "100-Z"
     np.testing.assert_allclose(stepped.samples[0], solved.samples[0], atol=1e-6 * solved.samples[0].max())
@@ -85,7 +85,7 @@ def test_hammer_and_shaker_agree_on_the_aircraft(small: Scenario) -> None:
 
 def test_a_gauge_behind_a_tip_misses_its_inertia(small: Scenario) -> None:
     true, seen = (
-        simulate(struck(small, calibrated=c), engine="linear").campaign.runs[0].samples for c in (True, False)
+        simulated_campaign(struck(small, calibrated=c), engine="linear").runs[0].samples for c in (True, False)
     )
     np.testing.assert_allclose(seen[1:], true[1:], atol=1e-9)
     assert seen[0].max() / true[0].max() == pytest.approx(0.15 / 0.16, rel=1e-6)
@@ -94,7 +94,7 @@ def test_a_gauge_behind_a_tip_misses_its_inertia(small: Scenario) -> None:
 def test_the_estimate_over_hits_is_the_frequency_response(small: Scenario) -> None:
     """Hits in a record long enough for the modes of the band, read without noise."""
     scenario = revised(struck(small), excitation={"duration_s": 80.0})
-    frf = estimate_frf(simulate(scenario, engine="linear").campaign, "auto", band_hz=(4.0, 34.0))
+    frf = estimate_frf(simulated_campaign(scenario, engine="linear"), "auto", band_hz=(4.0, 34.0))
     nearest = [int(np.argmin(np.abs(frf.frequency_hz - f))) for f in FREQUENCY_HZ]
     wanted = np.array([np.interp(frf.frequency_hz[nearest], FREQUENCY_HZ, w) for w in responses(scenario)])
     # Interpolated between lines 1 Hz apart where it bends little; half of the lines are that smooth.

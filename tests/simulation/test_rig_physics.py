@@ -8,7 +8,7 @@ from small_rig import revised
 
 from vgvt.data import InputError, ModalModel
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import truth_of
+from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import driven_rig, hung_rig, plan
 from vgvt.simulation.linear import linearise
 from vgvt.simulation.modes import modal_model
@@ -158,8 +158,7 @@ def test_a_hook_below_the_centre_of_gravity_is_refused(small: Scenario) -> None:
 
 def test_sag_is_settled_before_the_record_starts(small: Scenario) -> None:
     """With the shaker silent nothing moves, at full gravity."""
-    from vgvt.simulation import simulate
 
     silent = revised(small, excitation={"amplitude_v": 1e-9, "duration_s": 1.0, "ring_down_s": 1.0, "taper_s": 0.1})
-    record = simulate(silent, engine="mujoco").campaign.runs[0]
+    record = simulated_campaign(silent, engine="mujoco").runs[0]
     assert np.abs(record.samples[1:]).max() < 1e-6

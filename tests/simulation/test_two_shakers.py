@@ -11,7 +11,7 @@ from small_rig import revised
 from vgvt.data import ChannelRole
 from vgvt.scenario import Scenario
 from vgvt.signals import estimate_frf
-from vgvt.simulation import simulate, truth_of
+from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import driven_rig, plans
 from vgvt.simulation.command import drive_commands, sample_times_s
 from vgvt.simulation.state_space import state_space
@@ -41,7 +41,7 @@ def model_frf(scenario: Scenario, frequency_hz: NDArray[np.float64]) -> NDArray[
 
 def test_both_engines_shake_at_both_points(small: Scenario) -> None:
     scenario = paired(small, duration_s=4.0, start_hz=3.0, **RANDOM)
-    stepped, solved = (simulate(scenario, engine=engine).campaign.runs[0] for engine in ("mujoco", "linear"))
+    stepped, solved = (simulated_campaign(scenario, engine=engine).runs[0] for engine in ("mujoco", "linear"))
     assert [c.name for c in solved.channels][:4] == ["drive", "drive 101", "force", "force 101"]
     np.testing.assert_array_equal(stepped.samples[:2], solved.samples[:2])
     assert abs(np.corrcoef(solved.samples[:2])[0, 1]) < 0.3
@@ -53,7 +53,7 @@ def test_both_engines_shake_at_both_points(small: Scenario) -> None:
 def test_two_repeats_of_a_sweep_measure_the_matrix(small: Scenario, signals: str) -> None:
     """Solved line by line from two records that ring out: the linear model's own accelerance matrix."""
     scenario = paired(small, 2, shakers=signals, duration_s=10.0, ring_down_s=50.0, lead_in_s=0.5)
-    campaign = simulate(scenario, engine="linear").campaign
+    campaign = simulated_campaign(scenario, engine="linear")
     first, second = (drive_commands(scenario, run, sample_times_s(scenario)) for run in (0, 1))
     # Orthogonal over the two repeats, whatever the signal.
     assert abs((first[0] * first[1] + second[0] * second[1]).sum()) < 1e-9 * (first**2 + second**2).sum()
@@ -69,7 +69,7 @@ def test_h1_of_independent_bursts_measures_the_matrix(small: Scenario) -> None:
     """Each block rings out in its silence but for the slow pendulums: what is left is leakage below one per cent."""
     burst = {**RANDOM, "blocks": 8, "burst_fraction": 0.25, "shakers": "uncorrelated"}
     scenario = paired(small, duration_s=240.0, start_hz=3.0, stop_hz=36.0, **burst)
-    campaign = simulate(scenario, engine="linear").campaign
+    campaign = simulated_campaign(scenario, engine="linear")
     frf = estimate_frf(campaign, "h1", segment_s=30.0, window="boxcar", overlap=0.0, band_hz=(4.0, 34.0))
     few = np.arange(0, frf.frequency_hz.size, 20)
     wanted = model_frf(scenario, frf.frequency_hz[few])
@@ -83,7 +83,7 @@ def test_truth_and_campaign_know_both_references(small: Scenario) -> None:
     scenario = paired(small, duration_s=4.0, **RANDOM)
     truth = truth_of(scenario)
     assert [str(d) for d in truth.as_tested[0].references] == ["100+Z", "101+Z"]
-    campaign = simulate(scenario, engine="linear").campaign
+    campaign = simulated_campaign(scenario, engine="linear")
     assert [str(d) for d in campaign.reference_dofs] == ["100+Z", "101+Z"]
     assert len(campaign.runs[0].select(ChannelRole.DRIVE)[0]) == 2
 

@@ -1,16 +1,15 @@
-"""One accepted step of a fit, by Levenberg and Marquardt, that finds its way along narrow, bent valleys."""
+"""One accepted step of a fit, by Levenberg and Marquardt, with slopes taken anew where those at hand mislead."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.reconcile.grouping import NoStructureError
+from vgvt.reconcile.local_slopes import from_elsewhere
 from vgvt.reconcile.misfit import data_misfit, jacobian
 from vgvt.reconcile.surrogate import Anchor, anchor
 
@@ -20,13 +19,15 @@ Scores = tuple[Array, Array]
 
 # Standard deviations at once: from where scores are tens of them away, a share of that.
 _LONGEST_STEP, _LONGEST_SHARE = 1.5, 0.2
-_REJECTIONS = 5
-# Of a step that led too far.
-_SHORTER = 0.3
-# How often a step that climbed is taken back towards the floor, how much further up the first time may lead, and what
-# each later time must leave at most of what it found: a way back that is as long as that is found sooner by a shorter
-# step.
-_CORRECTIONS, _WORSE, _CONTRACTING = 4, 2.0, 0.7
+_REJECTIONS = 9
+# Of what a step promised, what it keeps where the next may be freer, and where it has to be held back more: as freely
+# as data that miss much let it, a step would cross the valley's floor and come back at the next, over and over.
+_KEEPS_MOST, _KEEPS_LITTLE = 0.75, 0.25
+_FREER, _HELD_BACK, _REFUSED = 0.2, 2.0, 4.0
+# A free step that was refused: to be held back at all.
+_FREE, _HELD = 1e-2, 1.0
+# Where a step keeps less of its promise, slopes that were taken elsewhere are taken anew.
+_TRUE = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,19 +48,40 @@ class Step:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Slopes:
-    """Derivatives (2 N, scores) of the misfit at a point, their normal matrix with the priors', the longest step."""
+    """Gradient (scores,) of half the cost where a step begins, half its curvature as a tangent has it, with the priors.
 
-    here: Anchor
-    tangent: Array
+    No step is longer than ``longest``.
+    """
+
+    gradient: Array
     normal: Array
     longest: float
 
-    def step(self, u: Array, e: Array, misfit: Array, damping: float, share: float = 1.0) -> Scores:
-        """Scores after a ``share`` of a damped Gauss-Newton step from u and e, where the misfit (2 N,) is."""
-        gradient = self.tangent.T @ misfit + np.concatenate([u, e])
+    @classmethod
+    def of(cls, here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> _Slopes | None:
+        """By the slopes of ``here``; None beside a joint whose march runs away."""
+        tangent = jacobian(here, u, e, predicted, sigma)
+        if not np.isfinite(tangent).all():
+            return None
+        scores = np.concatenate([u, e])
+        gradient = tangent.T @ data_misfit(here.problem, predicted, sigma) + scores
+        longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max()))
+        return cls(gradient, tangent.T @ tangent + np.eye(scores.size), longest)
+
+    def move(self, damping: float) -> Array:
+        """A damped Gauss-Newton step (scores,)."""
         # Scores are in units of their priors: damping by the identity spares the well-determined directions.
-        move = -solved(self.normal + damping * np.eye(gradient.size), gradient)
-        return _moved(self.here, u, e, share * move * min(1.0, self.longest / max(np.abs(move).max(), 1e-300)))
+        move = -solved(self.normal + damping * np.eye(self.gradient.size), self.gradient)
+        return move * min(1.0, self.longest / max(float(np.abs(move).max()), 1e-300))
+
+    def promised(self, move: Array) -> float:
+        """What a step (scores,) takes off the cost where slopes stay as they are."""
+        return -float(2 * self.gradient @ move + move @ self.normal @ move)
+
+    @property
+    def promised_freely(self) -> float:
+        """What a free step, however long, takes off the cost where slopes stay as they are."""
+        return float(self.gradient @ solved(self.normal, self.gradient))
 
 
 def taken(
@@ -68,66 +90,65 @@ def taken(
     """One accepted step from u and e with the slopes of ``here``, or None where none is found.
 
     ``predicted`` (C, L) is the prediction there, ``sigma`` (fitted channels, L) what it is judged by; ``rough`` keeps
-    the slopes of the stated values.
+    the slopes, whatever they promise.
     """
-    misfit = data_misfit(here.problem, predicted, sigma)
-    tangent = jacobian(here, u, e, predicted, sigma)
-    if not np.isfinite(tangent).all():
-        # Beside a joint whose march runs away.
-        return None
-    scores = np.concatenate([u, e])
-    cost = float(misfit @ misfit + scores @ scores)
-    normal = tangent.T @ tangent + np.eye(scores.size)
-    gradient = tangent.T @ misfit + scores
-    promised = float(gradient @ solved(normal, gradient)) / cost
-    slopes = _Slopes(here, tangent, normal, max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max())))
+    slopes = _Slopes.of(here, u, e, predicted, sigma)
+    cost = _cost(here, u, e, predicted, sigma)
     for _ in range(_REJECTIONS):
-        # A way back is the shorter, the freer the steps are that lead it.
-        back = partial(slopes.step, damping=min(damping, 1.0))
-        reached = _downhill(here, slopes.step(u, e, misfit, damping), sigma, cost, back)
-        if reached is None:
-            # Along the floor a valley may only be followed for a part of the way, where more damping leads up its side.
-            reached = _downhill(here, slopes.step(u, e, misfit, damping, _SHORTER), sigma, cost)
-        if reached is not None:
-            new_u, new_e, there, trial, new_cost = reached
-            there = anchor(
-                here.problem, new_u, here.hypotheses, new_e, groups=there.assembled, origin=here.origin, rough=rough,
-                structures=here.structures,
-            )  # fmt: skip
-            return Step(new_u, new_e, there, trial, damping / 10, (cost - new_cost) / cost, promised)
-        damping = max(10 * damping, 1.0)
+        if slopes is None:
+            return None
+        move = slopes.move(damping)
+        reached = _reached(here, _moved(here, u, e, move), sigma)
+        kept = (cost - reached[4]) / slopes.promised(move) if reached is not None else -np.inf
+        if reached is not None and kept > 0:
+            new_u, new_e, there, trial, left = reached
+            if kept > _KEEPS_MOST:
+                damping *= _FREER
+            elif kept < _KEEPS_LITTLE:
+                damping *= _HELD_BACK
+            there = _sloped(here, there, new_u, new_e, anew=not rough and kept < _TRUE and _misled(here, new_u, new_e))
+            return Step(new_u, new_e, there, trial, damping, (cost - left) / cost, slopes.promised_freely / cost)
+        if not rough and _misled(here, u, e):
+            here = _sloped(here, here, u, e, anew=True)
+            slopes = _Slopes.of(here, u, e, predicted, sigma)
+        else:
+            damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
     return None
 
 
-def _downhill(
-    here: Anchor,
-    start: Scores,
-    sigma: Array,
-    cost: float,
-    back: Callable[[Array, Array, Array], Scores] | None = None,
-) -> tuple[Array, Array, Anchor, ComplexArray, float] | None:
-    """Where a step arrives below ``cost``: at its end, or ``back`` from there on the floor of the valley; or None.
+def _reached(here: Anchor, scores: Scores, sigma: Array) -> tuple[Array, Array, Anchor, ComplexArray, float] | None:
+    """Scores, the anchor and the prediction there, and its cost; None where there is no such aircraft."""
+    u, e = scores
+    try:
+        there = anchor(here.problem, u, here.hypotheses, e, slopes=False, structures=here.structures)
+        trial = there.predict(u, e)
+    except NoStructureError:
+        return None
+    left = _cost(here, u, e, trial, sigma)
+    return (u, e, there, trial, left) if np.isfinite(left) else None
 
-    A valley that is narrow and bent throws a straight step far up its side: the same slopes lead from there back to
-    its floor (simplified Newton), further along it than any step that is short enough to stay inside.
+
+def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> float:
+    """Square sum of misfit and scores."""
+    misfit = data_misfit(here.problem, predicted, sigma)
+    return float(misfit @ misfit + u @ u + e @ e)
+
+
+def _misled(here: Anchor, u: Array, e: Array) -> bool:
+    """Whether slopes of ``here`` may be to blame for a broken promise, and others are to be had at u and e."""
+    return not here.structures.whole and from_elsewhere(here.problem, u, e, here.origin, here.hypotheses)
+
+
+def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> Anchor:
+    """The anchor at scores u and e, whose groups ``there`` has, with slopes from where those of ``here`` are, or new.
+
+    Those of the stated values are kept until they mislead.
     """
-    (u, e), first, last = start, np.inf, np.inf
-    for k in range(_CORRECTIONS + 1):
-        try:
-            there = anchor(here.problem, u, here.hypotheses, e, slopes=False, structures=here.structures)
-            trial = there.predict(u, e)
-        except NoStructureError:
-            return None
-        misfit = data_misfit(here.problem, trial, sigma)
-        reached = float(misfit @ misfit + u @ u + e @ e)
-        if reached < cost:
-            return u, e, there, trial, reached
-        first = reached if k == 0 else first
-        if back is None or not reached < _WORSE * first or (k > 1 and reached > _CONTRACTING * last):
-            return None
-        last = reached
-        u, e = back(u, e, misfit)
-    return None
+    origin = None if anew else here.origin
+    return anchor(
+        here.problem, u, here.hypotheses, e, groups=there.assembled, origin=origin,
+        rough=origin is None and not anew and not here.structures.whole, structures=here.structures,
+    )  # fmt: skip
 
 
 def solved(normal: Array, right: Array) -> Array:

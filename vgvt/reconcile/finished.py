@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from vgvt.reconcile.fit import TO_THE_END, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.local_slopes import origin_near
+from vgvt.reconcile.local_slopes import origin_at
 from vgvt.reconcile.progress import Progress, naming
 
 
 def finished(found: Fit, tell: Progress) -> Fit:
     """A fit gone on with to its end, with exact slopes where that is far out."""
-    if found.converged and origin_near(found.problem, found.u, found.e, None, found.hypotheses) is None:
+    if found.converged and origin_at(found.problem, found.u, found.e, found.hypotheses) is None:
         return found
     tell = naming(tell, found.hypotheses[-1])
     try:

@@ -16,12 +16,13 @@ from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.descent import taken
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import SERVE, origin_near
+from vgvt.reconcile.local_slopes import SERVE, origin_at
 from vgvt.reconcile.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.one_thread import one_thread
-from vgvt.reconcile.problem import Problem, recentred
+from vgvt.reconcile.problem import Problem, at_rest, recentred
 from vgvt.reconcile.rough_start import rough_start
 from vgvt.reconcile.surrogate import Anchor, anchor
+from vgvt.reconcile.unheard import unheard
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -184,27 +185,48 @@ def fit(
     far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on. ``whole``
     has no others, and those of the aircraft with the hypotheses: for a fit whose parameters and errors are told.
     """
-    phases, passed, converged = _phases(stages, exact, whole), 0, False
-    total = sum(n for _, n, _ in phases)
-    structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
-    here = anchor(problem, u, hypotheses, e, rough=not whole, structures=structures)
+    phases = _phases(stages, exact, whole)
+    here = anchor(problem, u, hypotheses, e, rough=not whole, structures=_structures(problem, phases, whole))
     predicted = here.predict(u, e)
+    quiet = bool(phases) and unheard(here, u, e, predicted)
+    if quiet:
+        here, predicted = _anchored(here, at_rest(problem), u, e)
+    u, e, here, predicted, converged = _walked(here, u, e, predicted, phases, progress)
+    if quiet:
+        here, predicted = _anchored(here, problem, u, e)
+        if not unheard(here, u, e, predicted):
+            # Something rings there that did not where it began.
+            u, e, here, predicted, converged = _walked(here, u, e, predicted, phases[-1:], progress)
+    return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
+
+
+def _walked(
+    here: Anchor,
+    u: Array,
+    e: Array,
+    predicted: ComplexArray,
+    phases: list[tuple[float, int, bool]],
+    progress: Callable[[float, str], None] | None,
+) -> tuple[Array, Array, Anchor, ComplexArray, bool]:
+    """Where phases lead from scores u and e: scores, the anchor and prediction there, and whether it is the bottom."""
+    problem, hypotheses, structures, passed, converged = here.problem, here.hypotheses, here.structures, 0, False
+    total = sum(n for _, n, _ in phases)
     # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
     for coarse, iterations, rough in phases:
         begun, passed = passed, passed + iterations
         if structures.coarse and coarse == 0:
             structures.coarse = False
-            here, predicted = _assembled(structures, u, hypotheses, e)
-        if not rough and not whole:
-            if origin_near(problem, u, e, None, hypotheses) is None:
+            here, predicted = _assembled(here, u, e)
+        if not rough and not structures.whole:
+            if origin_at(problem, u, e, hypotheses) is None:
                 continue
             here = anchor(problem, u, hypotheses, e, groups=here.assembled, structures=structures)
-        damping, stuck = 1.0, False
+        damping, stuck, sigma = 1.0, False, coarse_sigma(problem, coarse)
         for k in range(iterations):
             if progress is not None:
                 progress((begun + k + 1) / total, f"fit, {coarse:.0%} coarse" if coarse else "fit")
-            sigma = coarse_sigma(problem, coarse)
-            step = taken(here, u, e, predicted, sigma, damping, rough)
+            # Steps that forgive misplaced peaks need no better slopes, and new ones are dear.
+            step = taken(here, u, e, predicted, sigma, damping, coarse > 0)
             if step is None:
                 converged = True
                 break
@@ -218,15 +240,30 @@ def fit(
             converged = False
     if structures.coarse:
         structures.coarse = False
-        here, predicted = _assembled(structures, u, hypotheses, e)
-    return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
+        here, predicted = _assembled(here, u, e)
+    return u, e, here, predicted, converged
 
 
-def _assembled(
-    structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array
-) -> tuple[Anchor, ComplexArray]:
-    """The anchor and prediction at scores that coarse steps arrived at, nothing carried along."""
-    here = anchor(structures.problem, u, hypotheses, e, rough=True, structures=structures)
+def _structures(problem: Problem, phases: list[tuple[float, int, bool]], whole: bool) -> Structures:
+    return Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
+
+
+def _anchored(here: Anchor, problem: Problem, u: Array, e: Array) -> tuple[Anchor, ComplexArray]:
+    """The anchor of the same structures, and the prediction there, for the same aircraft by another problem's data."""
+    known = here.structures
+    there = anchor(
+        problem, u, here.hypotheses, e, groups=here.assembled, origin=here.origin,
+        rough=here.origin is None and not known.whole,
+        structures=Structures(problem, coarse=known.coarse, whole=known.whole),
+    )  # fmt: skip
+    return there, there.predict(u, e)
+
+
+def _assembled(here: Anchor, u: Array, e: Array) -> tuple[Anchor, ComplexArray]:
+    """The anchor and prediction at scores that coarse steps arrived at, nothing carried along but the slopes."""
+    here = anchor(
+        here.problem, u, here.hypotheses, e, origin=here.origin, rough=here.origin is None, structures=here.structures
+    )
     return here, here.predict(u, e)
 
 

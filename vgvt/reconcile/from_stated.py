@@ -24,8 +24,11 @@ from vgvt.reconcile.rough_start import log_distance, nearest
 from vgvt.reconcile.scan import in_band, start_values
 from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.team import ALONE, Task, Team
 
 Array = NDArray[np.float64]
+# How far from the data, with which effect, at which scores.
+_Reached = tuple[float, Hypothesis, Array]
 BENT = 10.0
 """Standard deviations of an unknown from which on a calibration stands for something else."""
 # Of a logarithmic range, and of one about its neutral value: small sizes are in sight of a tangent.
@@ -48,60 +51,62 @@ def bent(current: Fit) -> bool:
     return bool(np.abs(current.u).max(initial=0.0) > BENT)
 
 
-def from_stated(current: Fit, hypotheses: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
+def from_stated(
+    current: Fit, hypotheses: Sequence[Hypothesis], tell: Progress, team: Team = ALONE
+) -> tuple[Screened, ...]:
     """Starts of the effects that come nearest to the data from the stated values, best first, one of each effect.
 
     Looked at is what acts in all runs alike and has no place: places have their own scan, changes between runs no
     cause to bend a calibration that all runs share.
     """
     plain = _distance(current, (), np.zeros(0))
-    found: list[tuple[float, Hypothesis, Array]] = []
+    # Variants of one effect cost alike, and follow each other.
+    shares: list[Task] = [(_nearest_sizes, (current, hypotheses[k :: team.workers])) for k in range(team.workers)]
+    together = itertools.zip_longest(*team.work_off(shares, part(tell, 0.0, 0.5)))
+    reached = [f for one in together for f in one if f is not None and f[0] < _STANDS_OUT * plain]
+    found = _first_of_each(sorted(reached, key=lambda f: f[0]), _OF_ONE)[:_SEARCHED]
+    searched = team.work_off([(_overlapping, (current, h, e)) for _, h, e in found], part(tell, 0.5, 0.8))
+    best = _first_of_each(sorted((s for s in searched if s is not None), key=lambda s: s[0]), 1)[:_STARTED]
+    starts = team.work_off([(_brought_near, (current, h, scores)) for _, h, scores in best], part(tell, 0.8, 1.0))
+    return tuple(sorted((s for s in starts if s is not None), key=lambda s: s.remaining))
+
+
+def _nearest_sizes(current: Fit, hypotheses: Sequence[Hypothesis], tell: Progress) -> list[_Reached | None]:
+    """Of every hypothesis the size that comes nearest from the stated values; None where it is not looked at."""
+    found: list[_Reached | None] = []
     for k, hypothesis in enumerate(hypotheses):
-        tell(0.7 * k / len(hypotheses), f"from the stated values {hypothesis.name}")
-        reached = [(_distance(current, (hypothesis,), e), e) for e in _sizes(current, hypothesis)]
-        if reached:
-            best, e = min(reached, key=lambda r: r[0])
-            found.append((best, hypothesis, e))
-    found = sorted((f for f in found if f[0] < _STANDS_OUT * plain), key=lambda f: f[0])
-    return _brought_near(current, _first_of_each(found, _OF_ONE)[:_SEARCHED], part(tell, 0.7, 1.0))
+        tell(k / len(hypotheses), f"from the stated values {hypothesis.name}")
+        reached = [(_distance(current, (hypothesis,), e), hypothesis, e) for e in _sizes(current, hypothesis)]
+        found.append(min(reached, key=lambda r: r[0], default=None))
+    return found
 
 
-def _brought_near(
-    current: Fit, found: Sequence[tuple[float, Hypothesis, Array]], tell: Progress
-) -> tuple[Screened, ...]:
-    """Of each effect the variant that line searches bring nearest, fitted coarsely; the best few, best first."""
-    reached: list[tuple[float, Hypothesis, Array]] = []
-    for k, (_, hypothesis, e) in enumerate(found):
-        tell(0.5 * k / len(found), f"peaks overlap with {hypothesis.name}")
-        try:
-            u, scores, left = nearest(
-                current.problem, (*current.hypotheses, hypothesis), np.concatenate([current.e, e])
-            )
-        except NoStructureError:
-            continue
-        reached.append((left, hypothesis, np.concatenate([u, scores])))
-    reached.sort(key=lambda r: r[0])
-    starts, chosen = [], _first_of_each(reached, 1)[:_STARTED]
-    for k, (_, hypothesis, start) in enumerate(chosen):
-        told = naming(part(tell, 0.5 + 0.5 * k / len(chosen), 0.5 + 0.5 * (k + 1) / len(chosen)), hypothesis)
-        u, scores = np.split(start, [current.u.size])
-        try:
-            near = fit(
-                current.problem, (*current.hypotheses, hypothesis), u, scores, _NEARER, told, judged=_NEARER[-1][0]
-            )
-        except NoStructureError:
-            continue
-        values = {name: value[0] for name, value in near.values(len(current.hypotheses)).items()}
-        known = near.scores[: current.scores.size]
-        starts.append(Screened(hypothesis, values, 0.5 * current.chi2, remaining=near.chi2, start=known))
-    return tuple(sorted(starts, key=lambda s: s.remaining))
+def _overlapping(current: Fit, hypothesis: Hypothesis, e: Array, tell: Progress) -> _Reached | None:
+    """How near line searches bring an effect, and to which scores; None where there is no such aircraft."""
+    tell(0.0, f"peaks overlap with {hypothesis.name}")
+    try:
+        u, scores, left = nearest(current.problem, (*current.hypotheses, hypothesis), np.concatenate([current.e, e]))
+    except NoStructureError:
+        return None
+    return left, hypothesis, np.concatenate([u, scores])
 
 
-def _first_of_each(
-    found: Sequence[tuple[float, Hypothesis, Array]], most: int
-) -> list[tuple[float, Hypothesis, Array]]:
+def _brought_near(current: Fit, hypothesis: Hypothesis, start: Array, tell: Progress) -> Screened | None:
+    """An effect fitted coarsely from some scores; None where there is no such aircraft."""
+    u, scores = np.split(start, [current.u.size])
+    told = naming(tell, hypothesis)
+    try:
+        near = fit(current.problem, (*current.hypotheses, hypothesis), u, scores, _NEARER, told, judged=_NEARER[-1][0])
+    except NoStructureError:
+        return None
+    values = {name: value[0] for name, value in near.values(len(current.hypotheses)).items()}
+    known = near.scores[: current.scores.size]
+    return Screened(hypothesis, values, 0.5 * current.chi2, remaining=near.chi2, start=known)
+
+
+def _first_of_each(found: Sequence[_Reached], most: int) -> list[_Reached]:
     """The first few of every effect, in their order."""
-    kept: list[tuple[float, Hypothesis, Array]] = []
+    kept: list[_Reached] = []
     for f in found:
         if sum(1 for k in kept if k[1].name == f[1].name) < most:
             kept.append(f)

@@ -22,6 +22,8 @@ from vgvt.simulation.assembly import MeasurementPoint, Plan
 from vgvt.simulation.reduced import Structure, structure
 
 Array = NDArray[np.float64]
+# Of all damping, what no slope changes in a step of some thousandths of a deviation.
+_EDGE = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,6 +151,19 @@ def assembled(
         return tuple(replace(g, filtered=filtered) for g in groups)
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
         return None
+
+
+def changed_places(here: Sequence[Group], there: Sequence[Group]) -> bool:
+    """Whether modes have changed places between groups a slope's step apart, and taken each other's damping ratio.
+
+    A scenario states ratios by the modes' order: where two of them meet, damping falls over an edge, and a difference
+    across it is no slope.
+    """
+    return any(
+        float(np.linalg.norm(b.structure.damping - a.structure.damping))
+        > _EDGE * float(np.linalg.norm(a.structure.damping))
+        for a, b in zip(here, there, strict=True)
+    )
 
 
 @lru_cache(maxsize=8)

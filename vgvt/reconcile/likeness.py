@@ -25,6 +25,7 @@ from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.progress import Progress, naming, part
 from vgvt.reconcile.screened import Screened
+from vgvt.reconcile.team import ALONE, Task, Team
 
 Array = NDArray[np.float64]
 _Stages = tuple[tuple[float, int], ...]
@@ -38,7 +39,7 @@ _BETWEEN = tuple(np.linspace(-0.04, 0.04, 9).tolist())
 
 
 def beside_likeness(
-    current: Fit, joints: Sequence[Hypothesis], linear: Sequence[Hypothesis], tell: Progress
+    current: Fit, joints: Sequence[Hypothesis], linear: Sequence[Hypothesis], tell: Progress, team: Team = ALONE
 ) -> tuple[Screened, ...]:
     """Starts of ``joints``, one of each effect, beside the best of ``linear`` effects that these could be taken for.
 
@@ -47,7 +48,7 @@ def beside_likeness(
     else nothing.
     """
     alike = {name for h in joints for name in _alike(h)}
-    found = from_stated(current, [h for h in linear if h.linear and h.name in alike], part(tell, 0.0, 0.3))
+    found = from_stated(current, [h for h in linear if h.linear and h.name in alike], part(tell, 0.0, 0.3), team)
     near = _fitted(current, found[0], GENTLY, part(tell, 0.3, 0.4)) if found else None
     stages: tuple[_Stages, _Stages] = (GENTLY[:1], GENTLY[1:])
     looked: list[Hypothesis] = []
@@ -61,18 +62,25 @@ def beside_likeness(
         scores = np.concatenate([np.zeros(current.u.size), current.e])
     else:
         return ()
-    names, starts = list(dict.fromkeys(h.name for h in looked)), list[Screened]()
-    for k, name in enumerate(names):
-        here = part(tell, 0.4 + 0.6 * k / len(names), 0.4 + 0.6 * (k + 1) / len(names))
-        there = _softest(current, scores, [h for h in looked if h.name == name], part(here, 0.0, 0.4))
-        fits = [
-            _fitted(current, s, stages[0], part(here, 0.4 + 0.3 * n / len(there), 0.4 + 0.3 * (n + 1) / len(there)))
-            for n, s in enumerate(there)
-        ]
-        reached = max((f for f in fits if f is not None), key=lambda f: f.evidence_nats, default=None)
-        ended = None if reached is None else _fitted(current, _at(current, reached), stages[1], part(here, 0.7, 1.0))
-        starts += [] if ended is None else [_at(current, ended)]
-    return tuple(sorted(starts, key=lambda s: s.remaining))
+    names = dict.fromkeys(h.name for h in looked)
+    tasks: list[Task] = [(_begun, (current, scores, [h for h in looked if h.name == n], stages)) for n in names]
+    starts = team.work_off(tasks, part(tell, 0.4, 1.0))
+    return tuple(sorted((s for s in starts if s is not None), key=lambda s: s.remaining))
+
+
+def _begun(
+    current: Fit, scores: Array, variants: Sequence[Hypothesis], stages: tuple[_Stages, _Stages], tell: Progress
+) -> Screened | None:
+    """The best of one joint's variants from unknowns at ``scores``, fitted by two stages; None where none is possible.
+
+    Of several sizes the first stage says which one goes on.
+    """
+    there = _softest(current, scores, variants, part(tell, 0.0, 0.4))
+    ends = np.linspace(0.4, 0.7, len(there) + 1)
+    fits = [_fitted(current, s, stages[0], part(tell, float(ends[n]), float(ends[n + 1]))) for n, s in enumerate(there)]
+    reached = max((f for f in fits if f is not None), key=lambda f: f.evidence_nats, default=None)
+    ended = None if reached is None else _fitted(current, _at(current, reached), stages[1], part(tell, 0.7, 1.0))
+    return None if ended is None else _at(current, ended)
 
 
 def _alike(hypothesis: Hypothesis) -> tuple[str, ...]:

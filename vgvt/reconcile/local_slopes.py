@@ -9,23 +9,27 @@ over, and what it adds moves the masses, too: a wing that turns at its root swin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.grouping import Group, assembled, home
+from vgvt.reconcile.data import MeasuredChannel
+from vgvt.reconcile.grouping import Group, assembled, changed_places, home
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import MATRICES, Problem
+from vgvt.reconcile.uncertain import Unknown
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
-# Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves. Far out the
-# way is long and every tangent rough: a share of the way, then.
-SERVE, _SERVE_SHARE = 5.0, 0.25
+# Standard deviations within which slopes serve: at ten times as many they are wrong by half of themselves.
+SERVE = 5.0
+# Scores' distance from where slopes were taken at which they may mislead. Far out the way is long and every tangent
+# rough: a share of the way, then.
+_AWAY, _AWAY_SHARE = 1.0, 0.25
 _STEP = 0.02
 # Scores' distance to which slopes of the whole aircraft are the same.
 _SAME = 0.1
@@ -65,21 +69,24 @@ class LocalSlopes:
         return [self.places.index(p if p in self.places else home(p)) for p in places]
 
 
-def origin_near(
-    problem: Problem, u: Array, e: Array, last: Origin | None, hypotheses: tuple[Hypothesis, ...] = ()
-) -> Origin | None:
-    """Where slopes that serve at u are to be taken: None for the problem's own, the ``last`` place, or here."""
-    count = len(problem.unknowns)
-    wandered = float(np.abs(u[:count] - problem.at).max(initial=0.0))
-    loose = _loose(problem, hypotheses, e)
-    if wandered <= SERVE and not loose:
-        return None
-    serves = max(SERVE, _SERVE_SHARE * wandered)
-    alike = last is not None and last.e.size == e.size
-    if last is not None and alike and np.abs(u - last.u)[:count].max(initial=0.0) <= serves:
-        alike = not loose or bool(np.abs(e - last.e).max() <= _AS_LOOSE)
-        return last if alike else Origin(u.copy(), e.copy())
-    return Origin(u.copy(), e.copy())
+def origin_at(problem: Problem, u: Array, e: Array, hypotheses: tuple[Hypothesis, ...] = ()) -> Origin | None:
+    """Where slopes that serve at u and e are to be taken: None for the problem's own, or here."""
+    wandered = float(np.abs(u[: len(problem.unknowns)] - problem.at).max(initial=0.0))
+    return None if wandered <= SERVE and not _loose(problem, hypotheses, e) else Origin(u.copy(), e.copy())
+
+
+def from_elsewhere(
+    problem: Problem, u: Array, e: Array, origin: Origin | None, hypotheses: tuple[Hypothesis, ...] = ()
+) -> bool:
+    """Whether slopes taken at an ``origin``, None for the problem's own, may be what misleads at u and e."""
+    if origin is None or origin_at(problem, u, e, hypotheses) is None:
+        return origin is not None or origin_at(problem, u, e, hypotheses) is not None
+    known = slice(0, len(problem.unknowns))
+    away = np.abs(u - origin.u)[known].max(initial=0.0)
+    wandered = np.abs(u[known] - problem.at).max(initial=0.0)
+    if away > max(_AWAY, _AWAY_SHARE * wandered):
+        return True
+    return bool(np.abs(e - origin.e).max(initial=0.0) > _AS_LOOSE and _loose(problem, hypotheses, e))
 
 
 def whole_near(u: Array, e: Array, last: Origin | None) -> Origin:
@@ -137,7 +144,11 @@ def slopes_for(
             kept.append(hypothesis)
             scores.append(origin.e[start:stop])
     e = np.concatenate([np.zeros(0), *scores])
-    for found in _slopes(problem, tuple(kept), origin.u.tobytes(), e.tobytes(), origin.whole):
+    asked = _Asked(
+        problem, id(problem.start), problem.unknowns, problem.measured.channels, tuple(kept), origin.u.tobytes(),
+        e.tobytes(), origin.whole,
+    )  # fmt: skip
+    for found in _slopes(asked):
         covers = found.channels is None or bool(np.isin(group.channels, found.channels).all())
         if covers and set(found.joints) <= set(group.structure.joints):
             return found
@@ -155,29 +166,43 @@ def _edited_airframes(
     return any(s is not None and look(s.airframe) != look(stated.airframe) for s in edited)
 
 
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What slopes are taken of: an aircraft with its channels, whatever these have measured, and where."""
+
+    problem: Problem = field(compare=False)
+    start: int
+    unknowns: tuple[Unknown, ...]
+    channels: tuple[MeasuredChannel, ...]
+    hypotheses: tuple[Hypothesis, ...]
+    u: bytes
+    e: bytes
+    whole: bool
+
+
 @lru_cache(maxsize=_KEPT)
-def _slopes(
-    problem: Problem, hypotheses: tuple[Hypothesis, ...], u: bytes, e: bytes, whole: bool
-) -> tuple[LocalSlopes, ...]:
-    origin, scores = np.frombuffer(u), np.frombuffer(e)
+def _slopes(asked: _Asked) -> tuple[LocalSlopes, ...]:
+    problem, hypotheses, whole = asked.problem, asked.hypotheses, asked.whole
+    origin, scores = np.frombuffer(asked.u), np.frombuffer(asked.e)
     here = assembled(problem, origin, hypotheses, scores)
     if here is None:
         return ()
     found = [{n: np.zeros((len(problem.unknowns), *getattr(g.structure, n).shape)) for n in MATRICES} for g in here]
     for k, unknown in enumerate(problem.unknowns):
-        aside = origin.copy()
-        aside[k] += _STEP
-        span = unknown.amount(float(aside[k])) - unknown.amount(float(origin[k]))
-        if span == 0:
+        for step in (_STEP, -_STEP):
+            aside = origin.copy()
+            aside[k] += step
+            span = unknown.amount(float(aside[k])) - unknown.amount(float(origin[k]))
             # As far as a bounded quantity goes: no score beyond changes anything.
-            continue
-        there = assembled(problem, aside, hypotheses, scores)
-        if there is None or not all(map(_alike, here, there)):
-            # No such aircraft a step further: the stated values must do.
-            return ()
-        for own, one, other in zip(found, here, there, strict=True):
-            for name, values in own.items():
-                values[k] = (getattr(other.structure, name) - getattr(one.structure, name)) / span
+            there = assembled(problem, aside, hypotheses, scores) if span else here
+            if there is None or not all(map(_alike, here, there)):
+                # No such aircraft a step further: the stated values must do.
+                return ()
+            for own, one, other in zip(found, here, there, strict=True):
+                for name, values in own.items():
+                    values[k] = (getattr(other.structure, name) - getattr(one.structure, name)) / (span or 1.0)
+            if not changed_places(here, there):
+                break
     return tuple(
         LocalSlopes(g.structure.joints, g.structure.places, own, g.channels, whole)
         for g, own in zip(here, found, strict=True)

@@ -137,6 +137,12 @@ def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = N
     )
 
 
+@lru_cache(maxsize=4)
+def at_rest(problem: Problem) -> Problem:
+    """The same problem, always the same one, as if its records had ended at rest."""
+    return replace(problem, measured=replace(problem.measured, endings=())) if problem.measured.endings else problem
+
+
 def with_more_cells(problem: Problem) -> Problem | None:
     """The same problem with the beams cut into twice as many cells, scores meaning what they did; None for fine ones.
 

@@ -90,9 +90,25 @@ def accelerances(
         flexible, reading = (_at_lines(poles, to[of][:, :, None] * given) for to in (to_axis, to_tilt))
         reading = reading - square[:, None, None] * flexible
         system = np.eye(size) - flexible * inertia[:, :, None, :]
-        displaced = np.linalg.solve(system, moved[of].transpose(0, 2, 1)[..., None])
+        displaced = _solved(system, moved[of].transpose(0, 2, 1)[..., None])
         out[of] += (reading @ (inertia[..., None] * displaced))[..., 0].transpose(0, 2, 1)
     return np.asarray(out)
+
+
+def _solved(system: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """Solutions (…, a, 1) of systems (…, a, a) next to the identity: of one or two sensors a run by Cramer's rule.
+
+    Thousands of them are most of a prediction, and a general solver takes each by itself.
+    """
+    if system.shape[-1] == 1:
+        return np.asarray(right / system)
+    if system.shape[-1] == 2:
+        (a, b), (c, d) = (tuple(system[..., i, k] for k in (0, 1)) for i in (0, 1))
+        x, y = right[..., 0, 0], right[..., 1, 0]
+        return np.asarray(
+            np.stack([d * x - b * y, a * y - c * x], axis=-1)[..., None] / (a * d - b * c)[..., None, None]
+        )
+    return np.asarray(np.linalg.solve(system, right))
 
 
 def _at_lines(poles: Poles, residues: ComplexArray) -> ComplexArray:

@@ -72,12 +72,12 @@ def shortened(
         # Tolerances lean on something, and from where they lean nothing is in sight.
         behind = _upright(current, None, left, part(tell, 0.6, 1.0))
         return short_list(behind, _SHORT_LIST // 2, forgiving=True)
-    straight, large = _asked(current, left, left)
+    straight, others = _asked(current, left, left, part(tell, 0.0, 0.2), team)
     # Where the data are met what stands where the unknowns are bent is as good as hidden. Where they are not, what
     # bends unknowns before anything has a name may still be what they imitate worst.
     met, first = before.train_chi2_per_dof < BIASED, not current.hypotheses and not again
     beside = first and not met and bent(current)
-    far, near, behind, *others = _looks(current, straight, large, part(tell, 0.0, 0.9), team, met=met, beside=beside)
+    far, near, behind = _looks(current, straight, part(tell, 0.2, 0.9), team, met=met, beside=beside)
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
     place = next((p for p in localise(current).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
@@ -91,28 +91,27 @@ def shortened(
 def _looks(
     current: Fit,
     left: Sequence[Hypothesis],
-    large: Sequence[Task],
     tell: Progress,
     team: Team,
     *,
     met: bool,
     beside: bool,
-) -> list[tuple[Screened, ...]]:
+) -> tuple[tuple[Screened, ...], tuple[Screened, ...], tuple[Screened, ...]]:
     """What is in sight from a calibration that still forgives misplaced peaks; from near by; and of what may not bend.
 
     Near by is where the calibration stands, or where the data are ``met`` one that may not bend; otherwise that is the
-    third look, where it is asked for ``beside`` the second. What the ``large`` tasks find comes last.
+    third look, where it is asked for ``beside`` the second.
     """
     near = [] if met else sizing(current, left, team)
-    forgiving, *found = team.work_off([(_forgiving, (current,)), *large, *near], part(tell, 0.0, 0.4))
-    others, shares = found[: len(large)], found[len(large) :]
-    tasks: list[Task] = [(_upright, (current, forgiving, left))] if met or beside else []
+    forgiving, *shares = team.work_off([(_forgiving, (current,)), *near], part(tell, 0.0, 0.4))
+    stiff: list[Task] = [(_upright, (current, forgiving, left))] if met or beside else []
+    found = team.work_off([*stiff, *sizing(forgiving, left, team)], part(tell, 0.4, 0.8))
+    behind = found[0] if stiff else ()
+    looks: list[Task] = [(held, (forgiving, joined(found[len(stiff) :]), WORTH_CHECKING, SLOTS))]
     if not met:
-        tasks.append((held, (current, joined(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
-    found = team.work_off([*tasks, *sizing(forgiving, left, team)], part(tell, 0.4, 0.9))
-    closer, shares = found[: len(tasks)], found[len(tasks) :]
-    far = held(forgiving, joined(shares), WORTH_CHECKING, SLOTS, part(tell, 0.9, 1.0))
-    return [far, closer[-1], closer[0] if beside else (), *others]
+        looks.append((held, (current, joined(shares), WORTH_CHECKING, _SHORT_LIST - 1)))
+    far, *closer = team.work_off(looks, part(tell, 0.8, 1.0))
+    return far, closer[0] if closer else behind, behind if beside else ()
 
 
 def _upright(current: Fit, forgiving: Fit | None, left: Sequence[Hypothesis], tell: Progress) -> tuple[Screened, ...]:
@@ -178,16 +177,15 @@ def second_list(
     team: Team = ALONE,
 ) -> tuple[Screened, ...]:
     """Of what is asked for after the ``first``, the few that promise most where the calibration stands, or far off."""
-    straight, large = _asked(current, left, first)
-    others = team.work_off(large, part(tell, 0.0, 0.5))
+    straight, others = _asked(current, left, first, part(tell, 0.0, 0.5), team)
     near = screen(current, straight, part(tell, 0.5, 1.0), least_nats=_OPEN * needed, team=team)
     return (*(s for found in others for s in found), *short_list(near, _SHORT_LIST // 2, needed=needed))
 
 
 def _asked(
-    current: Fit, left: Sequence[Hypothesis], known: Sequence[Hypothesis]
-) -> tuple[list[Hypothesis], list[Task]]:
-    """What tangents are asked of, and the tasks that look for large effects, where a calibration is bent.
+    current: Fit, left: Sequence[Hypothesis], known: Sequence[Hypothesis], tell: Progress, team: Team
+) -> tuple[list[Hypothesis], list[tuple[Screened, ...]]]:
+    """What tangents are asked of, and the large effects that stand out, where a calibration is bent.
 
     What a joint whose stiffness depends on level does beside unknowns that imitate it says nothing: it is begun beside
     what of the ``known`` resembles it. And what is as large as that stands out before anything has a name.
@@ -198,8 +196,10 @@ def _asked(
     straight = [h for h in left if h not in joints]
     if current.hypotheses:
         return straight, []
-    beside: list[Task] = [(beside_likeness, (current, joints, known))] if joints else []
-    return straight, [(from_stated, (current, left)), *beside]
+    found = [from_stated(current, left, part(tell, 0.0, 0.7), team)]
+    if joints:
+        found.append(beside_likeness(current, joints, known, part(tell, 0.7, 1.0), team))
+    return straight, found
 
 
 def _at_best_places(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from vgvt.effects.registry import effects_of
 from vgvt.reconcile.adjacent import beside
 from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.following import beyond, leaders
-from vgvt.reconcile.grouping import Group, assembled
+from vgvt.reconcile.grouping import Group, assembled, changed_places
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import Nominal, Problem
 
@@ -97,20 +97,47 @@ def sides_of(
             side = None
             for step in (_EFFECT_STEP, -_EFFECT_STEP):
                 moved = mine + step * np.eye(mine.size)[j]
-                near = None
+                near, start = None, groups
                 if bare is not None and here is not None:
-                    near = one.beside(problem, u, bare, moved, groups)
-                if near is not None and here is not None:
-                    side = Side(here, near, one.hypothesis.reach(j, step))
-                    break
-                away = e.copy()
-                away[one.begin + j] += step
-                near = assembled(problem, u, hypotheses, away)
+                    near, start = one.beside(problem, u, bare, moved, groups), here
+                if near is None:
+                    away, start = e.copy(), groups
+                    away[one.begin + j] += step
+                    near = assembled(problem, u, hypotheses, away)
                 if near is not None and _alike(groups, near):
-                    side = Side(groups, near, one.hypothesis.reach(j, step))
-                    break
+                    side = Side(start, near, one.hypothesis.reach(j, step)) if side is None else side
+                    if not changed_places(start, near):
+                        side = Side(start, near, one.hypothesis.reach(j, step))
+                        break
             sides.append(side if side is not None else Side(groups, groups, _EFFECT_STEP))
     return sides
+
+
+def widened(sides: Sequence[Side], groups: tuple[Group, ...]) -> list[Side] | None:
+    """Sides of an aircraft as those of one on which more hangs, whose ``groups`` these are; None where it has not all.
+
+    A step of what was there before changes what it did, whatever hangs beside it.
+    """
+    found = []
+    for side in sides:
+        ends = [tuple(_wider(end, group) for group in groups) for end in (side.here, side.there)]
+        here, there = (tuple(g for g in end if g is not None) for end in ends)
+        if len(here) < len(groups) or len(there) < len(groups):
+            return None
+        found.append(Side(here, there, side.step))
+    return found
+
+
+def _wider(known: tuple[Group, ...], like: Group) -> Group | None:
+    """Of some groups the channels and coordinates of one that is ``like`` it, None where they are not all there."""
+    for group in known:
+        if set(group.structure.joints) <= set(like.structure.joints) and np.isin(like.channels, group.channels).all():
+            at = [int(np.flatnonzero(group.channels == channel)[0]) for channel in like.channels]
+            return replace(
+                group, structure=group.structure.onto(like.structure.joints), channels=like.channels,
+                rows=group.rows[at], masses_kg=group.masses_kg[at],
+            )  # fmt: skip
+    return None
 
 
 def pulled_by(

@@ -6,7 +6,7 @@ therefore taken at no size at all, and at a finite size the unknowns are moved a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -21,8 +21,9 @@ from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.grouping import Group, NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.misfit import data_misfit, jacobian
-from vgvt.reconcile.problem import Problem
+from vgvt.reconcile.problem import Problem, at_rest
 from vgvt.reconcile.scheduled import whole_and_shares
+from vgvt.reconcile.sides import Side, sides_of
 from vgvt.reconcile.surrogate import Anchor, anchor
 from vgvt.simulation.attached import vanishes
 
@@ -36,8 +37,7 @@ _FOLLOWED = 8
 _MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS, _AT_FIRST = 2.0, 3.0, 7, 1 / 27
 # Twice the size does more than this many times as much: not two, but four times.
 _SQUARED = 3.0
-# No further at once than the linearised matrices carry.
-_LONGEST = 20.0
+_LONGEST = 20.0  # at once, as far as the linearised matrices carry
 # Standard deviations by which ends of records must show.
 _NOTHING_RINGS = 1e-6
 # Derivatives that are kept: those that what is looked at closer asks for again.
@@ -50,7 +50,7 @@ def _at_rest(null: Fit) -> Fit:
     Motions know nothing of ends, and what the unknowns imitate must be seen with the same eyes as what effects do.
     """
     measured = null.problem.measured
-    problem = replace(null.problem, measured=replace(measured, endings=()))
+    problem = at_rest(null.problem)
 
     def of(which: Problem, slopes: bool) -> Anchor:
         # What ends do to slopes is small, and so is where the others were taken.
@@ -73,7 +73,7 @@ class Stand:
     """A fit with the basis (2 N + scores, scores) of what its scores imitate, and its misfit with and without that.
 
     ``inverse`` (scores, scores) is of the tangent's normal matrix; ``motions`` are what slopes are taken from,
-    ``known`` the last of these.
+    ``known`` the last of these, and ``sides`` are what its hypotheses' parameters change.
     """
 
     fit: Fit
@@ -83,6 +83,7 @@ class Stand:
     misfit: Array
     left: Array
     inverse: Array
+    sides: Sequence[Side] | None
     known: dict[tuple[Any, ...], Array | None] = field(default_factory=dict)
 
     @classmethod
@@ -94,7 +95,11 @@ class Stand:
         here = anchor(null.problem, null.u, null.hypotheses, null.e, slopes=False)
         misfit = np.concatenate([data_misfit(null.problem, null.predicted, null.sigma), null.scores])
         inverse = scipy.linalg.inv(null.tangent.T @ null.tangent + np.eye(null.scores.size))
-        return cls(null, here, FirstOrder.of(here), basis, misfit, misfit - basis @ (basis.T @ misfit), inverse)
+        left = misfit - basis @ (basis.T @ misfit)
+        # What joints show along their way is another matter beside something else.
+        straight = all(h.linear for h in null.hypotheses)
+        sides = sides_of(here.structures, null.u, null.hypotheses, null.e, here.assembled) if straight else None
+        return cls(null, here, FirstOrder.of(here), basis, misfit, left, inverse, sides)
 
     @property
     def groups(self) -> tuple[Group, ...]:
@@ -259,7 +264,7 @@ class Stand:
         null = self.fit
         added = (*null.hypotheses, _with_values(hypothesis, values))
         try:
-            here = anchor(null.problem, null.u, added, null.e, beside=self.groups)
+            here = anchor(null.problem, null.u, added, null.e, beside=self.groups, sides=self.sides)
         except NoStructureError:
             return None
         scores, share = null.scores, 1.0

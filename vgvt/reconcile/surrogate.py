@@ -6,6 +6,7 @@ effect is predicted without a line of code about it. Runs that an effect treats 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,15 +31,14 @@ from vgvt.reconcile.grouping import (
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.level_slopes import level_accelerance_slopes
 from vgvt.reconcile.levels import Levels, level_accelerances, levels_of
-from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_near, slopes_for, whole_near
+from vgvt.reconcile.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
 from vgvt.reconcile.problem import MATRICES, Problem
 from vgvt.reconcile.response import Matrices, Slopes, accelerances, by_rate, reduction, unfelt
-from vgvt.reconcile.sides import Side, pulled_by, sides_of
+from vgvt.reconcile.sides import Side, pulled_by, sides_of, widened
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
 # Modes up to this many times the top of the band; the rest is a static flexibility.
 _MODES_PER_BAND = 6.0
 
@@ -185,13 +185,15 @@ def anchor(
     origin: Origin | None = None,
     rough: bool = False,
     structures: Structures | None = None,
+    sides: Sequence[Side] | None = None,
 ) -> Anchor:
     """Assemble the structure at scores u and e; without ``slopes`` it predicts there and nowhere else.
 
     ``beside`` are the groups at the same u without the last hypothesis: what it changes is then added to them where
     that is enough. ``groups`` are those at u and e, where they are known. ``origin`` is where the slopes in the
-    unknowns were taken last; ``rough`` takes those of the stated values, however far u is from them. ``structures``
-    are what a fit keeps of its structures, by default everything is assembled. NoStructureError where there is none.
+    unknowns were taken, by default where they serve; ``rough`` takes those of the stated values, however far u is from
+    them. ``structures`` are what a fit keeps of its structures, by default everything is assembled. ``sides`` are those
+    of the hypotheses before the last one, which has no parameters then. NoStructureError where there is none.
     """
     scores = np.zeros(0) if e is None else e
     kept = Structures(problem) if structures is None else structures
@@ -200,20 +202,22 @@ def anchor(
         groups = kept.at(u, hypotheses, scores) if near is None else near
     if groups is None:
         raise NoStructureError("no such structure")
-    sides = sides_of(kept, u, hypotheses, scores, groups) if slopes else None
+    beside_it = None if sides is None else widened(sides, groups)
+    if beside_it is None and slopes:
+        beside_it = sides_of(kept, u, hypotheses, scores, groups)
     if rough or not slopes:
         origin = None
     elif kept.whole:
         origin = whole_near(u, scores, origin)
-    else:
-        origin = origin_near(problem, u, scores, origin, hypotheses)
+    elif origin is None:
+        origin = origin_at(problem, u, scores, hypotheses)
     try:
         known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
         # Slopes of the whole hold what follows from an unknown.
         pulls = slopes and not all(k.whole for k in known)
         pulled = pulled_by(kept, u, hypotheses, scores, groups) if pulls else []
         reduced = tuple(
-            _reduced(problem, u, groups, g, sides, pulled, scores.size, known[g]) for g in range(len(groups))
+            _reduced(problem, u, groups, g, beside_it, pulled, scores.size, known[g]) for g in range(len(groups))
         )
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
@@ -259,7 +263,8 @@ def _reduced(
     mass_slopes = np.zeros((effects, group.rows.size))
     beside: list[tuple[Levels, Levels, float] | None] = []
     for j, side in enumerate(sides):
-        ends = [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)]
+        # Of what a slope is taken of, coordinates that only others have hold nothing: they have no flexibility.
+        ends = [_loaded(g[index], basis, runs, roving, levels is not None) for g in (side.here, side.there)]
         extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in MATRICES})
         mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
         if levels is not None:
@@ -295,11 +300,12 @@ def _reduced(
     return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped)
 
 
-def _loaded(group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool) -> Matrices:
-    """A group in given reduced coordinates, with what its sensors weigh."""
-    s = group.structure
-    carried = _carried(s, group.rows, group.masses_kg, runs, roving)
-    return _project(replace(s, mass=s.mass + carried), basis, group.rows)
+def _loaded(
+    group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool, spare: bool = True
+) -> Matrices:
+    """A group in given reduced coordinates, with what its sensors weigh; its ``spare`` flexibility where asked for."""
+    s, carried = group.structure, _carried(group.structure, group.rows, group.masses_kg, runs, roving)
+    return _project(replace(s, mass=s.mass + carried), basis, group.rows, spare)
 
 
 def _carried(
@@ -326,14 +332,16 @@ def _riding(drive: Array, known: NDArray[np.bool_]) -> Array:
     return np.asarray(np.outer(drive, drive) - np.outer(bare, bare))
 
 
-def _project(s: Structure, basis: Array, rows: NDArray[np.intp]) -> Matrices:
+def _project(s: Structure, basis: Array, rows: NDArray[np.intp], spare: bool = True) -> Matrices:
     stiffness = basis.T @ s.stiffness @ basis
     drive, axis = basis.T @ s.drive, s.axis[rows] @ basis
-    # At rest a gauge may feel as much as it is pushed with: then what is missed there is missed nowhere else.
-    whole = unfelt(s.stiffness, s.drive)
-    spare = s.axis[rows] @ np.linalg.solve(whole, s.drive) - axis @ np.linalg.solve(basis.T @ whole @ basis, drive)
+    missed, whole = np.zeros(rows.size), unfelt(s.stiffness, s.drive)
+    if spare:
+        # At rest a gauge may feel as much as it is pushed with: then what is missed there is missed nowhere else.
+        inside = axis @ np.linalg.solve(basis.T @ whole @ basis, drive)
+        missed = s.axis[rows] @ np.linalg.solve(whole, s.drive) - inside
     return Matrices(
-        basis.T @ s.mass @ basis, basis.T @ s.damping @ basis, stiffness, drive, axis, s.tilt[rows] @ basis, spare
+        basis.T @ s.mass @ basis, basis.T @ s.damping @ basis, stiffness, drive, axis, s.tilt[rows] @ basis, missed
     )
 
 
