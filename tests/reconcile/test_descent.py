@@ -27,7 +27,7 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> Any:
         return np.array([STEEP * (u[1] - case.bent * u[0] ** 2), 30 * (u[0] - BOTTOM)])
 
     def there(problem: Any, u: Any, hypotheses: Any, e: Any, *, slopes: bool = True, **kept: Any) -> Any:
-        return here(u, None if not slopes or kept.get("rough") else kept.get("origin") or "anew")
+        return here(u, None if not slopes or kept.get("rough") else kept.get("origin"))
 
     def here(u: Any, origin: Any = None) -> Any:
         known = SimpleNamespace(moved=lambda score, move, at: score + move)
@@ -111,7 +111,7 @@ def test_slopes_that_mislead_are_taken_anew_before_a_step_is_shortened(
     right = descent.jacobian
 
     def slopes(anchored: Any, *given: Any) -> Any:
-        return right(anchored, *given) * (1.0 if anchored.origin == "anew" else -1.0)
+        return right(anchored, *given) * (1.0 if anchored.origin is not None else -1.0)
 
     monkeypatch.setattr(descent, "jacobian", slopes)
     monkeypatch.setattr(descent, "from_elsewhere", lambda problem, u, e, origin, hypotheses: elsewhere and not origin)
@@ -120,7 +120,8 @@ def test_slopes_that_mislead_are_taken_anew_before_a_step_is_shortened(
     assert (step is not None) == elsewhere
     if step is not None:
         assert len(valley.asked) == 2
-        assert step.here.origin == "anew"
+        # Taken where the step began, and they serve on.
+        assert step.here.origin is not None and np.array_equal(step.here.origin.u, HERE)
 
 
 def test_where_a_step_keeps_less_than_half_the_next_has_its_own_slopes(
@@ -132,7 +133,8 @@ def test_where_a_step_keeps_less_than_half_the_next_has_its_own_slopes(
     assert kept is not None and kept.here.origin is None
     monkeypatch.setattr(descent, "_TRUE", 2.0)
     broken = step_from(valley, HERE, 0.1)
-    assert broken is not None and broken.here.origin == "anew"
+    assert broken is not None and broken.here.origin is not None
+    assert np.array_equal(broken.here.origin.u, broken.u)
     # A rough one keeps them.
     broken = step_from(valley, HERE, 0.1, rough=True)
     assert broken is not None and broken.here.origin is None

@@ -1,4 +1,8 @@
-"""One accepted step of a fit, by Levenberg and Marquardt, with slopes taken anew where those at hand mislead."""
+"""One accepted step of a fit, by Levenberg and Marquardt: damped by what steps keep of their promises.
+
+Slopes of the stated values serve until they mislead, and are then taken anew: along a narrow, bent valley one that is
+wrong by a tenth leads up its side at every step.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.local_slopes import from_elsewhere
+from vgvt.reconcile.local_slopes import Origin, from_elsewhere
 from vgvt.reconcile.misfit import data_misfit, jacobian
 from vgvt.reconcile.surrogate import Anchor, anchor
 
@@ -48,7 +52,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Slopes:
-    """Gradient (scores,) of half the cost where a step begins, half its curvature as a tangent has it, with the priors.
+    """Gradient (scores,) of half the cost where a step begins, and half its curvature as a tangent has it.
 
     No step is longer than ``longest``.
     """
@@ -99,15 +103,16 @@ def taken(
             return None
         move = slopes.move(damping)
         reached = _reached(here, _moved(here, u, e, move), sigma)
-        kept = (cost - reached[4]) / slopes.promised(move) if reached is not None else -np.inf
-        if reached is not None and kept > 0:
-            new_u, new_e, there, trial, left = reached
+        if reached is not None and reached.cost < cost:
+            kept = (cost - reached.cost) / slopes.promised(move)
             if kept > _KEEPS_MOST:
                 damping *= _FREER
             elif kept < _KEEPS_LITTLE:
                 damping *= _HELD_BACK
-            there = _sloped(here, there, new_u, new_e, anew=not rough and kept < _TRUE and _misled(here, new_u, new_e))
-            return Step(new_u, new_e, there, trial, damping, (cost - left) / cost, slopes.promised_freely / cost)
+            anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
+            there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
+            gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
+            return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free)
         if not rough and _misled(here, u, e):
             here = _sloped(here, here, u, e, anew=True)
             slopes = _Slopes.of(here, u, e, predicted, sigma)
@@ -116,8 +121,19 @@ def taken(
     return None
 
 
-def _reached(here: Anchor, scores: Scores, sigma: Array) -> tuple[Array, Array, Anchor, ComplexArray, float] | None:
-    """Scores, the anchor and the prediction there, and its cost; None where there is no such aircraft."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Reached:
+    """Scores, the anchor and the prediction (C, L) there, and the cost."""
+
+    u: Array
+    e: Array
+    here: Anchor
+    predicted: ComplexArray
+    cost: float
+
+
+def _reached(here: Anchor, scores: Scores, sigma: Array) -> _Reached | None:
+    """What is found at some scores; None where there is no such aircraft."""
     u, e = scores
     try:
         there = anchor(here.problem, u, here.hypotheses, e, slopes=False, structures=here.structures)
@@ -125,7 +141,7 @@ def _reached(here: Anchor, scores: Scores, sigma: Array) -> tuple[Array, Array, 
     except NoStructureError:
         return None
     left = _cost(here, u, e, trial, sigma)
-    return (u, e, there, trial, left) if np.isfinite(left) else None
+    return _Reached(u, e, there, trial, left) if np.isfinite(left) else None
 
 
 def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> float:
@@ -144,10 +160,10 @@ def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> A
 
     Those of the stated values are kept until they mislead.
     """
-    origin = None if anew else here.origin
+    origin = Origin(u.copy(), e.copy()) if anew else here.origin
     return anchor(
         here.problem, u, here.hypotheses, e, groups=there.assembled, origin=origin,
-        rough=origin is None and not anew and not here.structures.whole, structures=here.structures,
+        rough=origin is None and not here.structures.whole, structures=here.structures,
     )  # fmt: skip
 
 

@@ -79,11 +79,11 @@ def from_elsewhere(
     problem: Problem, u: Array, e: Array, origin: Origin | None, hypotheses: tuple[Hypothesis, ...] = ()
 ) -> bool:
     """Whether slopes taken at an ``origin``, None for the problem's own, may be what misleads at u and e."""
-    if origin is None or origin_at(problem, u, e, hypotheses) is None:
-        return origin is not None or origin_at(problem, u, e, hypotheses) is not None
     known = slice(0, len(problem.unknowns))
-    away = np.abs(u - origin.u)[known].max(initial=0.0)
     wandered = np.abs(u[known] - problem.at).max(initial=0.0)
+    if origin is None:
+        return bool(wandered > _AWAY) or _loose(problem, hypotheses, e)
+    away = np.abs(u - origin.u)[known].max(initial=0.0)
     if away > max(_AWAY, _AWAY_SHARE * wandered):
         return True
     return bool(np.abs(e - origin.e).max(initial=0.0) > _AS_LOOSE and _loose(problem, hypotheses, e))
