@@ -70,14 +70,14 @@ def test_within_the_tolerances_the_slopes_of_where_it_ended_are_right_and_those_
 
 @pytest.mark.slow
 def test_what_others_are_fitted_next_to_has_the_slopes_of_where_it_is(case: Problem) -> None:
-    """The slopes of the stated values stop beside the bottom; those of where they stopped are the bottom's."""
+    """Slopes that mislead are taken anew on the way: it ends at the bottom, which those of where it ended confirm."""
     stopped = fit(case, (), rough_start(case)[0], np.zeros(0), STAGES, exact=True)
     found = calibrate(case)
     assert stopped.converged
     assert np.array_equal(found.problem.at, stopped.u[: len(case.unknowns)])
     # A fit stops where a step promises less than so many nats: two fits of one bottom may end that far apart.
     unsettled = 0.5 * fitting._ENOUGH * (found.chi2 + float(found.scores @ found.scores))
-    assert found.evidence_nats > stopped.evidence_nats + 2 * unsettled
+    assert abs(found.evidence_nats - stopped.evidence_nats) < 2 * unsettled
     again = calibrate(found.problem, found.u)
     assert abs(again.evidence_nats - found.evidence_nats) < unsettled
 
