@@ -95,7 +95,7 @@ def test_what_is_refused_is_held_back_and_the_next_begins_there(valley: Any) -> 
     assert len(valley.asked) <= 2
 
 
-def test_what_a_step_of_little_promise_kept_holds_back_the_next(valley: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_step_that_keeps_little_holds_back_the_next(valley: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(descent, "_KEEPS_LITTLE", 2.0)
     monkeypatch.setattr(descent, "_KEEPS_MOST", 2.0)
     valley.bent = 0.0

@@ -61,16 +61,23 @@ def test_the_side_without_one_is_taken(case: Problem, monkeypatch: pytest.Monkey
     assert len(seen) == (3 if edges == 1 else 2 if edges == 0 else 3)
 
 
-def test_so_it_is_of_an_unknown(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("both_sides", [True, False])
+def test_so_it_is_of_an_unknown(case: Problem, monkeypatch: pytest.MonkeyPatch, both_sides: bool) -> None:
+    """Where there is no aircraft on the other side the one across the edge has to do."""
     u = np.zeros(case.size)
     u[0] = 8.0
     stepped: list[float] = []
 
     def watched(problem: Problem, scores: Any, *more: Any) -> Any:
         stepped.append(float((scores - u)[1]))
-        return assembled(problem, scores, *more)
+        return assembled(problem, scores, *more) if both_sides or (scores - u).min() >= 0 else None
 
     monkeypatch.setattr(local_slopes, "assembled", watched)
-    monkeypatch.setattr(local_slopes, "changed_places", lambda here, there: max(stepped[-1:]) > 0)
-    anchor(case, u)
+    monkeypatch.setattr(local_slopes, "changed_places", lambda here, there: stepped[-1] > 0)
+    local_slopes._slopes.cache_clear()
+    group = anchor(case, u, slopes=False).assembled[0]
+    found = local_slopes.slopes_for(case, (), local_slopes.Origin(u, np.zeros(0)), group)
     assert [s for s in stepped if s] == [local_slopes._STEP, -local_slopes._STEP]
+    assert found.values is not case.slopes
+    assert found.values["stiffness"][1].any()
+    local_slopes._slopes.cache_clear()

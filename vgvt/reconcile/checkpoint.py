@@ -18,6 +18,7 @@ from vgvt.files.campaign_file import content_hash
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.fit import Fit, fit
 from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.local_slopes import Origin
 from vgvt.reconcile.problem import Problem
 from vgvt.reconcile.rivals import Rival
 from vgvt.reconcile.thresholds import Thresholds
@@ -25,9 +26,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 
 # What is kept under another one has not all that is asked for.
-_FORMAT = 3
-# No step further, with the slopes that a fit to its end has: evidence hangs on these.
-_AS_ENDED = ((0.0, 0),)
+_FORMAT = 4
 
 
 class Begun(NamedTuple):
@@ -75,7 +74,7 @@ class Checkpoint:
     def keep(self, start: Fit, rounds: Sequence[Addition], vetoed: Sequence[Rival] = ()) -> None:
         """Write the rounds so far, and which of their rivals were refused."""
         document = {
-            "key": self.key, "start": start.u.tolist(), "converged": start.converged,
+            "key": self.key, "start": _ended(start),
             "rounds": [_round(a) for a in rounds],
             "vetoed": [(k, i) for k, a in enumerate(rounds) for i, r in enumerate(a.rivals) if r in vetoed],
         }  # fmt: skip
@@ -91,10 +90,10 @@ class Checkpoint:
         if not isinstance(document, dict) or document.get("key") != self.key:
             return None
         known = {h.name: h.cls for h in hypotheses}
-        start = fit(problem, (), np.array(document["start"]), np.zeros(0), _AS_ENDED, exact=True)
+        start = _as_ended(problem, (), document["start"])
         rounds = tuple(_addition(problem, known, row) for row in document["rounds"])
         vetoed = tuple(rounds[k].rivals[i] for k, i in document["vetoed"])
-        return Begun(replace(start, converged=document["converged"]), rounds, vetoed)
+        return Begun(start, rounds, vetoed)
 
 
 def _round(addition: Addition) -> dict[str, Any]:
@@ -112,7 +111,7 @@ def _rival(r: Rival) -> dict[str, Any]:
             {"name": h.name, "settings": dict(h.settings), "share": h.share, "spans": dict(h.spans)}
             for h in r.fit.hypotheses
         ],
-        "u": r.fit.u.tolist(), "e": r.fit.e.tolist(), "converged": r.fit.converged,
+        "fit": _ended(r.fit),
         "gain_nats": r.gain_nats, "raw_nats": r.raw_nats, "lasting_nats": r.lasting_nats, "held_out": r.held_out,
     }  # fmt: skip
 
@@ -126,8 +125,21 @@ def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any
             )
             for h in r["effects"]
         )
-        found = fit(problem, hypotheses, np.array(r["u"]), np.array(r["e"]), _AS_ENDED, exact=True)
-        found = replace(found, converged=r["converged"])
+        found = _as_ended(problem, hypotheses, r["fit"])
         rivals.append(Rival(found, r["gain_nats"], r["raw_nats"], r["lasting_nats"], r["held_out"]))
     equivalent = tuple(rivals[k] for k in row["equivalent"])
     return Addition(rivals[row["winner"]], equivalent, tuple(rivals), row["held_out_before"])
+
+
+def _ended(found: Fit) -> dict[str, Any]:
+    """Where a fit ended, and where its slopes were taken."""
+    origin = None if found.origin is None else [found.origin.u.tolist(), found.origin.e.tolist()]
+    return {"u": found.u.tolist(), "e": found.e.tolist(), "origin": origin, "converged": found.converged}
+
+
+def _as_ended(problem: Problem, hypotheses: tuple[Hypothesis, ...], row: Mapping[str, Any]) -> Fit:
+    """The same fit, no step further: evidence hangs on its slopes, too."""
+    taken = None if row["origin"] is None else [np.array(scores) for scores in row["origin"]]
+    origin = None if taken is None else Origin(taken[0], taken[1])
+    found = fit(problem, hypotheses, np.array(row["u"]), np.array(row["e"]), (), origin=origin)
+    return replace(found, converged=row["converged"])

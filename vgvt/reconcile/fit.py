@@ -16,7 +16,7 @@ from vgvt.reconcile.carried import Structures
 from vgvt.reconcile.descent import taken
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import SERVE, origin_at
+from vgvt.reconcile.local_slopes import SERVE, Origin, origin_at
 from vgvt.reconcile.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.one_thread import one_thread
 from vgvt.reconcile.problem import Problem, at_rest, recentred
@@ -57,6 +57,7 @@ class Fit:
     scores; ``chi2`` the data's square sum over ``points`` real numbers; ``evidence_nats`` Laplace's log evidence.
     ``sigma`` (fitted channels, L) is what it was judged by where that is not the data's. ``unseen`` (k, scores) is by
     how much things that the model has no unknown for may have moved its scores (:mod:`vgvt.reconcile.unseen`).
+    ``origin`` is where its slopes in the unknowns were taken, None for the problem's own: evidence hangs on them.
     """
 
     problem: Problem
@@ -72,6 +73,7 @@ class Fit:
     converged: bool
     sigma: Array | None = None
     unseen: Array | None = None
+    origin: Origin | None = None
 
     @property
     def chi2_per_dof(self) -> float:
@@ -178,15 +180,19 @@ def fit(
     judged: float = 0.0,
     exact: bool = False,
     whole: bool = False,
+    origin: Origin | None = None,
 ) -> Fit:
     """Fit u and the hypotheses' e jointly from a start; NoStructureError where the start describes no aircraft.
 
     ``judged`` is the coarseness that χ², posterior and evidence refer to. ``exact`` goes on, where the unknowns end up
     far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on. ``whole``
     has no others, and those of the aircraft with the hypotheses: for a fit whose parameters and errors are told.
+    ``origin`` is where the first slopes are taken, by default those of the stated values serve until they mislead.
     """
     phases = _phases(stages, exact, whole)
-    here = anchor(problem, u, hypotheses, e, rough=not whole, structures=_structures(problem, phases, whole))
+    structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
+    rough = origin is None and not whole
+    here = anchor(problem, u, hypotheses, e, origin=origin, rough=rough, structures=structures)
     predicted = here.predict(u, e)
     quiet = bool(phases) and unheard(here, u, e, predicted)
     if quiet:
@@ -244,10 +250,6 @@ def _walked(
     return u, e, here, predicted, converged
 
 
-def _structures(problem: Problem, phases: list[tuple[float, int, bool]], whole: bool) -> Structures:
-    return Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
-
-
 def _anchored(here: Anchor, problem: Problem, u: Array, e: Array) -> tuple[Anchor, ComplexArray]:
     """The anchor of the same structures, and the prediction there, for the same aircraft by another problem's data."""
     known = here.structures
@@ -303,5 +305,6 @@ def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, conver
     evidence = -0.5 * (chi2 + float(scores @ scores)) - 0.5 * log_determinant + share
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     return Fit(
-        problem, here.hypotheses, u, e, predicted, tangent, covariance, chi2, misfit.size, evidence, converged, sigma
-    )
+        problem, here.hypotheses, u, e, predicted, tangent, covariance, chi2, misfit.size, evidence, converged, sigma,
+        origin=here.origin,
+    )  # fmt: skip

@@ -196,6 +196,9 @@ def _slopes(asked: _Asked) -> tuple[LocalSlopes, ...]:
             # As far as a bounded quantity goes: no score beyond changes anything.
             there = assembled(problem, aside, hypotheses, scores) if span else here
             if there is None or not all(map(_alike, here, there)):
+                if step < 0:
+                    # Across the edge, then.
+                    break
                 # No such aircraft a step further: the stated values must do.
                 return ()
             for own, one, other in zip(found, here, there, strict=True):

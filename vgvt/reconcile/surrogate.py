@@ -202,9 +202,9 @@ def anchor(
         groups = kept.at(u, hypotheses, scores) if near is None else near
     if groups is None:
         raise NoStructureError("no such structure")
-    beside_it = None if sides is None else widened(sides, groups)
-    if beside_it is None and slopes:
-        beside_it = sides_of(kept, u, hypotheses, scores, groups)
+    steps_aside = None if sides is None else widened(sides, groups)
+    if steps_aside is None and slopes:
+        steps_aside = sides_of(kept, u, hypotheses, scores, groups)
     if rough or not slopes:
         origin = None
     elif kept.whole:
@@ -217,7 +217,7 @@ def anchor(
         pulls = slopes and not all(k.whole for k in known)
         pulled = pulled_by(kept, u, hypotheses, scores, groups) if pulls else []
         reduced = tuple(
-            _reduced(problem, u, groups, g, beside_it, pulled, scores.size, known[g]) for g in range(len(groups))
+            _reduced(problem, u, groups, g, steps_aside, pulled, scores.size, known[g]) for g in range(len(groups))
         )
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
