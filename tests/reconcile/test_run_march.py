@@ -75,8 +75,15 @@ def window(tapered: int) -> Array:
     return out
 
 
-@pytest.mark.parametrize("tapered", [TAPERED, 0])
-@pytest.mark.parametrize("law", [CUBIC, PLAY])
+@pytest.mark.parametrize(
+    ("law", "tapered"),
+    [
+        (CUBIC, TAPERED),
+        pytest.param(CUBIC, 0, marks=pytest.mark.slow),
+        pytest.param(PLAY, TAPERED, marks=pytest.mark.slow),
+        (PLAY, 0),
+    ],
+)
 def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, tapered: int) -> None:
     """As the quotient of tapered spectra has it: with the sensors on, and with what it leaves ringing."""
     m, force = structure(), sweep()

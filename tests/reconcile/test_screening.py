@@ -111,7 +111,7 @@ def test_what_the_unknowns_imitate_is_not_lost(tmp_path_factory: pytest.TempPath
     assert found[0].gain_nats > 10
 
 
-@pytest.mark.parametrize("mass_kg", [0.1165, 0.31])
+@pytest.mark.parametrize("mass_kg", [0.1165, pytest.param(0.31, marks=pytest.mark.slow)])
 def test_a_sharp_resonance_between_the_steps_of_a_scan_is_met(tmp_path: Path, mass_kg: float) -> None:
     """A spring's surge, ten times narrower than a step: nor is an eighth of its mass a little of it."""
     case = problem(tmp_path, 1, SuspensionSurge(mass_kg=mass_kg, loss_factor=0.005))

@@ -25,7 +25,10 @@ def excited(scenario: Scenario, kind: str) -> Scenario:
     return revised(scenario, excitation=short)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind",
+    [k if k in ("logarithmic-chirp", "burst-random") else pytest.param(k, marks=pytest.mark.slow) for k in KINDS],
+)
 def test_both_engines_take_every_kind(small: Scenario, kind: str) -> None:
     """Sample by sample: force and accelerations of the stepped model are those of the exact solution."""
     scenario = excited(small, kind)
