@@ -80,8 +80,8 @@ def test_the_resolved_scenario_is_the_scenario(vgvt, simulations) -> None:
 
 
 def test_same_scenario_resumes(vgvt, simulations) -> None:
-    first = vgvt("run", "quick", "--json").document
-    second = vgvt("run", "quick", "--json").document
+    first = vgvt("run", "quick", "--no-report", "--json").document
+    second = vgvt("run", "quick", "--no-report", "--json").document
     assert simulations == ["quick"]
     assert (first["resumed"], second["resumed"]) == (False, True)
     assert first["identifiers"] == second["identifiers"]
@@ -108,7 +108,7 @@ def test_another_scenario_is_refused_unless_forced(vgvt, simulations) -> None:
 
 
 def test_force_leaves_no_claim_about_the_campaign_before(vgvt, simulations) -> None:
-    vgvt("run", "quick", "--out", "here")
+    vgvt("run", "quick", "--no-report", "--out", "here")
     assert vgvt("simulate", "quick", "--out", "here", "--seed", 5, "--force").status == 0
     assert files_in(Path("here")) == {"scenario.toml", "campaign.nc", "sealed/truth.nc", "manifest.json"}
 
@@ -177,7 +177,7 @@ def test_simulate_then_identify_then_score(vgvt, simulations) -> None:
 
 
 def test_score_of_a_run_folder_is_the_score_of_the_run(vgvt, simulations) -> None:
-    ran = vgvt("run", "quick", "--json").document["identifiers"]["auto"]
+    ran = vgvt("run", "quick", "--no-report", "--json").document["identifiers"]["auto"]
     scored = vgvt("score", "runs/quick", "--json").document
     assert [row["status"] for row in scored["modes"]] == [row["status"] for row in ran["modes"]]
     for ours, theirs in zip(scored["modes"], ran["modes"], strict=True):
@@ -197,20 +197,20 @@ def full_disk(*_: object) -> object:
 
 
 def test_an_interrupt_while_writing_leaves_the_old_run_whole(vgvt, simulations, monkeypatch) -> None:
-    vgvt("run", "quick", "--out", "here")
+    vgvt("run", "quick", "--no-report", "--out", "here")
     before = contents(Path("here"))
     with monkeypatch.context() as patch:
         patch.setattr("vgvt.files.write_campaign", interrupted)
-        result = vgvt("run", "quick", "--out", "here", "--seed", 5, "--force")
+        result = vgvt("run", "quick", "--no-report", "--out", "here", "--seed", 5, "--force")
     assert result.status == 130
     assert "stopped while writing; here is as it was" in result.err
     assert contents(Path("here")) == before
-    assert vgvt("run", "quick", "--out", "here").status == 0
+    assert vgvt("run", "quick", "--no-report", "--out", "here").status == 0
     assert simulations == ["quick", "quick"]
 
 
 def test_a_swap_stopped_half_way_is_never_taken_for_a_run(vgvt, simulations, monkeypatch) -> None:
-    vgvt("run", "quick", "--out", "here")
+    vgvt("run", "quick", "--no-report", "--out", "here")
     rename = Path.replace
 
     def stop_at_campaign(self: Path, target: Path) -> Path:
@@ -220,11 +220,11 @@ def test_a_swap_stopped_half_way_is_never_taken_for_a_run(vgvt, simulations, mon
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "replace", stop_at_campaign)
-        result = vgvt("run", "quick", "--out", "here", "--seed", 5, "--force")
+        result = vgvt("run", "quick", "--no-report", "--out", "here", "--seed", 5, "--force")
     assert result.status == 1
     assert "as it was" not in result.err
     assert "--force" in result.err
-    assert vgvt("run", "quick", "--out", "here").status == 2
+    assert vgvt("run", "quick", "--no-report", "--out", "here").status == 2
 
 
 def test_a_full_disk_is_said_before_anything_is_written(vgvt, simulations, monkeypatch) -> None:

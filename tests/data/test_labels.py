@@ -59,6 +59,9 @@ def test_suggestions_find_the_word_meant() -> None:
     assert nearest("hati-unsymetric", known) == "hati-unsymmetric"
     assert nearest("QUICK", known) == "quick"
     assert nearest("qui", known) == "quick"
+    assert nearest("unsymmetric", known) == "hati-unsymmetric"
+    assert nearest("hati", known) == "hati-symmetric"
+    assert nearest("surge", ("suspension-surge", "entrained-surge")) is None
     assert nearest("zzz", known) is None
     assert choose_one_of("quik", known).startswith("did you mean 'quick'?")
     assert choose_one_of("quik", (*known, *(f"name-{i}" for i in range(40)))) == "did you mean 'quick'?"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -16,7 +17,10 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     match = get_close_matches(typed, list(by_folded), n=1, cutoff=0.6)
     # A shortened name is too far from the whole one for a measure of likeness.
     longer = sorted(k for k in by_folded if len(typed) > 2 and k.startswith(typed))
-    return by_folded[(match or longer)[0]] if match or longer else None
+    # So is one of its words; where several names have it, none of them is nearer.
+    holding = [k for k in by_folded if typed in re.split(r"[-_. ]", k)]
+    found = match or longer or (holding if len(holding) == 1 else [])
+    return by_folded[found[0]] if found else None
 
 
 def choose_one_of(word: str, known: Iterable[str]) -> str:
