@@ -241,15 +241,16 @@ def test_other_samples_are_another_question(vgvt, tmp_path: Path, beam: Path, lo
     assert len(loops) == 2
 
 
+@pytest.mark.parametrize("dead", [[1], [1, 2]], ids=["one channel", "all of a run"])
 def test_a_dead_channel_is_refused_or_left_out_and_stays_on_the_aircraft(
-    vgvt, tmp_path: Path, beam: Path, loops
+    vgvt, tmp_path: Path, beam: Path, loops, dead: list[int]
 ) -> None:
-    """It goes to the loop as it is: that leaves it out of the data, and must know what hangs on the structure."""
+    """It goes to the loop as it is: that leaves it out, and must know what hangs on the structure in which run."""
     campaign = measured()
     silent = campaign.runs[1].samples.copy()
-    silent[1] = 0.0
-    dead = replace(campaign, runs=(campaign.runs[0], replace(campaign.runs[1], samples=silent), *campaign.runs[2:]))
-    arguments = ("reconcile", written(tmp_path, dead), "--scenario", beam, "--out", "found", "--json")
+    silent[dead] = 0.0
+    broken = replace(campaign, runs=(campaign.runs[0], replace(campaign.runs[1], samples=silent), *campaign.runs[2:]))
+    arguments = ("reconcile", written(tmp_path, broken), "--scenario", beam, "--out", "found", "--json")
     refused = vgvt(*arguments)
     assert refused.status == 2
     assert "run 2, channel a3" in refused.document["error"]["message"]

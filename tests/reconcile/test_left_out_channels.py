@@ -10,8 +10,10 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.data import Campaign
+from vgvt.effects import available_effects
 from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.fit import calibrate
+from vgvt.reconcile.holdout import split
 from vgvt.reconcile.problem import Problem, make_problem
 from vgvt.reconcile.procedures import changed, procedures
 from vgvt.reconcile.surrogate import anchor
@@ -20,12 +22,12 @@ from vgvt.reconcile.surrogate import anchor
 RUN, CHANNEL, ALL_LINES = 1, 3, 10_000
 
 
-def without_one(campaign: Campaign) -> Campaign:
-    """The campaign with one response that reads nothing."""
+def without(campaign: Campaign, *channels: int) -> Campaign:
+    """The campaign with some responses of the second run, or all where none is said, that read nothing."""
     record = campaign.runs[RUN]
     samples = record.samples.copy()
     responses = [i for i, c in enumerate(record.channels) if c.role.value == "response"]
-    samples[responses[CHANNEL]] = 0.0
+    samples[[responses[k] for k in channels] or responses] = 0.0
     return replace(campaign, runs=(*campaign.runs[:RUN], replace(record, samples=samples), *campaign.runs[RUN + 1 :]))
 
 
@@ -34,7 +36,9 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Problem]:
     """The same campaign whole, and with one channel dead."""
     scenario, cache = roving_scenario(), tmp_path_factory.mktemp("cache")
     campaign = campaign_of(scenario, 1)
-    whole, dead = (make_problem(c, scenario, lines=ALL_LINES, cache=cache) for c in (campaign, without_one(campaign)))
+    whole, dead = (
+        make_problem(c, scenario, lines=ALL_LINES, cache=cache) for c in (campaign, without(campaign, CHANNEL))
+    )
     return whole, dead
 
 
@@ -66,12 +70,35 @@ def test_nothing_is_asked_of_it(pair: tuple[Problem, Problem]) -> None:
     assert np.isinf(dead.measured.with_floor(0.02).sigma[lost]).all()
 
 
+def test_a_run_of_which_nothing_can_be_used_is_still_a_run(tmp_path: Path) -> None:
+    """What changes from run to run counts it: without it a step before the fourth run was one before the third."""
+    scenario, re_hung = roving_scenario(), {"re-hang": available_effects()["re-hang"]}
+    five = tuple(tuple(range(k, 21, 5)) for k in (1, 2, 3, 4, 5))
+    scenario = scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update={"runs": five})})
+    campaign = campaign_of(scenario, 1)
+    sound, lost = (make_problem(c, scenario, lines=ALL_LINES, cache=tmp_path) for c in (campaign, without(campaign)))
+    assert lost.measured.runs == sound.measured.runs
+    assert {h.settings["from_run"] for h in candidates(lost, re_hung)} == {2, 3, 4, 5}
+    rest = np.array([c.run != RUN for c in sound.measured.channels])
+    np.testing.assert_array_equal(lost.measured.used, rest)
+    np.testing.assert_array_equal(lost.measured.values[rest], sound.measured.values[rest])
+    assert RUN + 1 not in {h.run_number for h in lost.measured.harmonics}
+    for turn in range(8):
+        parts = split(scenario, lost.measured, turn)
+        assert parts.held_runs.any() and parts.held_channels.any()
+        assert not (parts.train | parts.held)[~rest].any()
+    found = calibrate(make_problem(without(campaign), scenario, lines=100, cache=tmp_path))
+    assert found.chi2_per_dof < 1.0
+
+
 @pytest.mark.slow
 def test_a_calibration_does_not_miss_it(tmp_path: Path) -> None:
     """Without its mass in the model the sensors' own had gone to eleven deviations, and χ² from 0.63 to 0.96."""
     scenario = roving_scenario()
     campaign = campaign_of(scenario, 1)
-    found = [calibrate(make_problem(c, scenario, lines=100, cache=tmp_path)) for c in (campaign, without_one(campaign))]
+    found = [
+        calibrate(make_problem(c, scenario, lines=100, cache=tmp_path)) for c in (campaign, without(campaign, CHANNEL))
+    ]
     mass = found[0].problem.names.index("sensor mass")
     assert abs(found[1].u[mass] - found[0].u[mass]) < 1.0
     assert found[1].chi2_per_dof == pytest.approx(found[0].chi2_per_dof, rel=0.05)

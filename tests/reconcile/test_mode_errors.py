@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reconciled_case import claimed
 
 from vgvt.reconcile.before_test import expected_fit
 from vgvt.reconcile.fit import Fit
@@ -82,3 +83,15 @@ def test_an_error_at_one_mode_shows_at_that_mode(beam: Fit) -> None:
         elif away > 2.0:
             assert row.train_percent[1] == 0.0
     assert any(abs((row.after_hz or 0) - BENDING_HZ[1]) < 0.3 for row in rows)
+
+
+def test_a_model_that_changes_between_runs_is_held_against_one_that_does_not(beam: Fit) -> None:
+    """Runs of one structure have some of the channels only; shapes are those of all points, in the first run."""
+    drift = claimed(beam.problem, "run-drift", {"drift": -0.05}, shape="step", from_run=2)
+    later = claimed(beam.problem, "run-drift", {"drift": -0.05}, shape="step", from_run=4)
+    rows = mode_rows(beam, drift)
+    assert len(rows) >= 3
+    for row in rows:
+        assert row.mac == pytest.approx(1.0)
+        assert row.after_hz == pytest.approx(row.before_hz)
+    np.testing.assert_allclose(model_modes(drift).shapes.shape, model_modes(later).shapes.shape)

@@ -14,8 +14,9 @@ def sound_campaign(source: str, leave_out_faulty: bool, *, still_mounted: bool =
 
     With ``leave_out_faulty`` channels with samples that are not finite, or all
     the same, are left out instead, and so are runs that lose their force or all responses.
-    Where they are ``still_mounted``, such channels stay in the records of the runs that are kept: whoever
-    asks leaves them out itself, and must know what loads the structure.
+    Where they are ``still_mounted``, such channels stay in the records of the runs that are kept, as do runs
+    that keep their force alone: whoever asks leaves them out itself, and must know what loads the structure and
+    which run is which.
     InputError names the source, the run and the channel.
     """
     from vgvt.files import open_campaign
@@ -64,19 +65,21 @@ def _check_rates(source: str, campaign: Campaign) -> None:
 
 
 def _without(source: str, campaign: Campaign, faulty: set[tuple[int, str]], still_mounted: bool) -> Campaign:
-    sound = ((record, _record_without(record, faulty)) for record in campaign.runs)
+    needed = {ChannelRole.REFERENCE} if still_mounted else {ChannelRole.REFERENCE, ChannelRole.RESPONSE}
+    sound = ((record, _record_without(record, faulty, needed)) for record in campaign.runs)
     runs = tuple(record if still_mounted else kept for record, kept in sound if kept is not None)
     if not runs:
         raise InputError(source, "no run keeps a force and a response", "repair the records")
     return replace(campaign, runs=runs)
 
 
-def _record_without(record: Record, faulty: set[tuple[int, str]]) -> Record | None:
+def _record_without(record: Record, faulty: set[tuple[int, str]], needed: set[ChannelRole]) -> Record | None:
     index = [i for i, channel in enumerate(record.channels) if (record.run, channel.name) not in faulty]
     if len(index) == len(record.channels):
         return record
     channels = tuple(record.channels[i] for i in index)
-    if not {ChannelRole.RESPONSE, ChannelRole.REFERENCE} <= {channel.role for channel in channels}:
-        log(f"run {record.run} left out: it keeps no force or no response")
+    if not needed <= {channel.role for channel in channels}:
+        what = " or ".join(f"no {'force' if role is ChannelRole.REFERENCE else 'response'}" for role in sorted(needed))
+        log(f"run {record.run} left out: it keeps {what}")
         return None
     return replace(record, channels=channels, samples=record.samples[index])

@@ -106,7 +106,7 @@ def measured_frfs(
     2012): local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode
     for noise, repeats take drift for noise. InputError without a single usable reference.
     """
-    runs, remarks = usable_runs(campaign)
+    runs, remarks = usable_runs(campaign, every_run=True)
     for run in runs:
         if len(run.references) != 1:
             raise InputError(
@@ -294,6 +294,8 @@ def _variances(
     polynomial, rational, quiet = np.empty(shape), np.empty(shape), np.empty(shape)
     for r, run in enumerate(runs):
         mine = [i for c, i in rows if c.run == r]
+        if not mine:
+            continue
         force = spectra.force[r]
         fit = local_polynomial_fit(spectra.response[mine], force[None], chosen, _ORDER, _HALF_WIDTH)
         power = np.abs(force[chosen]) ** 2
@@ -326,7 +328,8 @@ def _harmonics(
     found: list[Harmonic] = []
     for r, run in enumerate(runs):
         mine = [i for c, i in rows if c.run == r]
-        found += harmonics(spectra.response[mine], spectra.force[r], spectra.samples, rate, band, run.run)
+        if mine:
+            found += harmonics(spectra.response[mine], spectra.force[r], spectra.samples, rate, band, run.run)
     return tuple(found)
 
 

@@ -34,12 +34,12 @@ def split(scenario: Scenario, measured: Measured, turn: int = 0) -> Split:
 
     It depends on the scenario's seed and the campaign's labels alone, not on a single sample; each ``turn`` is
     another draw. Every run that is not held out keeps a channel to fit; a campaign too small for either keeps
-    everything. A channel that could not be used is in neither part.
+    everything. A channel that could not be used is in neither part; a run of such channels is no run to hold out.
     """
     stream = named_stream(scenario.seed, "hold-out", *([turn] if turn else []))
     run = np.array([c.run for c in measured.channels])
     count = len(measured.channels)
-    runs = np.unique(run)
+    runs = np.unique(run[measured.used])
     held_runs = np.zeros(count, dtype=bool)
     if runs.size >= _FEWEST_RUNS:
         chosen = stream.permutation(runs)[: max(1, round(_RUN_SHARE * runs.size))]

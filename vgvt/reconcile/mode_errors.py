@@ -23,7 +23,7 @@ _MOST_DAMPED = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelModes:
-    """Modes of a fitted model in its first run: Hz (M,), damping ratios (M,), shapes (M, C) at that run's channels."""
+    """Modes of a fitted model in its first run: Hz (M,), damping ratios (M,), shapes (M, P) at the grid's points."""
 
     frequency_hz: Array
     damping_ratio: Array
@@ -32,7 +32,8 @@ class ModelModes:
 
 def model_modes(fit: Fit) -> ModelModes:
     """The modes of a fit within the band of its data, as they are in the first run, its accelerometers seated."""
-    group = anchor(fit.problem, fit.u, fit.hypotheses, fit.e, slopes=False).groups[0]
+    here = anchor(fit.problem, fit.u, fit.hypotheses, fit.e, slopes=False)
+    group, whole = here.groups[0], here.assembled[0]
     band = fit.problem.measured.frequency_hz
     matrices = group.matrices
     if group.roving:
@@ -44,7 +45,9 @@ def model_modes(fit: Fit) -> ModelModes:
     damping = -found.poles.real / np.abs(found.poles)
     inside = (found.poles.imag > 0) & (frequency >= band[0]) & (frequency <= band[-1]) & (damping < _MOST_DAMPED)
     index = np.flatnonzero(inside)[np.argsort(frequency[inside])]
-    shapes = (matrices.axis @ found.vectors[:, index]).T
+    # At every point, those of other runs too: where runs differ in structure a group has some of the channels only.
+    points = [whole.structure.places.index(p.site) for p in whole.plan.grid]
+    shapes = (whole.structure.axis[points] @ group.basis @ found.vectors[:, index]).T
     return ModelModes(frequency[index], damping[index], shapes)
 
 

@@ -35,9 +35,10 @@ class UsableRun:
         return int(self.reference_samples[0].size)
 
 
-def usable_runs(campaign: Campaign) -> tuple[tuple[UsableRun, ...], tuple[str, ...]]:
+def usable_runs(campaign: Campaign, *, every_run: bool = False) -> tuple[tuple[UsableRun, ...], tuple[str, ...]]:
     """The runs with their sound channels, and a remark for every channel left out or doubtful.
 
+    Runs without a sound response are left out, but for ``every_run``: what changes from run to run counts them.
     InputError when a run has no sound reference, or when no response is left in the whole campaign.
     """
     remarks: list[str] = []
@@ -49,7 +50,7 @@ def usable_runs(campaign: Campaign) -> tuple[tuple[UsableRun, ...], tuple[str, .
             "no response channel can be used" + "".join(f"\n    {r}" for r in remarks),
             "check the channel table: at least one response with samples that are finite and not constant is needed",
         )
-    return sound, tuple(remarks)
+    return runs if every_run else sound, tuple(remarks)
 
 
 def fault_of(samples: NDArray[np.floating], sample_rate_hz: float) -> str | None:
