@@ -1,0 +1,93 @@
+"""A verdict with any effect of the catalogue has its account, its page and its scenario, whatever it changes where."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario
+
+from vgvt.data import Campaign
+from vgvt.effects import available_effects
+from vgvt.reconcile import Kind, Verdict, loop, reconcile
+from vgvt.reconcile.account import account_of
+from vgvt.reconcile.addition import Addition
+from vgvt.reconcile.attribute import Attribution
+from vgvt.reconcile.candidates import candidates
+from vgvt.reconcile.fit import Fit, fit
+from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.residual import residual
+from vgvt.reconcile.rivals import Rival
+from vgvt.scenario import load_scenario
+from vgvt.view.reconcile_page import render_reconcile_page
+
+# From run to run, so that runs differ in structure; and with a coordinate of its own.
+IN_CI = ("run-drift", "local-absorber")
+LINES = 60
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Derivatives are worked out once for all effects."""
+    return tmp_path_factory.mktemp("told")
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    """Nothing is missing in it: what is named here was never found."""
+    return campaign_of(roving_scenario(), 1)
+
+
+def as_stated(problem: Problem, *_: Any, **__: Any) -> Fit:
+    """Instead of a calibration."""
+    return fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
+
+
+def naming(name: str) -> Any:
+    """Instead of a search: one that ends with an effect of the middle of its plausible range."""
+
+    def attributed(null: Fit, hypotheses: Any, thresholds: Any, **_: Any) -> Attribution:
+        h = max((h for h in hypotheses if h.name == name), key=lambda h: h.settings.get("from_run", 0))
+        middle = h.values(np.zeros(len(h.parameters)))
+        values = {p.name: 0.5 * p.high if middle[p.name] == 0 else middle[p.name] for p in h.parameters}
+        named = fit(null.problem, (h,), null.u, h.scores(values), ())
+        rival = Rival(named, 100.0, 100.0, 100.0, 1.0)
+        first, last = residual(null, thresholds), residual(named, thresholds)
+        return Attribution(null, first, (Addition(rival, (rival,), (rival,), 2.0),), named, last, (rival,), ())
+
+    return attributed
+
+
+def told(folder: Path, campaign: Campaign, name: str, monkeypatch: pytest.MonkeyPatch) -> Verdict:
+    """The verdict that names an effect, with all that follows a search."""
+    monkeypatch.setattr(loop, "calibrate", as_stated)
+    monkeypatch.setattr(loop, "attribute", naming(name))
+    monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: found)
+    monkeypatch.setattr(loop, "strange_names", lambda found: frozenset())
+    monkeypatch.setattr(loop, "turned", lambda found: None)
+    monkeypatch.setattr(loop, "with_told_parameters", lambda found, *_: found)
+    known = {name: available_effects()[name]}
+    return reconcile(campaign, roving_scenario(), effects=known, lines=LINES, folder=folder)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in IN_CI else pytest.mark.slow) for n in sorted(available_effects())]
+)
+def test_it_has_its_account_its_page_and_its_scenario(
+    folder: Path, campaign: Campaign, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = make_problem(campaign, roving_scenario(), lines=LINES, cache=folder / "cache")
+    if not candidates(case, {name: available_effects()[name]}):
+        pytest.skip(f"{name} is nothing that could be in this scenario")
+    found = told(folder, campaign, name, monkeypatch)
+    assert found.kind is not Kind.ADEQUATE
+    assert [e.name for e in found.effects] == [name]
+    assert [t.name for t in load_scenario(folder / "reconciled.toml").effect] == [name]
+    account = account_of(found, title="told")
+    assert account.modes and all(row.train_percent[1] >= 0 for row in account.modes)
+    page = render_reconcile_page(account)
+    assert name in page and "</html>" in page
+    assert not re.search(r"\bnan\b", page.split("<script", 1)[0], re.IGNORECASE)
