@@ -19,6 +19,7 @@ from vgvt.reconcile.holdout import Split
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.progress import silent
+from vgvt.reconcile.rivals import distinct
 from vgvt.simulation import simulated_campaign
 
 REMOUNT = available_effects()["drive-remount"]
@@ -89,6 +90,18 @@ def test_a_course_that_only_a_channel_held_out_alone_could_tell_is_chosen_by_it(
     for case, run in ((unseen, 2), (seen, 3)):
         found = claimed(case, drift, size, from_run=run, **settings)
         assert best_course(found, every) is found
+
+
+def test_courses_that_fitted_data_cannot_tell_are_one_rival(remounted: Problem) -> None:
+    """The third run is held out: before it or before the fourth is one, and it is not fitted a second time."""
+    every = candidates(remounted, {"drive-remount": REMOUNT})
+    null = replace(claimed(remounted, REMOUNT, {**SHIFT, "shift_y_m": 0.0}, from_run=2), hypotheses=())
+    later = claimed(remounted, REMOUNT, SHIFT, from_run=4)
+    assert [f.hypotheses[-1].settings["from_run"] for f in in_other_courses(null, [later], every, silent)] == [2]
+    chosen = [best_course(claimed(remounted, REMOUNT, SHIFT, from_run=run), every) for run in (3, 4)]
+    elsewhere = claimed(remounted, REMOUNT, {**SHIFT, "shift_x_m": 0.002}, from_run=3)
+    worse = replace(chosen[0], evidence_nats=chosen[0].evidence_nats - 0.5)
+    assert distinct([worse, elsewhere, *chosen]) == [chosen[0], elsewhere]
 
 
 def test_what_has_no_course_is_left_alone(remounted: Problem) -> None:

@@ -27,7 +27,7 @@ from vgvt.reconcile.place_control import controlled
 from vgvt.reconcile.plausible import implausible, likelier
 from vgvt.reconcile.progress import Progress, part
 from vgvt.reconcile.residual import Residual, residual
-from vgvt.reconcile.rivals import Rival, against
+from vgvt.reconcile.rivals import Rival, against, distinct
 from vgvt.reconcile.same_place import left_where_it_was
 from vgvt.reconcile.screened import Screened
 from vgvt.reconcile.shortlist import BIASED, second_list, shortened, swallowed
@@ -303,7 +303,7 @@ def _fit_all(
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
     found += in_other_courses(current, found, hypotheses, part(later, 0.0, 0.5), team)
     found += at_next_items(current, found, hypotheses, part(later, 0.5, 1.0), team)
-    return against(current, [best_course(f, hypotheses) for f in found])
+    return against(current, distinct([best_course(f, hypotheses) for f in found]))
 
 
 def _judged(current: Fit, found: Fit) -> Rival:

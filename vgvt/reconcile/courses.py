@@ -57,7 +57,8 @@ def in_other_courses(
 ) -> list[Fit]:
     """The best fit of a change between runs, from where it arrived in the other courses that do best there.
 
-    A screen from where unknowns are bent knows which effect it is sooner than when it happened.
+    A screen from where unknowns are bent knows which effect it is sooner than when it happened. A course that is one
+    with a fitted one where fitted is left to :func:`best_course`.
     """
     changes = [f for f in found if set(_COURSE) & set(f.hypotheses[-1].settings)]
     best = max(changes, key=lambda f: f.evidence_nats, default=None)
@@ -65,8 +66,13 @@ def in_other_courses(
     if best is None or best.evidence_nats - current.evidence_nats <= _AHEAD * ahead:
         return []
     problem, own = best.problem, best.hypotheses[-1]
-    fitted = [f.hypotheses[-1].settings for f in changes if f.hypotheses[-1].cls is own.cls]
-    others = [h for h in _other_courses(problem, hypotheses, own) if h.settings not in fitted]
+    scores = best.e[best.e.size - len(own.parameters) :]
+    fitted = [f.hypotheses[-1] for f in changes if f.hypotheses[-1].cls is own.cls]
+    done = [_done(problem, h, scores) for h in fitted]
+    others = [
+        h for h in _other_courses(problem, hypotheses, own)
+        if not any(_alike(problem, there, _done(problem, h, scores)) for there in done)
+    ]  # fmt: skip
     joined = [(*best.hypotheses[:-1], h) for h in others]
     costs = [(cost_at(problem, j, best.u, best.e), j) for j in joined]
     nearest = [j for cost, j in sorted(costs, key=lambda c: c[0])[:_TRIED] if np.isfinite(cost)]

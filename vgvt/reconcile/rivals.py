@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.lasting import lasting_nats
@@ -16,6 +18,8 @@ from vgvt.reconcile.thresholds import Thresholds, noise_share
 
 # Of what the model without an effect misses: a bent one may meet data by chance a little better than a right one.
 _ASTRAY = 2.0
+# Fits of the same effects that arrived as near to each other as this, in scores of the effects, are one.
+_MET = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +53,20 @@ class Rival:
         not rest on an error that fifty lines share being seen fifty times.
         """
         return min(self.gain_nats, self.lasting_nats) >= thresholds.evidence_nats
+
+
+def distinct(fits: Sequence[Fit]) -> list[Fit]:
+    """Fits, best first, without those that arrived where a better one of the same effects did."""
+    kept: list[Fit] = []
+    for f in sorted(fits, key=lambda f: -f.evidence_nats):
+        if not any(_met(f, better) for better in kept):
+            kept.append(f)
+    return kept
+
+
+def _met(one: Fit, other: Fit) -> bool:
+    same = [[(h.cls, dict(h.settings)) for h in f.hypotheses] for f in (one, other)]
+    return same[0] == same[1] and float(np.abs(one.e - other.e).max(initial=0.0)) < _MET
 
 
 def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
