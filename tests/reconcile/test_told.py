@@ -101,7 +101,7 @@ def test_the_error_of_a_shift_knows_how_badly_the_hooks_height_is_known(rehung: 
 
 
 @pytest.mark.parametrize(
-    ("torsion", "left"), [pytest.param(0.0, {"bending"}, marks=pytest.mark.slow), (0.08, {"bending", "torsion"})]
+    ("torsion", "left"), [(0.0, {"bending"}), pytest.param(0.08, {"bending", "torsion"}, marks=pytest.mark.slow)]
 )
 def test_a_size_that_nothing_shows_is_left_out(
     tmp_path_factory: pytest.TempPathFactory, torsion: float, left: set[str]
@@ -109,7 +109,8 @@ def test_a_size_that_nothing_shows_is_left_out(
     gives = available_effects()["root-compliance"](bending=0.05, torsion=torsion)
     case = problem(tmp_path_factory.mktemp("cache"), 1, gives)
     start = ROOT.scores({"bending": 0.05, "torsion": max(torsion, 0.004)})
-    found = fit(case, (ROOT,), drawn_scores(case, 1), start, TO_THE_END)
+    # From the truth the bottom is near.
+    found = fit(case, (ROOT,), drawn_scores(case, 1), start, ((0.0, 6),))
     lean = leaner(found)
     assert set(lean.values(0)) == left
     assert lean.evidence_nats >= found.evidence_nats
