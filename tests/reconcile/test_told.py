@@ -15,7 +15,7 @@ from vgvt.effects.re_hang import ReHang
 from vgvt.reconcile import reconcile, spare_sizes, told
 from vgvt.reconcile.attribute import Attribution
 from vgvt.reconcile.carried import Structures
-from vgvt.reconcile.fit import NEAR, TO_THE_END, Fit, fit
+from vgvt.reconcile.fit import NEAR, Fit, fit
 from vgvt.reconcile.grouping import NoStructureError
 from vgvt.reconcile.hypothesis import Hypothesis
 from vgvt.reconcile.local_slopes import Origin, whole_near

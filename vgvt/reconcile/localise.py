@@ -25,6 +25,8 @@ ComplexArray = NDArray[np.complex128]
 _UP = np.array([0.0, 0.0, 1.0])
 # The type is read at this many of the best places.
 _TYPED = 8
+# What is not worth the telling.
+_HARDLY = 0.05
 _POLES, _RATIOS = 240, (0.003, 0.01, 0.03, 0.08)
 
 
@@ -44,6 +46,25 @@ class Place:
     size: float
     unit: str
     dynamic_stiffness: ComplexArray | None
+
+
+def words_of_place(best: Place) -> str:
+    """One sentence about the place that explains most."""
+    if best.explained < _HARDLY:
+        return f"No free force or factor at one place would explain {100 * _HARDLY:.0f} % of the residual"
+    freed = best.label
+    if best.kind != "structure":
+        freed = f"factor on {'the ' if best.kind == 'drive' else ''}{best.label}"
+    return f"A free {freed} would explain {100 * best.explained:.0f} % of the residual" + _looks_like(best)
+
+
+def _looks_like(place: Place) -> str:
+    """What the dynamic stiffness at a place looks like, in words."""
+    if place.type in ("", "unclear"):
+        return ""
+    if place.type == "resonant":
+        return f"; it looks like something that swings at {place.size:.1f} Hz"
+    return f"; it looks like a {place.type} of {place.size:.3g} {place.unit}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.harmonics import words_of
 from vgvt.reconcile.level_grid import several_levels
-from vgvt.reconcile.localise import Localisation, Place
+from vgvt.reconcile.localise import Localisation, words_of_place
 from vgvt.reconcile.one_level import rests_on_one_level
 from vgvt.reconcile.place_control import open_places
 from vgvt.reconcile.plausible import implausible
@@ -265,11 +265,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if bent is not None:
         said.append(bent)
     if places is not None and places.places:
-        best = places.places[0]
-        said.append(
-            f"A free {best.label} would explain {100 * max(best.explained, 0):.0f} % of the residual"
-            + _looks_like(best)
-        )
+        said.append(words_of_place(places.places[0]))
     return tuple(said)
 
 
@@ -299,15 +295,6 @@ def _how_well(r: Rival, winner: Rival, set_nats: float) -> str:
     """How well a rival explains the data against the winner, of which it is not behind."""
     ahead = r.gain_nats - winner.gain_nats
     return f"better, by {ahead:.0f} nats" if ahead > set_nats else f"as well, within {set_nats:.0f} nats"
-
-
-def _looks_like(place: Place) -> str:
-    """What the dynamic stiffness at a place looks like, in words."""
-    if place.type in ("", "unclear"):
-        return ""
-    if place.type == "resonant":
-        return f"; it looks like something that swings at {place.size:.1f} Hz"
-    return f"; it looks like a {place.type} of {place.size:.3g} {place.unit}"
 
 
 def _effect_document(e: NamedEffect) -> dict[str, object]:
