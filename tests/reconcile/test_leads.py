@@ -1,4 +1,4 @@
-"""What is found and does not halve what was too much with every name, or is no plausible thing, is a lead."""
+"""What is found and does not halve what was too much with every name, ends far off, or is no thing, is a lead."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[Any, ...] = ()) -> 
     scores = np.zeros(4)
     scores[0] = np.sqrt(4 + bent) if bent else 0.0
     return SimpleNamespace(
-        chi2=chi2, cost=chi2 + scores @ scores, points=1000, scores=scores, covariance=np.eye(4), converged=True,
+        chi2=chi2, chi2_per_dof=chi2 / 1000, cost=chi2 + scores @ scores, points=1000, scores=scores,
+        covariance=np.eye(4), converged=True,
         hypotheses=hypotheses, problem=SimpleNamespace(names=("a", "b", "c", "d")),
     )  # fmt: skip
 
@@ -52,6 +53,29 @@ def found(
     return Attribution(
         null, left(before[1]), (addition,) * names, final, left(after[1], adequate), last_rivals=(), vetoed=()
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("after", "kept"),
+    [
+        ((3.9, 3.9), True),
+        ((4.1, 3.9), False),  # of the fit, of which 1.0 may be left
+        ((3.9, 4.1), False),  # of held-out data
+        ((3.9, None), True),
+        ((0.9, 0.9), True),
+    ],
+)
+def test_a_model_far_from_the_data_names_nothing_however_much_it_takes(
+    after: tuple[float, float | None], kept: bool
+) -> None:
+    """A line from tip to tip was a flap in part: 42 of held-out data had become 8, where 0.7 may be left."""
+    case = found((100.0, 100.0), after, names=3)
+    assert min(shares(case)) > 0.95
+    judged = as_leads(case, THRESHOLDS)
+    assert (judged is case) == kept
+    if not kept:
+        assert judged.leads == case.rounds
+        assert kind_of(judged) is Kind.UNKNOWN
 
 
 def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], names: tuple[str, ...]) -> Attribution:

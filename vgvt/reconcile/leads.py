@@ -1,4 +1,4 @@
-"""Every name must halve what is too much, and be a thing that could be: what was found and does not is a lead.
+"""Every name must halve what is too much, end near the data, and be a thing that could be: what does not is a lead.
 
 Where the right effect is not in the catalogue another one nearly always takes something, and two more take something of
 the rest. They are worth looking at, and no finding: what is missing is still unknown.
@@ -14,16 +14,19 @@ from vgvt.reconcile.confirmation import share_taken
 from vgvt.reconcile.doubts import strained_too_much
 from vgvt.reconcile.plausible import implausible
 from vgvt.reconcile.residual import residual
-from vgvt.reconcile.thresholds import Thresholds
+from vgvt.reconcile.thresholds import Limits, Thresholds
+
+FAR_OFF = 4.0
+"""More than this many times what campaigns leave in which nothing is missing, and a model is none of the data."""
 
 
 def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
     """The same, with what was named as leads where it takes too little of what was too much, or is no plausible thing.
 
     Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
-    to give, and of held-out data where these are still missed. What leaves no more than campaigns leave in which
-    nothing is missing keeps its name. What is no plausible thing keeps none, whatever it leaves; what was named before
-    it does without it.
+    to give, and of held-out data where these are still missed; and however much they take, what is left may not be
+    :data:`FAR_OFF`. What leaves no more than campaigns leave in which nothing is missing keeps its name. What is no
+    plausible thing keeps none, whatever it leaves; what was named before it does without it.
     """
     if not found.rounds:
         return found
@@ -38,10 +41,16 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
             found, rounds=tuple(rounds), final=final, final_residual=residual(final, thresholds),
             last_rivals=dropped[0].rivals, vetoed=(*(r.winner for r in dropped), *found.vetoed),
         )  # fmt: skip
-    enough = 1 - 0.5 ** len(found.rounds)
-    if found.final_residual.adequate or min(shares(found)) >= enough:
+    enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
+    far = far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof, after.limits)
+    if after.adequate or (min(shares(found)) >= enough and not far):
         return found
     return demoted(found)
+
+
+def far_off(fitted: float, held_out: float | None, limits: Limits) -> bool:
+    """Whether χ² per degree of freedom is far beyond the limits: of several wrong models one is always the best."""
+    return fitted > FAR_OFF * limits.chi2_per_dof or (held_out or 0.0) > FAR_OFF * limits.held_out_per_dof
 
 
 def strange_names(found: Attribution) -> frozenset[str]:

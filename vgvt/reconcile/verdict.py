@@ -11,6 +11,7 @@ from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.harmonics import words_of
+from vgvt.reconcile.leads import FAR_OFF, far_off
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, words_of_place
 from vgvt.reconcile.one_level import rests_on_one_level
@@ -275,6 +276,8 @@ def _why_no_name(found: Attribution) -> str:
     strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
     if strange:
         return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
+    if led and far_off(led.chi2_per_dof, led.held_out_chi2_per_dof, found.null_residual.limits):
+        return f"what leaves more than {FAR_OFF:.0f} times what may be left is a lead, however much it takes"
     return "what does not halve what is too much with every name is a lead"
 
 
