@@ -61,6 +61,7 @@ def test_suggestions_find_the_word_meant() -> None:
     assert nearest("qui", known) == "quick"
     assert nearest("unsymmetric", known) == "hati-unsymmetric"
     assert nearest("hati", known) == "hati-symmetric"
+    assert nearest("surge", ("suspension-surge", "suspension-damping")) == "suspension-surge"
     assert nearest("surge", ("suspension-surge", "entrained-surge")) is None
     assert nearest("zzz", known) is None
     assert choose_one_of("quik", known).startswith("did you mean 'quick'?")

@@ -146,6 +146,7 @@ def test_from_where_a_wrong_course_arrived_the_right_one_is_found(remounted: Pro
     assert in_other_courses(null, [behind, replace(behind, evidence_nats=-1e9)], every, silent) == []
 
 
+@pytest.mark.slow
 def test_a_course_between_those_that_were_tried_is_found(remounted: Problem) -> None:
     """A campaign of many runs: not every one of them is a variant, but a change may come before any."""
     case = holding_out(remounted, 1)

@@ -100,9 +100,8 @@ def test_the_error_of_a_shift_knows_how_badly_the_hooks_height_is_known(rehung: 
     assert abs(value - SHIFT_M) < 2 * std
 
 
-@pytest.mark.parametrize(
-    ("torsion", "left"), [(0.0, {"bending"}), pytest.param(0.08, {"bending", "torsion"}, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("torsion", "left"), [(0.0, {"bending"}), (0.08, {"bending", "torsion"})])
 def test_a_size_that_nothing_shows_is_left_out(
     tmp_path_factory: pytest.TempPathFactory, torsion: float, left: set[str]
 ) -> None:

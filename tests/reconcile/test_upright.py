@@ -57,6 +57,7 @@ def test_held_unknowns_are_the_same_aircraft(swallowed: Fit) -> None:
     )
 
 
+@pytest.mark.slow
 def test_what_was_imitated_comes_first_and_leads_to_the_truth(swallowed: Fit) -> None:
     assert bent(swallowed) and swallowed.chi2_per_dof < BIASED
     offered = candidates(swallowed.problem, {n: available_effects()[n] for n in KNOWN})
