@@ -94,4 +94,4 @@ def test_a_model_that_changes_between_runs_is_held_against_one_that_does_not(bea
     for row in rows:
         assert row.mac == pytest.approx(1.0)
         assert row.after_hz == pytest.approx(row.before_hz)
-    np.testing.assert_allclose(model_modes(drift).shapes.shape, model_modes(later).shapes.shape)
+    assert model_modes(drift).shapes.shape == model_modes(later).shapes.shape
