@@ -12,7 +12,7 @@ import pytest
 from vgvt.reconcile import leads
 from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.attribute import Attribution
-from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names, telling
+from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names, telling, why_no_name
 from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
 
 THRESHOLDS: Any = SimpleNamespace()
@@ -76,6 +76,27 @@ def test_a_model_far_from_the_data_names_nothing_however_much_it_takes(
     if not kept:
         assert judged.leads == case.rounds
         assert kind_of(judged) is Kind.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("after", "strange", "why"),
+    [
+        ((4.1, 3.9), (), "more than 4 times what may be left"),
+        ((3.9, 4.1), (), "more than 4 times what may be left"),
+        ((3.9, None), (), "does not halve"),
+        ((3.9, 3.9), (), "does not halve"),
+        ((4.1, 4.1), ("a mass of -3 kg",), "added-mass with a mass of -3 kg: that is no plausible thing"),
+    ],
+)
+def test_it_is_said_why_a_lead_is_no_name(
+    monkeypatch: pytest.MonkeyPatch, after: tuple[float, float | None], strange: tuple[str, ...], why: str
+) -> None:
+    """What could not be is said first, whatever else speaks against it."""
+    case = found((100.0, 100.0), after)
+    led = fitted(1000 * after[0], hypotheses=(SimpleNamespace(name="added-mass"),))
+    led.held_out_chi2_per_dof = after[1]
+    monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: strange)
+    assert why in why_no_name(replace(case, rounds=(), leads=case.rounds, led=led))
 
 
 def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], names: tuple[str, ...]) -> Attribution:

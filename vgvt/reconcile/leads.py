@@ -53,6 +53,17 @@ def far_off(fitted: float, held_out: float | None, limits: Limits) -> bool:
     return fitted > FAR_OFF * limits.chi2_per_dof or (held_out or 0.0) > FAR_OFF * limits.held_out_per_dof
 
 
+def why_no_name(found: Attribution) -> str:
+    """Why leads are no names, in words."""
+    led = found.led
+    strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
+    if strange:
+        return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
+    if led and far_off(led.chi2_per_dof, led.held_out_chi2_per_dof, found.null_residual.limits):
+        return f"what leaves more than {FAR_OFF:.0f} times what may be left is a lead, however much it takes"
+    return "what does not halve what is too much with every name is a lead"
+
+
 def strange_names(found: Attribution) -> frozenset[str]:
     """Effects that are no plausible thing in the final model."""
     final = found.final

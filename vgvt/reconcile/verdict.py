@@ -11,7 +11,7 @@ from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.figures_of_merit import Comparison
 from vgvt.reconcile.fit import Fit
 from vgvt.reconcile.harmonics import words_of
-from vgvt.reconcile.leads import FAR_OFF, far_off
+from vgvt.reconcile.leads import why_no_name
 from vgvt.reconcile.level_grid import several_levels
 from vgvt.reconcile.localise import Localisation, words_of_place
 from vgvt.reconcile.one_level import rests_on_one_level
@@ -243,7 +243,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
             labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
             said.append(
                 f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
-                f"{found.leads[-1].winner.held_out:.2f}; {_why_no_name(found)}"
+                f"{found.leads[-1].winner.held_out:.2f}; {why_no_name(found)}"
             )
         said += [
             f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
@@ -268,17 +268,6 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if places is not None and places.places:
         said.append(words_of_place(places.places[0]))
     return tuple(said)
-
-
-def _why_no_name(found: Attribution) -> str:
-    """Why leads are no names."""
-    led = found.led
-    strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
-    if strange:
-        return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
-    if led and far_off(led.chi2_per_dof, led.held_out_chi2_per_dof, found.null_residual.limits):
-        return f"what leaves more than {FAR_OFF:.0f} times what may be left is a lead, however much it takes"
-    return "what does not halve what is too much with every name is a lead"
 
 
 def _lasting_alone(found: Attribution, limits: Thresholds) -> list[str]:
