@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,19 @@ def test_nothing_is_written_where_it_is_asked_to_be_silent(
     # And not for longer than that.
     warned()
     assert [f.name for f in tmp_path.iterdir()] == ["MUJOCO_LOG.TXT"]
+
+
+def test_what_the_compiler_warns_of_is_not_printed_over_the_progress_line() -> None:
+    """Two hinges that turn the same body about one axis have no inertia of their own."""
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><worldbody><body><joint axis="0 1 0"/><joint axis="0 1 0"/><geom size="1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    with pytest.warns(UserWarning, match="singular"):
+        spec.compile()
+    with warnings.catch_warnings(record=True) as said, silent():
+        spec.compile()
+    assert not said
 
 
 def test_trial_structures_are_assembled_in_silence(
