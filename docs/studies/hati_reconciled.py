@@ -28,19 +28,19 @@ from virtual_lab import PAGES
 from vgvt.data import Campaign, ChannelRole
 from vgvt.effects.registry import available_effects
 from vgvt.files import open_campaign
-from vgvt.reconcile.augment import posterior_of
-from vgvt.reconcile.candidates import places
-from vgvt.reconcile.figures_of_merit import compare
-from vgvt.reconcile.fit import NEAR, Fit, calibrate, fit
-from vgvt.reconcile.holdout import Split
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.localise import localise
+from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, fit
 from vgvt.reconcile.loop import reconcile
-from vgvt.reconcile.mode_errors import model_modes
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.residual import residual
-from vgvt.reconcile.rivals import Rival
-from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.outcome.augment import posterior_of
+from vgvt.reconcile.outcome.mode_errors import model_modes
+from vgvt.reconcile.question.figures_of_merit import compare
+from vgvt.reconcile.question.holdout import Split
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import stored_thresholds
+from vgvt.reconcile.search.candidates import places
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.streams import named_stream
 

@@ -17,13 +17,13 @@ from loop_places import NOWHERE, Where, where
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects, parameters_of
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.holdout import Split
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.power import power
-from vgvt.reconcile.problem import problem_of
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.next_test.power import power
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.holdout import Split
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import problem_of
+from vgvt.reconcile.search.candidates import candidates
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.streams import named_stream

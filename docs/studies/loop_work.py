@@ -15,9 +15,9 @@ from loop_places import said_place
 import vgvt.reconcile
 from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile import NamedEffect, Verdict, reconcile
-from vgvt.reconcile.fit import FAR, FORGIVING, NEAR, TO_THE_END, Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.fitting.fit import FAR, FORGIVING, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.placebo import best_nats
+from vgvt.reconcile.question.hypothesis import Hypothesis
 
 Row = dict[str, Any]
 LARGEST_SET = 3
@@ -180,7 +180,7 @@ def told_the_truth(case: Case, stage: Staged, verdict: Verdict) -> Fit | None:
 def core() -> str:
     """A short hash of the analysis' source: which version of it gave this answer."""
     digest = hashlib.sha256()
-    for file in sorted(Path(vgvt.reconcile.__file__).parent.glob("*.*")):
+    for file in sorted(Path(vgvt.reconcile.__file__).parent.rglob("*.*")):
         if file.suffix in (".py", ".toml"):
             digest.update(file.read_bytes())
     return digest.hexdigest()[:8]

@@ -29,22 +29,22 @@ from virtual_lab import PAGES, table, write_results
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
 from vgvt.effects.registry import effects_of
-from vgvt.reconcile.candidate_fits import fitted_from
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.checks import Check, checks, seen
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.fit import NEAR, Fit, calibrate, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.power import power
-from vgvt.reconcile.problem import Problem, problem_of
-from vgvt.reconcile.procedures import Procedure, procedures
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.rivals import Rival, against
-from vgvt.reconcile.scan import start_values
-from vgvt.reconcile.screen import screen
-from vgvt.reconcile.suggest import known_in, suggest
-from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.with_reading import reading_density
+from vgvt.reconcile.evidence.rivals import Rival, against
+from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.next_test.checks import Check, checks, seen
+from vgvt.reconcile.next_test.power import power
+from vgvt.reconcile.next_test.procedures import Procedure, procedures
+from vgvt.reconcile.next_test.suggest import known_in, suggest
+from vgvt.reconcile.next_test.with_reading import reading_density
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, problem_of
+from vgvt.reconcile.question.thresholds import stored_thresholds
+from vgvt.reconcile.search.candidate_fits import fitted_from
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.scan import start_values
+from vgvt.reconcile.search.screen import screen
+from vgvt.reconcile.work.progress import silent
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.streams import named_stream

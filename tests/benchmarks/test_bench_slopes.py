@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from vgvt.reconcile.ending import accelerance_slopes
-from vgvt.reconcile.response import Matrices, Slopes, loaded_by
+from vgvt.reconcile.mechanics.ending import accelerance_slopes
+from vgvt.reconcile.mechanics.response import Matrices, Slopes, loaded_by
 
 M, K, RUNS, EACH, LINES = 18, 50, 10, 2, 500
 OMEGA = np.linspace(0.3, 3.0, LINES)

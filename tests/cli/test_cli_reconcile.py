@@ -170,8 +170,8 @@ def hand_made(verdict: object, *, title: str, facts: dict[str, str], power: tupl
 @pytest.fixture
 def loops(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
     """Let a verdict by hand stand in for the loop; the list grows by the options of every call."""
-    import vgvt.reconcile.account
     import vgvt.reconcile.loop
+    import vgvt.reconcile.outcome.account
     import vgvt.view.reconcile_page
 
     done: list[dict[str, Any]] = []
@@ -193,7 +193,7 @@ def loops(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
         path.write_text(account.title, encoding="utf-8")  # drawn in the tests of the page; here it would only cost time
         return path
 
-    monkeypatch.setattr(vgvt.reconcile.account, "account_of", hand_made)
+    monkeypatch.setattr(vgvt.reconcile.outcome.account, "account_of", hand_made)
     monkeypatch.setattr(vgvt.view.reconcile_page, "write_reconcile_page", page)
     return done
 

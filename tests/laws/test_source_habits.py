@@ -103,7 +103,7 @@ def test_a_file_holds_one_idea() -> None:
     assert not drawers, "name the idea, not the drawer: " + "; ".join(drawers)
 
 
-BETWEEN_PROCESSES = {"vgvt/reconcile/team.py"}
+BETWEEN_PROCESSES = {"vgvt/reconcile/work/team.py"}
 """What a process and its own fork say to each other over a pipe; none of it is ever in a file."""
 
 

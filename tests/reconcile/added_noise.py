@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vgvt.data import Campaign, ChannelRole
-from vgvt.reconcile.data import Measured
+from vgvt.reconcile.question.data import Measured
 
 
 @dataclass(frozen=True)

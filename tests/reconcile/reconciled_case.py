@@ -10,10 +10,10 @@ import numpy as np
 from vgvt.data import Campaign
 from vgvt.effects import Effect, available_effects
 from vgvt.effects.conformance import table_of
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import CELLS, Problem, make_problem
-from vgvt.reconcile.uncertain import edited, unknowns
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
+from vgvt.reconcile.question.uncertain import edited, unknowns
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulated_campaign
 

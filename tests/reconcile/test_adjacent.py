@@ -10,13 +10,13 @@ import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import adjacent as adjacent_module
-from vgvt.reconcile.adjacent import beside
-from vgvt.reconcile.grouping import assembled
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.misfit import data_misfit, jacobian
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
+from vgvt.reconcile.prediction import adjacent as adjacent_module
+from vgvt.reconcile.prediction.adjacent import beside
+from vgvt.reconcile.prediction.grouping import assembled
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.simulation.airframe import ROOT_JOINTS, elastic_joints
 from vgvt.simulation.reduced import structure
 

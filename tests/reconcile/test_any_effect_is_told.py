@@ -13,13 +13,13 @@ from reconciled_case import campaign_of, roving_scenario
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
 from vgvt.reconcile import Kind, Verdict, loop, reconcile
-from vgvt.reconcile.account import account_of
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.attribute import Attribution
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.residual import residual
-from vgvt.reconcile.rivals import Rival
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.outcome.account import account_of
+from vgvt.reconcile.question.problem import Problem
 from vgvt.scenario import load_scenario
 from vgvt.view.reconcile_page import render_reconcile_page
 

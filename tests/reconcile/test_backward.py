@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,13 +9,13 @@ import numpy as np
 import pytest
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.backward import nowhere
-from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.hypothesis import Hypothesis
+from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.decision import backward
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.backward import nowhere
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.candidates import freed
 
-backward = importlib.import_module("vgvt.reconcile.backward")
-rounds = importlib.import_module("vgvt.reconcile.attribute")
 ABSORBER = freed(Hypothesis(available_effects()["local-absorber"], {"x_m": 0.5, "y_m": 0.5}))
 SOFT_ROOT = Hypothesis(available_effects()["root-compliance"], {"side": "right"})
 

@@ -11,11 +11,11 @@ import pytest
 from reconciled_case import roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import bending
-from vgvt.reconcile.bending import level_nats, plain_likenesses, straightened
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.evidence import bending
+from vgvt.reconcile.evidence.bending import level_nats, plain_likenesses, straightened
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.simulation import simulated_campaign
 
 NOTHING = np.zeros(0)

@@ -12,8 +12,8 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.candidates import _spread, candidates, freed, places, tied_places
-from vgvt.reconcile.problem import make_problem
+from vgvt.reconcile.question.problem import make_problem
+from vgvt.reconcile.search.candidates import _spread, candidates, freed, places, tied_places
 from vgvt.scenario import load_scenario
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.mirror import expanded_beams

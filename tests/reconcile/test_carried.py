@@ -7,13 +7,13 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects.added_mass import AddedMass
-from vgvt.reconcile import carried as module
-from vgvt.reconcile.carried import Structures, carried
-from vgvt.reconcile.fit import fit
-from vgvt.reconcile.grouping import assembled
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.prediction import carried as module
+from vgvt.reconcile.prediction.carried import Structures, carried
+from vgvt.reconcile.prediction.grouping import assembled
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 
 NOTHING = np.zeros(0)
 MASS = Hypothesis(AddedMass, {"x_m": 0.7, "y_m": 0.9})

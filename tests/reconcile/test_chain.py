@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from vgvt.reconcile.chain import high_pass
+from vgvt.reconcile.prediction.chain import high_pass
 
 RATE_HZ = 200.0
 FREQUENCY_HZ = np.linspace(0.5, 80.0, 50)

@@ -10,14 +10,14 @@ import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.addition import Addition
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
-from vgvt.reconcile.fit import fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import Origin
-from vgvt.reconcile.rivals import Rival
-from vgvt.reconcile.suggest import suggest
-from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.next_test.suggest import suggest
+from vgvt.reconcile.prediction.local_slopes import Origin
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.thresholds import stored_thresholds
 
 
 def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,15 @@ from reconciled_case import campaign_of, claimed, roving_scenario
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import switched_on
 from vgvt.effects.registry import effects_of
-from vgvt.reconcile.checks import Check, checks, foretold, log_density, reading_nats, seen
-from vgvt.reconcile.fit import TO_THE_END, calibrate, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.with_reading import reading_density
+from vgvt.reconcile.fitting.fit import TO_THE_END, calibrate, fit
+from vgvt.reconcile.next_test import suggest as suggesting
+from vgvt.reconcile.next_test.checks import Check, checks, foretold, log_density, reading_nats, seen
+from vgvt.reconcile.next_test.with_reading import reading_density
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import stored_thresholds
 
 # The package's lazy name of the same spelling is the function.
-suggesting = importlib.import_module("vgvt.reconcile.suggest")
 
 
 @pytest.fixture(scope="module")

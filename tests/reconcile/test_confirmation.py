@@ -10,11 +10,11 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import confirmation
-from vgvt.reconcile.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
+from vgvt.reconcile.evidence import confirmation
+from vgvt.reconcile.evidence.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
 
 CHANNELS, LINES = 8, 100
 BEFORE: Any = SimpleNamespace(

@@ -12,14 +12,14 @@ from reconciled_case import roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
-from vgvt.reconcile.candidates import candidates, places
-from vgvt.reconcile.courses import best_course, in_other_courses
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.holdout import Split
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import CELLS, Problem, make_problem
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.rivals import distinct
+from vgvt.reconcile.evidence.rivals import distinct
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.holdout import Split
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
+from vgvt.reconcile.search.candidates import candidates, places
+from vgvt.reconcile.search.courses import best_course, in_other_courses
+from vgvt.reconcile.work.progress import silent
 from vgvt.simulation import simulated_campaign
 
 REMOUNT = available_effects()["drive-remount"]

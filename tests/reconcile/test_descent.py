@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile import descent
+from vgvt.reconcile.fitting import descent
 
 STEEP, BOTTOM = 300.0, 2.0
 HERE = np.array([0.5, 0.25])

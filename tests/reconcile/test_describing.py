@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vgvt.reconcile.describing import (
+from vgvt.reconcile.mechanics.describing import (
     Law,
     cubic_stiffness,
     describing,

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile import one_level, place_control, verdict
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.doubts import doubts, far_scores, strained_too_much
-from vgvt.reconcile.problem import CELLS
-from vgvt.reconcile.verdict import Kind, kind_of
+from vgvt.reconcile.decision import one_level, place_control, verdict
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
+from vgvt.reconcile.decision.verdict import Kind, kind_of
+from vgvt.reconcile.question.problem import CELLS
 
 NAMES = tuple(f"unknown {k}" for k in range(30))
 

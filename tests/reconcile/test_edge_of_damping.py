@@ -11,12 +11,12 @@ from reconciled_case import problem
 
 from vgvt.effects import available_effects
 from vgvt.effects.beams import with_airframe
-from vgvt.reconcile import local_slopes, sides
-from vgvt.reconcile.grouping import assembled, changed_places
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.sides import sides_of
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.prediction import local_slopes, sides
+from vgvt.reconcile.prediction.grouping import assembled, changed_places
+from vgvt.reconcile.prediction.sides import sides_of
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 from vgvt.scenario.airframe import Damping
 from vgvt.simulation.assembly import plan
 from vgvt.simulation.reduced import structure

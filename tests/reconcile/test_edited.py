@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reconciled_case import roving_scenario
 
-from vgvt.reconcile.uncertain import edited, prepared, unknowns
+from vgvt.reconcile.question.uncertain import edited, prepared, unknowns
 from vgvt.scenario.write import to_toml
 from vgvt.simulation.reduced import Layouts, structure
 

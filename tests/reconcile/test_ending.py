@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from vgvt.reconcile.ending import Ending, left_out, left_out_slopes
-from vgvt.reconcile.response import Matrices, Slopes, accelerances
+from vgvt.reconcile.mechanics.ending import Ending, left_out, left_out_slopes
+from vgvt.reconcile.mechanics.response import Matrices, Slopes, accelerances
 
 COORDINATES, ROWS, PARAMETERS = 3, 4, 3
 RUNS = (np.array([0, 1]), np.array([2, 3]))

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from reconciled_case import roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import data
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import CELLS, Problem, problem_of
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question import data
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, Problem, problem_of
+from vgvt.reconcile.search.candidates import candidates
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulated_campaign
 

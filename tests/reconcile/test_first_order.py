@@ -10,12 +10,12 @@ import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects, parameters_of
-from vgvt.reconcile.first_order import FirstOrder
-from vgvt.reconcile.fit import Fit, calibrate
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.prediction.first_order import FirstOrder
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.search.stand import Stand
 
 NOTHING = np.zeros(0)
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile import fit_unless_behind as module
-from vgvt.reconcile.fit import NEAR
-from vgvt.reconcile.fit_unless_behind import fit_unless_behind
+from vgvt.reconcile.fitting import fit_unless_behind as module
+from vgvt.reconcile.fitting.fit import NEAR
+from vgvt.reconcile.fitting.fit_unless_behind import fit_unless_behind
 
 FIRST = ((0.0, 6),)
 

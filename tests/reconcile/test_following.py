@@ -11,15 +11,15 @@ from reconciled_case import problem
 
 from vgvt.effects.added_mass import AddedMass
 from vgvt.effects.suspension_surge import SuspensionSurge
-from vgvt.reconcile import candidate_fits
-from vgvt.reconcile.carried import Structures
-from vgvt.reconcile.fit import NEAR, fit
-from vgvt.reconcile.following import leaders
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.rough_start import rough_start
-from vgvt.reconcile.screened import Screened
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import NEAR, fit
+from vgvt.reconcile.fitting.rough_start import rough_start
+from vgvt.reconcile.prediction.carried import Structures
+from vgvt.reconcile.prediction.following import leaders
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.search import candidate_fits
+from vgvt.reconcile.search.screened import Screened
 
 SURGE = Hypothesis(SuspensionSurge)
 MASS = Hypothesis(AddedMass, {"x_m": 0.7, "y_m": 0.9})

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from reconciled_case import problem
 
-from vgvt.reconcile.fit import fit
+from vgvt.reconcile.fitting.fit import fit
 
 
 def test_a_held_out_channels_own_gain_is_open_within_its_tolerance(tmp_path: Path) -> None:

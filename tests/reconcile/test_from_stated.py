@@ -11,15 +11,15 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import shortlist
-from vgvt.reconcile.candidate_fits import finalists
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.from_stated import _sizes, bent, from_stated
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.screened import Screened
-from vgvt.reconcile.team import FORKS, Team
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search import shortlist
+from vgvt.reconcile.search.candidate_fits import finalists
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.from_stated import _sizes, bent, from_stated
+from vgvt.reconcile.search.screened import Screened
+from vgvt.reconcile.work.progress import silent
+from vgvt.reconcile.work.team import FORKS, Team
 
 TRUE = 0.2
 NAMES = ("root-compliance", "bend-twist-coupling", "hook-offset", "channel-gain", "run-drift", "local-absorber")

@@ -12,8 +12,8 @@ from added_noise import Noise
 from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.data import Campaign, ChannelRole
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.harmonics import Harmonic, answers_jaggedly, words_of
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.harmonics import Harmonic, answers_jaggedly, words_of
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulated_campaign
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,22 +13,22 @@ import pytest
 from reconciled_case import drawn_scores, problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import account
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.backward import without_last
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import TO_THE_END, Fit, fit
-from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.in_its_place import in_its_place, reconsidered
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.rivals import against
-from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.undecided import undecided
-from vgvt.reconcile.verdict import _how_well, named_effects
+from vgvt.reconcile.decision import in_its_place as asked_again
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.backward import without_last
+from vgvt.reconcile.decision.in_its_place import in_its_place, reconsidered
+from vgvt.reconcile.decision.undecided import undecided
+from vgvt.reconcile.decision.verdict import _how_well, named_effects
+from vgvt.reconcile.evidence.rivals import against
+from vgvt.reconcile.fitting import fit as fits
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.outcome import account
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.thresholds import stored_thresholds
+from vgvt.reconcile.search.candidates import candidates
 
-fits = importlib.import_module("vgvt.reconcile.fit")
-asked_again = importlib.import_module("vgvt.reconcile.in_its_place")
 NAMES = ("channel-delay", "mount-compliance", "channel-gain", "added-mass", "root-compliance")
 DELAY_S, GAIN = 7e-5, -0.1
 MOUNT = Hypothesis(available_effects()["mount-compliance"], {})

@@ -8,9 +8,10 @@ from typing import Any
 import pytest
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import finished, last_steps
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.shortlist import BIASED
+from vgvt.reconcile.decision import last_steps
+from vgvt.reconcile.fitting import finished
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.shortlist import BIASED
 
 NEEDS: Any = SimpleNamespace(set_nats=5.0, evidence_nats=9.0)
 NULL: Any = None

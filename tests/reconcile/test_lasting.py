@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fit import NEAR, TO_THE_END, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.lasting import LENGTH, SHARE, Imitated, lasting, lasting_evidence
-from vgvt.reconcile.rivals import Rival, against
-from vgvt.reconcile.thresholds import stored_thresholds
+from vgvt.reconcile.evidence.lasting import LENGTH, SHARE, Imitated, lasting, lasting_evidence
+from vgvt.reconcile.evidence.rivals import Rival, against
+from vgvt.reconcile.fitting.fit import NEAR, TO_THE_END, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.thresholds import stored_thresholds
 
 Array = NDArray[np.float64]
 NOTHING = np.zeros(0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from effect_rig import effect_rig
 
-from vgvt.reconcile.joints import joint_laws
+from vgvt.reconcile.mechanics.joints import joint_laws
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation.assembly import plans
 from vgvt.simulation.reduced import structure

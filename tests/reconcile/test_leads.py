@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile import leads
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.attribute import Attribution
-from vgvt.reconcile.leads import as_leads, does_without, shares, strange_names, telling, why_no_name
-from vgvt.reconcile.verdict import Kind, kind_of, leads_of, named_effects
+from vgvt.reconcile.decision import leads
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.leads import as_leads, does_without, shares, strange_names, telling, why_no_name
+from vgvt.reconcile.decision.verdict import Kind, kind_of, leads_of, named_effects
 
 THRESHOLDS: Any = SimpleNamespace()
 

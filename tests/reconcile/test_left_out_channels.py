@@ -11,12 +11,12 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import calibrate
-from vgvt.reconcile.holdout import split
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.procedures import changed, procedures
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import calibrate
+from vgvt.reconcile.next_test.procedures import changed, procedures
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.holdout import split
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.search.candidates import candidates
 
 # A sensor of the second run that does not decide how its record ends, and more lines than there are: both take all.
 RUN, CHANNEL, ALL_LINES = 1, 3, 10_000

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vgvt.reconcile.level_slopes import level_accelerance_slopes
-from vgvt.reconcile.levels import Joints, level_accelerances
-from vgvt.reconcile.response import Matrices, Slopes
+from vgvt.reconcile.mechanics.level_slopes import level_accelerance_slopes
+from vgvt.reconcile.mechanics.response import Matrices, Slopes
+from vgvt.reconcile.prediction.levels import Joints, level_accelerances
 
 Array = NDArray[np.float64]
 COORDINATES, SENSORS, JOINTS, RUNS = 5, 4, 2, (np.array([0, 1]), np.array([2, 3]))

@@ -12,11 +12,11 @@ from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import with_effect
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.level_grid import depends_on_level, level_grid, linear_first, several_levels
-from vgvt.reconcile.problem import CELLS, Problem, make_problem
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.level_grid import depends_on_level, level_grid, linear_first, several_levels
+from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
 from vgvt.scenario import Scenario
 from vgvt.simulation import simulated_campaign
 
@@ -86,7 +86,7 @@ def test_a_whisper_leaves_a_joint_with_friction_stuck(case: Problem, monkeypatch
     # The airframe's damping is set with the joint free, so that the rigid root's peaks differ by some percent.
     assert distance(held, predicted(case, ())) < 0.06
     once = distance(predicted(case, (FRICTION,), 1e-4), held)
-    monkeypatch.setattr("vgvt.reconcile.run_march._STEPS_OF_FRICTION", 80.0)
+    monkeypatch.setattr("vgvt.reconcile.mechanics.run_march._STEPS_OF_FRICTION", 80.0)
     assert distance(predicted(case, (FRICTION,), 1e-4), held) < 0.6 * once
 
 

@@ -12,18 +12,18 @@ from reconciled_case import roving_scenario, small_scenario, without_instrument_
 from test_levels import FRICTION, PLAY, ROOT, driven, predicted, truth
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import likeness, shortlist
-from vgvt.reconcile.candidate_fits import finalists, fitted_from
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import FAR, Fit, fit
-from vgvt.reconcile.harmonics import Harmonic
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.likeness import beside_likeness
-from vgvt.reconcile.problem import make_problem
-from vgvt.reconcile.progress import Progress, silent
-from vgvt.reconcile.screened import Screened
-from vgvt.reconcile.suggest import suggest
-from vgvt.reconcile.team import Team
+from vgvt.reconcile.fitting.fit import FAR, Fit, fit
+from vgvt.reconcile.next_test.suggest import suggest
+from vgvt.reconcile.question.harmonics import Harmonic
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import make_problem
+from vgvt.reconcile.search import likeness, shortlist
+from vgvt.reconcile.search.candidate_fits import finalists, fitted_from
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.likeness import beside_likeness
+from vgvt.reconcile.search.screened import Screened
+from vgvt.reconcile.work.progress import Progress, silent
+from vgvt.reconcile.work.team import Team
 from vgvt.simulation import simulated_campaign
 
 NAMES = ("root-compliance", "root-freeplay", "cubic-root-stiffness")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from typing import Any
 
@@ -11,15 +10,15 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fit import STAGES, calibrate, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import Origin, from_elsewhere, origin_at
-from vgvt.reconcile.problem import CELLS, Problem, recentred
-from vgvt.reconcile.rough_start import rough_start
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting import fit as fitting
+from vgvt.reconcile.fitting.fit import STAGES, calibrate, fit
+from vgvt.reconcile.fitting.rough_start import rough_start
+from vgvt.reconcile.prediction.local_slopes import Origin, from_elsewhere, origin_at
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, Problem, recentred
 
 # The package's lazy name of the same spelling is the function.
-fitting = importlib.import_module("vgvt.reconcile.fit")
 STEP = 2e-3
 
 

@@ -9,12 +9,12 @@ import pytest
 import scipy.fft
 from numpy.typing import NDArray
 
-from vgvt.reconcile.describing import Law
-from vgvt.reconcile.joints import Joints
-from vgvt.reconcile.levels import level_accelerances
-from vgvt.reconcile.march import Memory, marched
-from vgvt.reconcile.response import Matrices, accelerances
-from vgvt.reconcile.run_march import Push, marched_run
+from vgvt.reconcile.mechanics.describing import Law
+from vgvt.reconcile.mechanics.joints import Joints
+from vgvt.reconcile.mechanics.march import Memory, marched
+from vgvt.reconcile.mechanics.response import Matrices, accelerances
+from vgvt.reconcile.mechanics.run_march import Push, marched_run
+from vgvt.reconcile.prediction.levels import level_accelerances
 
 INERTIA, STIFFNESS, DAMPING = 0.3, 2000.0, 0.8
 # Den Hartog has no damping but friction: little enough for that, enough to come to rest within twice the record.

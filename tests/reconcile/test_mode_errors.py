@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from reconciled_case import claimed
 
-from vgvt.reconcile.before_test import expected_fit
-from vgvt.reconcile.fit import Fit
-from vgvt.reconcile.mode_errors import mode_rows, model_modes
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.next_test.before_test import expected_fit
+from vgvt.reconcile.outcome.mode_errors import mode_rows, model_modes
 from vgvt.scenario import load_scenario
 from vgvt.scenario.model import Scenario
 from vgvt.simulation import simulate

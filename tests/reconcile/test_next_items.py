@@ -12,15 +12,15 @@ from reconciled_case import drawn_scores, problem
 
 from vgvt.effects import available_effects
 from vgvt.effects.control_surface import ControlSurface
-from vgvt.reconcile import next_items
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import FAR, fit
-from vgvt.reconcile.from_stated import _sizes
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.next_items import at_next_items
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.scan import in_band, tuned_alike
+from vgvt.reconcile.fitting.fit import FAR, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.search import next_items
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.from_stated import _sizes
+from vgvt.reconcile.search.next_items import at_next_items
+from vgvt.reconcile.search.scan import in_band, tuned_alike
+from vgvt.reconcile.work.progress import silent
 
 TRUE: dict[str, Any] = {"item": "flap-middle", "side": "left"}
 LOOSE = ControlSurface(compliance_rad_per_n_m=1.5, damping_ratio=0.09, **TRUE)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from vgvt.reconcile import backward, shortlist
-from vgvt.reconcile.grouping import NoStructureError
-
-rounds = importlib.import_module("vgvt.reconcile.attribute")
+from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.decision import backward
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.search import shortlist
 
 
 def falls(*given: Any, **more: Any) -> Any:

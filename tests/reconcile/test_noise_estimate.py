@@ -10,8 +10,8 @@ import pytest
 from added_noise import Noise
 
 from vgvt.data import Campaign, Direction, Dof
-from vgvt.reconcile.data import MeasuredChannel, measured_frfs
-from vgvt.reconcile.variance import repeat_noise
+from vgvt.reconcile.question.data import MeasuredChannel, measured_frfs
+from vgvt.reconcile.question.variance import repeat_noise
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulated_campaign
 

@@ -11,9 +11,9 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from vgvt.reconcile import attribute, calibrate, fit, localise, power, reconcile, screen, suggest
-from vgvt.reconcile.one_thread import one_thread
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.team import FORKS, Team
+from vgvt.reconcile.work.one_thread import one_thread
+from vgvt.reconcile.work.progress import silent
+from vgvt.reconcile.work.team import FORKS, Team
 
 Tell = Callable[[float, str], None]
 

@@ -11,13 +11,13 @@ import pytest
 from reconciled_case import campaign_of, claimed, drawn_scores, problem, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import place_control
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.fit import NEAR, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.place_control import APART_M, as_good, distinct_places, elsewhere, open_places, place_of
-from vgvt.reconcile.problem import make_problem
-from vgvt.reconcile.rivals import Rival
+from vgvt.reconcile.decision import place_control
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.place_control import APART_M, as_good, distinct_places, elsewhere, open_places, place_of
+from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.fitting.fit import NEAR, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import make_problem
 
 CHANNELS, LINES = 8, 100
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vgvt.reconcile.localise import Place, words_of_place
+from vgvt.reconcile.evidence.localise import Place, words_of_place
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.reconcile.placebo import Placebo, best_nats, calibrated_thresholds, write_thresholds
-from vgvt.reconcile.thresholds import thresholds_of
+from vgvt.reconcile.question.thresholds import thresholds_of
 
 
 def drawn(count: int, seed: int) -> list[Placebo]:

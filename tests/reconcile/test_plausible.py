@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,16 +12,17 @@ import pytest
 from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import Kind, plausible, reconcile
-from vgvt.reconcile.account import _standing
-from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.plausible import implausible
-from vgvt.reconcile.verdict import reasons_of
+from vgvt.reconcile import Kind, reconcile
+from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.decision.verdict import reasons_of
+from vgvt.reconcile.evidence import plausible
+from vgvt.reconcile.evidence.plausible import implausible
+from vgvt.reconcile.outcome.account import _standing
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.candidates import freed
 from vgvt.scenario import load_scenario
 
 # The package's lazy name of the same spelling is the function.
-rounds = importlib.import_module("vgvt.reconcile.attribute")
 
 ABSORBER = freed(Hypothesis(available_effects()["local-absorber"], {"x_m": 0.5, "y_m": 0.5}))
 LIKELY = {"mass_kg": 0.1, "frequency_hz": 20.0, "damping_ratio": 0.02, "x_m": 0.5, "y_m": 0.5}

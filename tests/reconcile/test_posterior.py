@@ -12,12 +12,12 @@ from reconciled_case import drawn_scores, problem, small_scenario, without_instr
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
-from vgvt.reconcile.augment import posterior_of
-from vgvt.reconcile.fit import NEAR, Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.posterior import honest, honest_covariance
-from vgvt.reconcile.problem import CELLS, make_problem
-from vgvt.reconcile.uncertain import edited, unknowns
+from vgvt.reconcile.evidence.posterior import honest, honest_covariance
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
+from vgvt.reconcile.outcome.augment import posterior_of
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.reconcile.question.uncertain import edited, unknowns
 from vgvt.simulation import simulated_campaign
 
 DRAWS = 30

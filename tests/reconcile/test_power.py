@@ -12,13 +12,13 @@ from reconciled_case import problem
 
 from vgvt.effects import available_effects
 from vgvt.effects.added_mass import AddedMass
-from vgvt.reconcile.fit import NEAR, calibrate, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.lasting import Imitated, lasting, lasting_nats
-from vgvt.reconcile.nameable import nameable_ratio
-from vgvt.reconcile.power import power
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.thresholds import SMOOTHED, noise_share, stored_thresholds
+from vgvt.reconcile.evidence.lasting import Imitated, lasting, lasting_nats
+from vgvt.reconcile.fitting.fit import NEAR, calibrate, fit
+from vgvt.reconcile.next_test.nameable import nameable_ratio
+from vgvt.reconcile.next_test.power import power
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.thresholds import SMOOTHED, noise_share, stored_thresholds
+from vgvt.reconcile.search.stand import Stand
 
 NOTHING = np.zeros(0)
 

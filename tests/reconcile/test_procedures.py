@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import importlib
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,18 +13,18 @@ import pytest
 from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.candidates import freed
-from vgvt.reconcile.fit import NEAR, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.procedures import Procedure, changed, procedures
-from vgvt.reconcile.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
-from vgvt.reconcile.undecided import next_best, undecided
+from vgvt.reconcile.decision import undecided as undecided_module
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.undecided import next_best, undecided
+from vgvt.reconcile.fitting.fit import NEAR, fit
+from vgvt.reconcile.next_test import suggest as suggesting
+from vgvt.reconcile.next_test.procedures import Procedure, changed, procedures
+from vgvt.reconcile.next_test.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.search.candidates import freed
 
 # The package's lazy name of the same spelling is the function.
-suggesting = importlib.import_module("vgvt.reconcile.suggest")
-undecided_module = importlib.import_module("vgvt.reconcile.undecided")
 GAIN = 0.05
 GAIN_CLASS = available_effects()["channel-gain"]
 

@@ -11,8 +11,8 @@ from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import Effect, available_effects
 from vgvt.reconcile import Kind, Verdict, loop, reconcile
-from vgvt.reconcile.account import account_of
-from vgvt.reconcile.leads import demoted
+from vgvt.reconcile.decision.leads import demoted
+from vgvt.reconcile.outcome.account import account_of
 from vgvt.scenario import load_scenario
 
 SOME = ("channel-gain", "channel-delay", "transducer-mass")

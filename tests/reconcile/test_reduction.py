@@ -7,10 +7,10 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile import surrogate
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.prediction import surrogate
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 
 
 @pytest.fixture(scope="module")

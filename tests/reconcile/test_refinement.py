@@ -10,10 +10,10 @@ import scipy.linalg
 from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile.problem import CELLS, make_problem
-from vgvt.reconcile.refinement import meshed, towards
-from vgvt.reconcile.surrogate import anchor
-from vgvt.reconcile.uncertain import prepared
+from vgvt.reconcile.mechanics.refinement import meshed, towards
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario
 from vgvt.simulation import simulated_campaign
 from vgvt.simulation.reduced import Layouts, structure

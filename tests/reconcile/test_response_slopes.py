@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vgvt.reconcile.ending import accelerance_slopes
-from vgvt.reconcile.response import Matrices, Slopes, accelerances
+from vgvt.reconcile.mechanics.ending import accelerance_slopes
+from vgvt.reconcile.mechanics.response import Matrices, Slopes, accelerances
 
 COORDINATES, ROWS, LINES, PARAMETERS = 5, 6, 9, 4
 RUNS = (np.array([0, 1, 2]), np.array([3, 4, 5]))

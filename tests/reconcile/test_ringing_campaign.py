@@ -9,14 +9,14 @@ import pytest
 from reconciled_case import campaign_of, drawn_scores, roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects, make_effect
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.fit import fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.misfit import data_misfit
-from vgvt.reconcile.problem import Problem, problem_of
-from vgvt.reconcile.procedures import changed, procedures
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.fitting.misfit import data_misfit
+from vgvt.reconcile.next_test.procedures import changed, procedures
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, problem_of
+from vgvt.reconcile.search.stand import Stand
 
 SIZES = {"mass_kg": 0.3, "loss_factor": 0.002}
 SURGE = Hypothesis(available_effects()["suspension-surge"], {})

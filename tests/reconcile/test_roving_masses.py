@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vgvt.reconcile.response import Matrices, accelerances, loaded_by
+from vgvt.reconcile.mechanics.response import Matrices, accelerances, loaded_by
 
 COORDINATES = 5
 OMEGA = np.linspace(0.4, 2.0, 9)

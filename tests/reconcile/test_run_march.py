@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vgvt.reconcile.describing import Law
-from vgvt.reconcile.ending import Ending, left_out
-from vgvt.reconcile.joints import Joints
-from vgvt.reconcile.levels import level_accelerances
-from vgvt.reconcile.response import Matrices, loaded_by
-from vgvt.reconcile.run_march import Push, marched_run
+from vgvt.reconcile.mechanics.describing import Law
+from vgvt.reconcile.mechanics.ending import Ending, left_out
+from vgvt.reconcile.mechanics.joints import Joints
+from vgvt.reconcile.mechanics.response import Matrices, loaded_by
+from vgvt.reconcile.mechanics.run_march import Push, marched_run
+from vgvt.reconcile.prediction.levels import level_accelerances
 
 Array = np.ndarray
 RATE_HZ, LENGTH_S, TAPER_S = 250.0, 10.0, 1.0

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from vgvt.reconcile.same_place import left_where_it_was
-
-rounds = importlib.import_module("vgvt.reconcile.attribute")
+from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.evidence.same_place import left_where_it_was
 
 
 def explained(**shares: float) -> Any:

@@ -15,14 +15,15 @@ from vgvt.effects.base_strain import BaseStrain
 from vgvt.effects.control_surface import ControlSurface
 from vgvt.effects.lateral_force import LateralForce
 from vgvt.effects.sensor_tilt import SensorTilt
-from vgvt.reconcile import reconcile, scan
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.scan import scan_of
-from vgvt.reconcile.screen import at_sizes
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.verdict import Kind
+from vgvt.reconcile import reconcile
+from vgvt.reconcile.decision.verdict import Kind
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search import scan
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.scan import scan_of
+from vgvt.reconcile.search.screen import at_sizes
+from vgvt.reconcile.search.stand import Stand
 
 FLAP: dict[str, Any] = {"item": "winglet", "side": "both"}
 

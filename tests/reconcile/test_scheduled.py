@@ -8,11 +8,11 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.parameter import Parameter
-from vgvt.reconcile.fit import fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.scheduled import whole_and_shares
-from vgvt.reconcile.stand import Stand
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.prediction.scheduled import whole_and_shares
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.search.stand import Stand
 
 
 @pytest.fixture(scope="module")

@@ -16,16 +16,16 @@ from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.loose_sensor_mount import LooseSensorMount
 from vgvt.effects.suspension_surge import SuspensionSurge
-from vgvt.reconcile import shortlist
-from vgvt.reconcile.candidate_fits import FINALISTS, finalists
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import Fit, calibrate, fit
-from vgvt.reconcile.scan import scan_of
-from vgvt.reconcile.screen import screen, sizing
-from vgvt.reconcile.screened import parted
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.stand_on import stand_on
-from vgvt.reconcile.team import Team
+from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
+from vgvt.reconcile.search import shortlist
+from vgvt.reconcile.search.candidate_fits import FINALISTS, finalists
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.scan import scan_of
+from vgvt.reconcile.search.screen import screen, sizing
+from vgvt.reconcile.search.screened import parted
+from vgvt.reconcile.search.stand import Stand
+from vgvt.reconcile.search.stand_on import stand_on
+from vgvt.reconcile.work.team import Team
 
 NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "stiffness-asymmetry")
 

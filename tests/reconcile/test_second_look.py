@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from vgvt.reconcile import shortlist
-from vgvt.reconcile.fit import FORGIVING
+from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.fitting.fit import FORGIVING
+from vgvt.reconcile.search import shortlist
 
-rounds = importlib.import_module("vgvt.reconcile.attribute")
 THRESHOLDS: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
 
 

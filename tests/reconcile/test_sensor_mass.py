@@ -9,13 +9,13 @@ import pytest
 from reconciled_case import campaign_of, problem, roving_scenario
 
 from vgvt.effects import available_effects, make_effect
-from vgvt.reconcile.carried import carried
-from vgvt.reconcile.fit import NEAR, cost_at, fit
-from vgvt.reconcile.grouping import assembled, sensor_mass_index
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.screen import screen
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import NEAR, cost_at, fit
+from vgvt.reconcile.prediction.carried import carried
+from vgvt.reconcile.prediction.grouping import assembled, sensor_mass_index
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.search.screen import screen
 
 ADDED_KG = 0.008
 EFFECT = Hypothesis(available_effects()["roving-sensor-mass"], {})

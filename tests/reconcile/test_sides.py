@@ -9,10 +9,10 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.sides import sides_of, widened
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.prediction.sides import sides_of, widened
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
 
 MASS = Hypothesis(available_effects()["added-mass"], {"x_m": 0.4, "y_m": 0.3})
 

@@ -7,12 +7,12 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import Fit, calibrate
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.scan import start_values
-from vgvt.reconcile.stand import Stand, step_from_neutral
-from vgvt.reconcile.surrogate import Anchor
+from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.prediction.surrogate import Anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.scan import start_values
+from vgvt.reconcile.search.stand import Stand, step_from_neutral
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,11 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fit import fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.misfit import data_misfit
-from vgvt.reconcile.stand import Stand, step_from_neutral
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.fitting.misfit import data_misfit
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.stand import Stand, step_from_neutral
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,7 @@ def test_what_happens_to_channels_alone_needs_no_structure(
     null = stand.fit
     whole = anchor(null.problem, null.u, (hypothesis,), np.zeros(0), slopes=False).predict(null.u, np.zeros(0))
     wanted = data_misfit(null.problem, whole, null.sigma) - stand.misfit[: null.points]
-    monkeypatch.setattr("vgvt.reconcile.stand.anchor", None)
+    monkeypatch.setattr("vgvt.reconcile.search.stand.anchor", None)
     found = stand.change(hypothesis, {})
     assert found is not None
     np.testing.assert_allclose(found[: null.points], wanted, atol=1e-6 * np.abs(wanted).max())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -14,15 +13,15 @@ from reconciled_case import drawn_scores, problem
 from vgvt.effects.added_mass import AddedMass
 from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.suspension_surge import SuspensionSurge
-from vgvt.reconcile.fit import NEAR, Fit, calibrate, cost_at, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.rivals import against
-from vgvt.reconcile.screened import Screened, parted
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.thresholds import SMOOTHED, stored_thresholds
+from vgvt.reconcile.evidence import rivals
+from vgvt.reconcile.evidence.rivals import against
+from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, cost_at, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.thresholds import SMOOTHED, stored_thresholds
+from vgvt.reconcile.search import candidate_fits
+from vgvt.reconcile.search.screened import Screened, parted
+from vgvt.reconcile.search.stand import Stand
 
-rivals = importlib.import_module("vgvt.reconcile.rivals")
-candidate_fits = importlib.import_module("vgvt.reconcile.candidate_fits")
 THERE, ELSEWHERE = {"x_m": 0.9, "y_m": 1.1}, {"x_m": 0.9, "y_m": -1.1}
 
 

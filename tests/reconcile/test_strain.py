@@ -11,11 +11,11 @@ import pytest
 from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fit import Fit, calibrate
-from vgvt.reconcile.problem import CELLS, make_problem
-from vgvt.reconcile.residual import residual
-from vgvt.reconcile.strain import strain_sd
-from vgvt.reconcile.thresholds import NoiseShare, stored_thresholds
+from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.evidence.strain import strain_sd
+from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.reconcile.question.thresholds import NoiseShare, stored_thresholds
 
 
 def fitted(u: np.ndarray, covariance: np.ndarray, *names: str) -> Any:

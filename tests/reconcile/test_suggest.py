@@ -13,14 +13,14 @@ from vgvt.data import Campaign
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
 from vgvt.reconcile import Kind, reconcile
-from vgvt.reconcile.checks import checks, foretold, log_density, seen
-from vgvt.reconcile.fit import NEAR, Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.procedures import procedures
-from vgvt.reconcile.suggest import suggest
-from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.uncertain import edited, unknowns
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
+from vgvt.reconcile.next_test.checks import checks, foretold, log_density, seen
+from vgvt.reconcile.next_test.procedures import procedures
+from vgvt.reconcile.next_test.suggest import suggest
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import stored_thresholds
+from vgvt.reconcile.question.uncertain import edited, unknowns
 from vgvt.scenario import Scenario
 from vgvt.simulation import simulated_campaign
 

@@ -9,10 +9,10 @@ import pytest
 from reconciled_case import campaign_of, drawn_scores, problem, small_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.surrogate import anchor
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,12 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.localise import Place
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.scan import tuned_to
-from vgvt.reconcile.screened import Screened
-from vgvt.reconcile.shortlist import _swinging
+from vgvt.reconcile.evidence.localise import Place
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.search.scan import tuned_to
+from vgvt.reconcile.search.screened import Screened
+from vgvt.reconcile.search.shortlist import _swinging
 
 SURGE = Hypothesis(available_effects()["suspension-surge"])
 SOFT_ROOT = Hypothesis(available_effects()["root-compliance"], {"side": "both"})

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from vgvt.data import InputError
-from vgvt.reconcile import team as module
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.team import ALONE, FORKS, Team
+from vgvt.reconcile.work import team as module
+from vgvt.reconcile.work.progress import silent
+from vgvt.reconcile.work.team import ALONE, FORKS, Team
 
 pytestmark = pytest.mark.skipif(not FORKS, reason="no process is forked here")
 
@@ -188,7 +188,7 @@ def test_helpers_of_a_process_that_was_killed_end_too(tmp_path: Path) -> None:
     """Each inherits the pipes to those before it: they end one after the other."""
     code = (
         "import os, pathlib, signal, sys, time\n"
-        "from vgvt.reconcile.team import Team\n"
+        "from vgvt.reconcile.work.team import Team\n"
         "team = Team(4, ())\n"
         "pathlib.Path(sys.argv[1]).write_text(' '.join(str(h._process.pid) for h in team._helpers))\n"
         "os.kill(os.getpid(), signal.SIGKILL)\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,13 +9,13 @@ import numpy as np
 import pytest
 
 from vgvt.data import Dof, InputError
-from vgvt.reconcile.data import Measured, MeasuredChannel
-from vgvt.reconcile.holdout import Split
+from vgvt.reconcile import loop
+from vgvt.reconcile.evidence.residual import smooth_part
 from vgvt.reconcile.placebo import Placebo, calibrated_thresholds
-from vgvt.reconcile.residual import smooth_part
-from vgvt.reconcile.thresholds import SMOOTHED, NoiseShare, Thresholds, limits_for, noise_share
+from vgvt.reconcile.question.data import Measured, MeasuredChannel
+from vgvt.reconcile.question.holdout import Split
+from vgvt.reconcile.question.thresholds import SMOOTHED, NoiseShare, Thresholds, limits_for, noise_share
 
-loop = importlib.import_module("vgvt.reconcile.loop")
 CHANNELS, LINES, HELD = 12, 200, 3
 SPLIT = Split(np.arange(CHANNELS) >= HELD, np.zeros(CHANNELS, dtype=bool), np.arange(CHANNELS) < HELD)
 

@@ -12,19 +12,21 @@ from reconciled_case import campaign_of, drawn_scores, problem, roving_scenario,
 
 from vgvt.effects import available_effects
 from vgvt.effects.re_hang import ReHang
-from vgvt.reconcile import reconcile, spare_sizes, told
-from vgvt.reconcile.attribute import Attribution
-from vgvt.reconcile.carried import Structures
-from vgvt.reconcile.fit import NEAR, Fit, fit
-from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import Origin, whole_near
-from vgvt.reconcile.posterior import honest
-from vgvt.reconcile.problem import Problem, make_problem
-from vgvt.reconcile.spare_sizes import leaner
-from vgvt.reconcile.surrogate import anchor
-from vgvt.reconcile.thresholds import stored_thresholds
-from vgvt.reconcile.told import polished, with_told_parameters
+from vgvt.reconcile import reconcile
+from vgvt.reconcile.decision import told
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.told import polished, with_told_parameters
+from vgvt.reconcile.evidence.posterior import honest
+from vgvt.reconcile.fitting import spare_sizes
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
+from vgvt.reconcile.fitting.spare_sizes import leaner
+from vgvt.reconcile.prediction.carried import Structures
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.local_slopes import Origin, whole_near
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import stored_thresholds
 
 HUNG_AGAIN = Hypothesis(available_effects()["re-hang"], {"from_run": 2, "shift_y_m": 0.0})
 ROOT = Hypothesis(available_effects()["root-compliance"], {"side": "both"})

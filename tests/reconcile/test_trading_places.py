@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from pathlib import Path
 from typing import Any
@@ -13,16 +12,16 @@ from reconciled_case import problem
 
 from vgvt.effects import available_effects
 from vgvt.effects.added_inertia import AddedInertia
-from vgvt.reconcile.descent import Step
-from vgvt.reconcile.fit import NEAR, calibrate, fit
-from vgvt.reconcile.hypothesis import Hypothesis, prior
-from vgvt.reconcile.stand import Stand
-from vgvt.reconcile.surrogate import Anchor
-from vgvt.reconcile.uncertain import Unknown
+from vgvt.reconcile.fitting import fit as fits
+from vgvt.reconcile.fitting.descent import Step
+from vgvt.reconcile.fitting.fit import NEAR, calibrate, fit
+from vgvt.reconcile.prediction.surrogate import Anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis, prior
+from vgvt.reconcile.question.uncertain import Unknown
+from vgvt.reconcile.search.stand import Stand
 
 ROLL = 0.05
 # The package's lazy name of the same spelling is the function.
-fits = importlib.import_module("vgvt.reconcile.fit")
 
 
 def unknown(scale: str) -> Unknown:

@@ -14,10 +14,10 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import Effect, available_effects, make_effect
 from vgvt.reconcile import Verdict, loop, reconcile
-from vgvt.reconcile.data import Measured, measured_frfs
-from vgvt.reconcile.holdout import Split, split
-from vgvt.reconcile.leads import demoted
-from vgvt.reconcile.turned import counts_instead, missed_channels, turned
+from vgvt.reconcile.decision.leads import demoted
+from vgvt.reconcile.decision.turned import counts_instead, missed_channels, turned
+from vgvt.reconcile.question.data import Measured, measured_frfs
+from vgvt.reconcile.question.holdout import Split, split
 
 LINES = 120
 CATALOGUE = ("channel-gain",)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +9,13 @@ import numpy as np
 import pytest
 from reconciled_case import problem
 
-from vgvt.reconcile.fit import NEAR, fit
-from vgvt.reconcile.problem import Problem, at_rest
-from vgvt.reconcile.surrogate import Anchor, anchor
-from vgvt.reconcile.unheard import unheard
+from vgvt.reconcile.fitting import fit as fits
+from vgvt.reconcile.fitting.fit import NEAR, fit
+from vgvt.reconcile.prediction.surrogate import Anchor, anchor
+from vgvt.reconcile.prediction.unheard import unheard
+from vgvt.reconcile.question.problem import Problem, at_rest
 
 # The package's lazy name of the same spelling is the function.
-fits = importlib.import_module("vgvt.reconcile.fit")
 
 
 @pytest.fixture(scope="module")

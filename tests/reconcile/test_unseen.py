@@ -11,14 +11,14 @@ from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile import unseen
-from vgvt.reconcile.fit import TO_THE_END, Fit, calibrate, fit
-from vgvt.reconcile.grouping import NoStructureError, assembled
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.posterior import honest
-from vgvt.reconcile.problem import CELLS, Problem, make_problem, with_more_cells
-from vgvt.reconcile.uncertain import between_stations, prepared
-from vgvt.reconcile.unseen import with_unseen
+from vgvt.reconcile.evidence import unseen
+from vgvt.reconcile.evidence.posterior import honest
+from vgvt.reconcile.evidence.unseen import with_unseen
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.prediction.grouping import NoStructureError, assembled
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, Problem, make_problem, with_more_cells
+from vgvt.reconcile.question.uncertain import between_stations, prepared
 from vgvt.scenario import Scenario
 
 

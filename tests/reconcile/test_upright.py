@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -12,22 +11,22 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects, make_effect
-from vgvt.reconcile import shortlist
-from vgvt.reconcile.candidate_fits import fitted_from
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.fit import FAR, NEAR, Fit, calibrate
-from vgvt.reconcile.from_stated import bent
-from vgvt.reconcile.grouping import NoStructureError
-from vgvt.reconcile.problem import CELLS, make_problem
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.screen import screen
-from vgvt.reconcile.screened import Screened
-from vgvt.reconcile.shortlist import BIASED, shortened
-from vgvt.reconcile.surrogate import anchor
-from vgvt.reconcile.upright import held, upright
+from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, calibrate
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.reconcile.search import shortlist
+from vgvt.reconcile.search.candidate_fits import fitted_from
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.from_stated import bent
+from vgvt.reconcile.search.screen import screen
+from vgvt.reconcile.search.screened import Screened
+from vgvt.reconcile.search.shortlist import BIASED, shortened
+from vgvt.reconcile.search.upright import held, upright
+from vgvt.reconcile.work.progress import silent
 
 # The package's lazy name of the same spelling is the function.
-rounds = importlib.import_module("vgvt.reconcile.attribute")
 TRUE_KG_M2 = 0.05
 KNOWN = ("added-inertia", "stiffness-asymmetry", "added-mass", "sensor-position-error", "stinger-moment")
 

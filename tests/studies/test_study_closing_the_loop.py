@@ -22,13 +22,13 @@ from vgvt.data import ChannelRole, InputError
 from vgvt.files import read_campaign, write_campaign
 from vgvt.files.truth import write_truth
 from vgvt.reconcile import reconcile
-from vgvt.reconcile.candidates import candidates
-from vgvt.reconcile.data import measured_frfs
-from vgvt.reconcile.fit import fit
-from vgvt.reconcile.from_stated import from_stated
-from vgvt.reconcile.problem import problem_of
-from vgvt.reconcile.progress import silent
-from vgvt.reconcile.thresholds import thresholds_of
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.problem import problem_of
+from vgvt.reconcile.question.thresholds import thresholds_of
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.from_stated import from_stated
+from vgvt.reconcile.work.progress import silent
 from vgvt.simulation import simulate
 
 PLACEBO = Case("placebo", (), 0, 0.0, 0.01)

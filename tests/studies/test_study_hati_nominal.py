@@ -11,7 +11,7 @@ import numpy as np
 from vgvt.files.open import shipped_sidecar
 from vgvt.files.sidecar import Sidecar
 from vgvt.files.strict import load_table
-from vgvt.reconcile.holdout import split
+from vgvt.reconcile.question.holdout import split
 from vgvt.scenario import load_scenario
 from vgvt.scenario.inheritance import read_source
 from vgvt.scenario.tolerances import Tolerances

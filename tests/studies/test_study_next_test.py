@@ -9,7 +9,7 @@ import next_test as study
 import numpy as np
 import pytest
 
-from vgvt.reconcile.suggest import Suggestion
+from vgvt.reconcile.next_test.suggest import Suggestion
 
 PAIR = study.Pair("added-mass", "transducer-mass", "added-mass (x_m = 0.6, y_m = 0.1)", "mass_kg", 0.1, 0.99, 0)
 

@@ -17,7 +17,7 @@ from vgvt.cli.options import BandOption, JsonOption, LeaveOutFaultyOption
 if TYPE_CHECKING:
     from vgvt.cli.reconcile_folder import ReconcileFolder
     from vgvt.data import Campaign
-    from vgvt.reconcile.verdict import Verdict
+    from vgvt.reconcile.decision.verdict import Verdict
     from vgvt.scenario.model import Scenario
 
 _LINES = 500
@@ -82,7 +82,7 @@ def reconcile(
         return power_before_the_test(believed, effects, out, band, lines, as_json)
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
     from vgvt.cli.soundness import sound_campaign
-    from vgvt.reconcile.suitable import banded, check_suitable
+    from vgvt.reconcile.question.suitable import banded, check_suitable
 
     measured = banded(sound_campaign(campaign, leave_out_faulty, still_mounted=True), band)
     check_suitable(measured, believed)
@@ -138,8 +138,8 @@ def _reconciled(
 ) -> dict[str, Any]:
     """Reconcile and write the three files; the verdict, which makes the folder an answer, last."""
     from vgvt.files.atomically import replacing
-    from vgvt.reconcile.account import account_of
     from vgvt.reconcile.loop import reconcile as close_the_loop
+    from vgvt.reconcile.outcome.account import account_of
     from vgvt.view.reconcile_page import write_reconcile_page
     from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence, warnings_of
 
@@ -186,8 +186,8 @@ def _reconciled(
 
 def _power(verdict: Verdict, effects: Mapping[str, type], report: Any) -> tuple[Any, ...]:
     """Detectability around the calibrated scenario."""
-    from vgvt.reconcile.candidates import candidates
-    from vgvt.reconcile.power import power as detectability
+    from vgvt.reconcile.next_test.power import power as detectability
+    from vgvt.reconcile.search.candidates import candidates
 
     null = verdict.attribution.null
     return detectability(null, candidates(null.problem, effects), report)

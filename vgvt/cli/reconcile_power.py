@@ -24,10 +24,10 @@ def power_before_the_test(
     as_json: bool,
 ) -> int:
     """Print the table of detectability; with ``out`` write power.json and power.html there too."""
-    from vgvt.reconcile.account import power_rows
-    from vgvt.reconcile.before_test import expected_fit
-    from vgvt.reconcile.candidates import candidates
-    from vgvt.reconcile.power import power
+    from vgvt.reconcile.next_test.before_test import expected_fit
+    from vgvt.reconcile.next_test.power import power
+    from vgvt.reconcile.outcome.account import power_rows
+    from vgvt.reconcile.search.candidates import candidates
 
     with progress(f"power of {scenario.name}") as report:
         fit = expected_fit(scenario, lines=lines, band_hz=band, progress=lambda f, m: report(_SIMULATED * f, m))

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import Any
 
 _HOMES = {
-    "account": ("account_of", "power_rows"),
-    "attribute": ("Addition", "Attribution", "Rival", "attribute"),
-    "augment": ("augment", "posterior_of", "write_reconciled"),
-    "before_test": ("expected_fit",),
-    "candidates": ("candidates",),
-    "data": ("Measured", "MeasuredChannel", "measured_frfs"),
-    "figures_of_merit": ("Comparison", "Merit", "compare", "merit"),
-    "fit": ("Fit", "calibrate", "fit"),
-    "holdout": ("Split", "split"),
-    "hypothesis": ("Hypothesis",),
-    "localise": ("Localisation", "Place", "localise"),
+    "question.data": ("Measured", "MeasuredChannel", "measured_frfs"),
+    "question.figures_of_merit": ("Comparison", "Merit", "compare", "merit"),
+    "question.holdout": ("Split", "split"),
+    "question.hypothesis": ("Hypothesis",),
+    "question.problem": ("Problem", "make_problem", "problem_of"),
+    "question.thresholds": ("Thresholds", "stored_thresholds", "thresholds_of"),
+    "question.uncertain": ("Unknown", "unknowns"),
+    "fitting.fit": ("Fit", "calibrate", "fit"),
+    "evidence.localise": ("Localisation", "Place", "localise"),
+    "evidence.residual": ("Residual", "residual"),
+    "search.candidates": ("candidates",),
+    "search.screen": ("Screened", "screen"),
+    "next_test.before_test": ("expected_fit",),
+    "next_test.power": ("Power", "power"),
+    "next_test.suggest": ("Suggestion", "suggest"),
+    "decision.attribute": ("Addition", "Attribution", "Rival", "attribute"),
+    "decision.verdict": ("Kind", "NamedEffect", "Verdict"),
+    "outcome.account": ("account_of", "power_rows"),
+    "outcome.augment": ("augment", "posterior_of", "write_reconciled"),
+    "outcome.mode_errors": ("ModelModes", "mode_rows", "model_modes"),
     "loop": ("reconcile",),
-    "mode_errors": ("ModelModes", "mode_rows", "model_modes"),
     "placebo": ("Placebo", "calibrated_thresholds", "write_thresholds"),
-    "power": ("Power", "power"),
-    "problem": ("Problem", "make_problem", "problem_of"),
-    "residual": ("Residual", "residual"),
-    "screen": ("Screened", "screen"),
-    "suggest": ("Suggestion", "suggest"),
-    "thresholds": ("Thresholds", "stored_thresholds", "thresholds_of"),
-    "uncertain": ("Unknown", "unknowns"),
-    "verdict": ("Kind", "NamedEffect", "Verdict"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = sorted(_HOME_OF)
@@ -43,14 +41,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return [*__all__]
-
-
-class _Package(ModuleType):
-    """Keeps a name for the function where a submodule has the same one: importing it would put the module there."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        known = isinstance(value, ModuleType) and _HOME_OF.get(name) == name
-        super().__setattr__(name, getattr(value, name) if known else value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -15,13 +15,13 @@ import vgvt
 from vgvt.data import Campaign
 from vgvt.files.atomically import replacing
 from vgvt.files.campaign_file import content_hash
-from vgvt.reconcile.addition import Addition
-from vgvt.reconcile.fit import Fit, fit
-from vgvt.reconcile.hypothesis import Hypothesis
-from vgvt.reconcile.local_slopes import Origin
-from vgvt.reconcile.problem import Problem
-from vgvt.reconcile.rivals import Rival
-from vgvt.reconcile.thresholds import Thresholds
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.prediction.local_slopes import Origin
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 

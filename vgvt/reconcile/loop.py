@@ -7,22 +7,22 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from vgvt.data import Campaign
-from vgvt.reconcile.attribute import Attribution, attribute
-from vgvt.reconcile.augment import augment, write_reconciled
-from vgvt.reconcile.candidates import candidates
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
-from vgvt.reconcile.figures_of_merit import compare
-from vgvt.reconcile.fit import FAR, Fit, calibrate
-from vgvt.reconcile.leads import as_leads, does_without, strange_names, telling
-from vgvt.reconcile.localise import localise
-from vgvt.reconcile.one_thread import one_thread
-from vgvt.reconcile.problem import make_problem
-from vgvt.reconcile.suggest import Suggestion, suggest, words_of_none
-from vgvt.reconcile.thresholds import Thresholds, noise_share, stored_thresholds
-from vgvt.reconcile.told import with_told_parameters
-from vgvt.reconcile.turned import counts_instead, turned, words_of_turn
-from vgvt.reconcile.undecided import next_best, undecided
-from vgvt.reconcile.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of
+from vgvt.reconcile.decision.attribute import Attribution, attribute
+from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
+from vgvt.reconcile.decision.told import with_told_parameters
+from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
+from vgvt.reconcile.decision.undecided import next_best, undecided
+from vgvt.reconcile.decision.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of
+from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate
+from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
+from vgvt.reconcile.outcome.augment import augment, write_reconciled
+from vgvt.reconcile.question.figures_of_merit import compare
+from vgvt.reconcile.question.problem import make_problem
+from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
+from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.work.one_thread import one_thread
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]

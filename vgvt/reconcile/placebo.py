@@ -11,11 +11,11 @@ import scipy.stats
 
 from vgvt.data import InputError
 from vgvt.files.atomically import replacing
-from vgvt.reconcile.fit import Fit
-from vgvt.reconcile.residual import Residual
-from vgvt.reconcile.rivals import Rival
-from vgvt.reconcile.thresholds import PLACEBO_FLOOR, Thresholds, noise_share
-from vgvt.reconcile.verdict import Verdict
+from vgvt.reconcile.decision.verdict import Verdict
+from vgvt.reconcile.evidence.residual import Residual
+from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.question.thresholds import PLACEBO_FLOOR, Thresholds, noise_share
 
 _FEWEST = 5
 _SET_NATS = 5.0

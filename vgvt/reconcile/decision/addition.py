@@ -1,0 +1,27 @@
+"""One round of the selection: the effect that it names, what explains the data as well, and all that was compared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vgvt.reconcile.evidence.rivals import Rival
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Addition:
+    """One round: the winner, everything within reach of it (its equivalence set, best first), and all rivals.
+
+    ``in_its_place`` is what was found to do as well beside all that later rounds added: the winner itself first, then
+    these, each the last effect of a fit with the others; empty where nothing was.
+    """
+
+    winner: Rival
+    equivalent: tuple[Rival, ...]
+    rivals: tuple[Rival, ...]
+    held_out_before: float | None
+    in_its_place: tuple[Rival, ...] = ()
+
+    @property
+    def alike(self) -> tuple[Rival, ...]:
+        """All that explains the data as well as the winner, when it was chosen or at the end."""
+        return (*self.equivalent, *self.in_its_place[1:])

@@ -1,0 +1,321 @@
+"""Fit the short list jointly with the unknowns, compare by evidence, and name only what held-out data confirm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.backward import needed, nowhere, without_last
+from vgvt.reconcile.decision.in_its_place import reconsidered
+from vgvt.reconcile.decision.last_steps import ended
+from vgvt.reconcile.decision.place_control import controlled
+from vgvt.reconcile.evidence.bending import plain_likenesses, straightened
+from vgvt.reconcile.evidence.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
+from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.evidence.plausible import implausible, likelier
+from vgvt.reconcile.evidence.residual import Residual, residual
+from vgvt.reconcile.evidence.rivals import Rival, against, distinct
+from vgvt.reconcile.evidence.same_place import left_where_it_was
+from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, fit
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.level_grid import linear_first
+from vgvt.reconcile.question.thresholds import Thresholds
+from vgvt.reconcile.search.candidate_fits import begun_anew, finalists, fitted_from
+from vgvt.reconcile.search.courses import best_course, in_other_courses
+from vgvt.reconcile.search.next_items import at_next_items
+from vgvt.reconcile.search.screened import Screened
+from vgvt.reconcile.search.shortlist import BIASED, second_list, shortened, swallowed
+from vgvt.reconcile.work.one_thread import one_thread
+from vgvt.reconcile.work.progress import Progress, part
+from vgvt.reconcile.work.team import ALONE, Task, Team
+
+_AT_LEAST, _FAR_AHEAD = 3, 5.0
+# Fitted together after these, whoever shares the work: none of them is left out for another one's sake.
+_AT_ONCE = 2
+# Held-out errors this near to each other say nothing of which is right, where both are far from noise.
+_AS_GOOD = 1.1
+# Of the progress: when all names are there that will be.
+_CHOSEN = 0.95
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attribution:
+    """The model without effects, the rounds that added one, the fit at the end, and what each of both ends leaves.
+
+    ``leads`` are rounds that take too little to give a name, or are no plausible thing, ``led`` the fit with them
+    (:mod:`vgvt.reconcile.decision.leads`).
+    """
+
+    null: Fit
+    null_residual: Residual
+    rounds: tuple[Addition, ...]
+    final: Fit
+    final_residual: Residual
+    last_rivals: tuple[Rival, ...]
+    vetoed: tuple[Rival, ...]
+    leads: tuple[Addition, ...] = ()
+    led: Fit | None = None
+
+
+@one_thread
+def attribute(
+    null: Fit,
+    hypotheses: Sequence[Hypothesis],
+    thresholds: Thresholds,
+    *,
+    most: int = 3,
+    progress: Progress | None = None,
+    begun: tuple[Fit, tuple[Addition, ...], tuple[Rival, ...]] | None = None,
+    keep: Callable[[Fit, Sequence[Addition], Sequence[Rival]], None] | None = None,
+    workers: int = 1,
+) -> Attribution:
+    """Forward selection of at most ``most`` effects by evidence that held-out data confirm, then a backward check.
+
+    It ends where no other effect gains a name, not where the data are met: a small second effect hides in what all the
+    data together allow, as it would if it were alone.
+
+    ``thresholds`` are those of the campaign (:meth:`~vgvt.reconcile.question.thresholds.Thresholds.at`).
+    ``begun`` are the null model, the rounds and what they refused, of a call that was broken off; ``keep`` is told all
+    three after each round.
+    ``workers`` processes share what can be done at once; the answer is the same with any number.
+    """
+    with Team(workers, (null.problem, *hypotheses)) as team:
+        return _selected(null, hypotheses, thresholds, most, progress, begun, keep, team)
+
+
+def _selected(
+    null: Fit,
+    hypotheses: Sequence[Hypothesis],
+    thresholds: Thresholds,
+    most: int,
+    progress: Progress | None,
+    begun: tuple[Fit, tuple[Addition, ...], tuple[Rival, ...]] | None,
+    keep: Callable[[Fit, Sequence[Addition], Sequence[Rival]], None] | None,
+    team: Team,
+) -> Attribution:
+    """:func:`attribute`, with those who share the work."""
+    tell = progress or (lambda fraction, message: None)
+    start, done, refused_then = (null, (), ()) if begun is None else begun
+    rounds = list(done)
+    current = rounds[-1].winner.fit if rounds else start
+    vetoed: list[Rival] = list(refused_then)
+    rivals: tuple[Rival, ...] = rounds[-1].rivals if rounds else ()
+    for k in range(len(rounds), most):
+        left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
+        straight, bent = linear_first(current.problem, left)
+        before = residual(current, thresholds)
+        here = part(tell, _CHOSEN * k / most, _CHOSEN * (k + 1) / most)
+        rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
+        if k == 0 and rivals:
+            start = current = _restart(null, rivals[0])
+            if current is not null:
+                before = residual(current, thresholds)
+                found = [r.fit for r in rivals]
+                if before.train_chi2_per_dof < BIASED <= null.chi2_per_dof:
+                    # What was screened where the calibration had lost its way says little of where it belongs.
+                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team, again=True)
+                    found += [r.fit for r in again]
+                rivals = against(current, found)
+        confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        twins = _twins(bent, confirmed, before, named=k > 0)
+        if twins:
+            later = second_list(current, twins, straight, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
+            more = _fit_all(current, later, before, twins, part(here, 0.85, 0.9), team)
+            rivals = against(current, [r.fit for r in (*rivals, *more)])
+            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
+            rivals = ended(current, rivals, confirmed, thresholds, part(here, 0.9, 1.0), team)
+            confirmed = [
+                r for r in rivals
+                if _passed(r, current, before, thresholds) and takes_enough(r.fit, current, before)
+            ]  # fmt: skip
+        confirmed = straightened(confirmed, thresholds.set_nats)
+        if confirmed:
+            confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
+        confirmed = _taking_it_away(current, confirmed, before)
+        vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
+        if not confirmed:
+            break
+        ahead = _first(confirmed)
+        winner, equal = _foretelling(ahead, _equal(ahead, confirmed, thresholds))
+        equal = (*equal, *_ahead_in_all(winner, rivals, confirmed, thresholds))
+        equal = (*equal, *plain_likenesses(winner, confirmed, equal, thresholds))
+        addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
+        rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
+        current = winner.fit
+        if keep is not None:
+            keep(start, rounds, vetoed)
+    rounds, current = needed(rounds, current, thresholds)
+    while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
+        rounds, current, refused = without_last(rounds, start)
+        vetoed += refused
+    rounds = reconsidered(rounds, current, hypotheses, thresholds.set_nats, part(tell, _CHOSEN, 1.0), team)
+    return Attribution(
+        start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
+    )
+
+
+def _tried(
+    current: Fit,
+    hypotheses: Sequence[Hypothesis],
+    before: Residual,
+    thresholds: Thresholds,
+    tell: Progress,
+    team: Team = ALONE,
+    *,
+    again: bool = False,
+) -> tuple[Rival, ...]:
+    """The most promising of some hypotheses, fitted."""
+    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6), team, again=again)
+    return _fit_all(current, chosen, before, hypotheses, part(tell, 0.6, 1.0), team)
+
+
+def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
+    """Whether a rival may give its name: enough evidence, and held-out data that confirm it."""
+    return rival.convinces(thresholds) and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
+
+
+def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) -> list[Rival]:
+    """Of the confirmed, those that may win: not those that leave the residual to the place that explained it before."""
+    left, place = sorted(confirmed, key=lambda r: -r.gain_nats), None
+    while left:
+        missed = left[0].held_out
+        if missed is None or missed <= before.limits.held_out_per_dof or before.held_out_chi2_per_dof is None:
+            break
+        place = localise(current) if place is None else place
+        after, noise = localise(left[0].fit), before.held_out_noise_per_dof or 0.0
+        if not left_where_it_was(place, after, before.held_out_chi2_per_dof - noise, missed - noise):
+            break
+        left = left[1:]
+    return left
+
+
+def _first(confirmed: Sequence[Rival]) -> Rival:
+    """Of the confirmed the one that gains most; where much is left, of those that held-out data put first."""
+    ahead = max(confirmed, key=lambda r: r.gain_nats)
+    missed = [r.held_out for r in confirmed if r.held_out is not None]
+    if ahead.fit.chi2_per_dof < BIASED or not missed:
+        return ahead
+    return max((r for r in confirmed if _as_good(r, min(missed))), key=lambda r: r.gain_nats)
+
+
+def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) -> tuple[Rival, ...]:
+    """The confirmed that cannot be told from the winner: within reach of its evidence, or of its held-out error.
+
+    Under a model that still misses much, evidence weighs how far wrong unknowns are bent: held-out data decide alone.
+    """
+    if winner.fit.chi2_per_dof >= BIASED and winner.held_out is not None:
+        return tuple(r for r in confirmed if _as_good(r, winner.held_out))
+    near = winner.gain_nats - thresholds.set_nats
+    return tuple(r for r in confirmed if r.gain_nats > near)
+
+
+def _foretelling(ahead: Rival, equal: tuple[Rival, ...]) -> tuple[Rival, tuple[Rival, ...]]:
+    """Of what cannot be told from the rival that is ``ahead`` the one that all data together put first, and all of it.
+
+    Fitted data leave it open: what foretells the others better is the model to go on with.
+    """
+    missed = ahead.held_out
+    if len(equal) < 2 or ahead.fit.chi2_per_dof >= BIASED or missed is None:
+        return ahead, equal
+
+    def by_all(r: Rival) -> float:
+        return r.gain_nats + held_out_nats(ahead.fit, missed - r.held_out) if r.held_out is not None else -np.inf
+
+    first = max(equal, key=by_all)
+    return first, (first, *(r for r in equal if r is not first))
+
+
+def _as_good(r: Rival, missed: float) -> bool:
+    """Whether held-out data are met about as well as by what misses them so much."""
+    return r.held_out is not None and r.held_out <= _AS_GOOD * missed
+
+
+def _ahead_in_all(
+    winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
+) -> list[Rival]:
+    """Rivals that held-out data alone do not confirm, and that are ahead of the winner by all data together.
+
+    What keeps them from a name of their own may be chance, and what the winner owes its name to is then that chance.
+    """
+    if winner.fit.chi2_per_dof >= BIASED or winner.held_out is None:
+        return []
+    unconfirmed = [r for r in rivals if r.convinces(thresholds) and r not in confirmed and r.name != winner.name]
+    others = [(r, r.held_out) for r in unconfirmed if not implausible(r.fit)]
+    better = [(r, winner.held_out - missed) for r, missed in others if missed is not None]
+    return [r for r, held in better if r.gain_nats + held_out_nats(winner.fit, held) > winner.gain_nats]
+
+
+def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual, named: bool) -> list[Hypothesis]:
+    """Of the nonlinear joints, those that a name could be mistaken for; all, where there is no name and should be one.
+
+    One level tells them from their linear likeness by little, and each costs marches over whole records: beside an
+    effect that earlier rounds ``named`` it tells nothing.
+    """
+    if not confirmed:
+        return [] if before.adequate or named else list(bent)
+    names = {r.name for r in confirmed}
+    return [h for h in bent if names & set(h.cls.confused_with)]  # type: ignore[attr-defined]
+
+
+def _fit_all(
+    current: Fit,
+    chosen: Sequence[Screened],
+    before: Residual,
+    hypotheses: Sequence[Hypothesis],
+    tell: Progress,
+    team: Team = ALONE,
+) -> tuple[Rival, ...]:
+    """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out.
+
+    Of ``hypotheses`` come other courses of changes between runs, and other items that a thing may be.
+    """
+    near, screened = not swallowed(current, before), chosen
+    if not near:
+        seen = tuple(s for s in chosen if s.upright)
+        rest = tuple(s for s in chosen if not s.upright)
+        chosen = (*seen, *finalists(current, rest, part(tell, 0.0, 0.4), team))
+        tell = part(tell, 0.4, 1.0)
+        last = {s.hypothesis for s in chosen}
+        screened = [s for s in screened if s.hypothesis in last]
+    tell, anew, later = part(tell, 0.0, 0.7), part(tell, 0.7, 0.9), part(tell, 0.9, 1.0)
+    found: list[Fit] = []
+    # Of finalists none is left out for another one's sake: they are fitted together.
+    first = _AT_LEAST if near else len(chosen)
+    waves = [chosen[:first], *(chosen[k : k + _AT_ONCE] for k in range(first, len(chosen), _AT_ONCE))]
+    for k, wave in enumerate(waves):
+        best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
+        enough = len(found) >= _AT_LEAST and best > 0.4 * current.chi2
+        tasks: list[Task] = [
+            (fitted_from, (current, s, NEAR if near and not s.upright else FAR))
+            for s in wave
+            if not (enough and best > _FAR_AHEAD * s.gain_nats)
+        ]
+        fits = team.work_off(tasks, part(tell, k / len(waves), (k + 1) / len(waves)))
+        found += [f for f in fits if f is not None]
+    # A model with an effect has been brought near by that; one without may be anywhere.
+    if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
+        found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
+    found += in_other_courses(current, found, hypotheses, part(later, 0.0, 0.5), team)
+    found += at_next_items(current, found, hypotheses, part(later, 0.5, 1.0), team)
+    return against(current, distinct([best_course(f, hypotheses) for f in found]))
+
+
+def _judged(current: Fit, found: Fit) -> Rival:
+    """One fit as a rival on its own."""
+    return against(current, [found])[0]
+
+
+def _restart(null: Fit, winner: Rival) -> Fit:
+    """The model without effects fitted again from the winner's scores: a better basin makes a fairer comparison."""
+    try:
+        again = fit(null.problem, (), winner.fit.u, np.zeros(0), NEAR)
+    except NoStructureError:
+        # What the effect held up falls without it.
+        return null
+    return again if again.evidence_nats > null.evidence_nats + 0.5 else null

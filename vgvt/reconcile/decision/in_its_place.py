@@ -1,0 +1,134 @@
+"""Whether another effect does as well in the place of a named one, asked where everything else has come right.
+
+A calibration that had bent itself to imitate an effect shows little of it, and what is tried for it first is what that
+little looks like: a delay was called a mount, and no delay had been tried. With the effect in the model the unknowns
+stand where they belong. Without it, and with nothing else moved, all that it does is in sight, and so is whatever could
+do the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.backward import without
+from vgvt.reconcile.decision.place_control import as_good
+from vgvt.reconcile.evidence.plausible import implausible
+from vgvt.reconcile.evidence.rivals import Rival, against
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.candidate_fits import fitted_from
+from vgvt.reconcile.search.courses import best_course
+from vgvt.reconcile.search.screen import at_sizes
+from vgvt.reconcile.search.screened import Screened
+from vgvt.reconcile.search.shortlist import BIASED
+from vgvt.reconcile.search.stand import Stand
+from vgvt.reconcile.work.progress import Progress, part, silent
+from vgvt.reconcile.work.team import ALONE, Task, Team
+
+# Of what a named effect buys where unknowns follow linearly, what another one must seem to buy to be fitted there. The
+# closed form sees a resonance between the steps of its scan, and a place between its stations, only roughly.
+_PROMISED = 0.5
+_FITTED = 4
+# What the order of effects may cost where they are the same model.
+_SAME_NATS = 1.0
+
+
+def reconsidered(
+    rounds: Sequence[Addition],
+    current: Fit,
+    hypotheses: Sequence[Hypothesis],
+    set_nats: float,
+    tell: Progress = silent,
+    team: Team = ALONE,
+) -> list[Addition]:
+    """The rounds of a fit, each with what does as well as its winner, within ``set_nats``, or better in its place.
+
+    Nothing is asked of a model that still misses much: what would do better there is what imitates the rest.
+    """
+    if current.chi2_per_dof >= BIASED:
+        return list(rounds)
+    named, found = {a.winner.name for a in rounds}, list[Addition]()
+    others = [h for h in hypotheses if h.name not in named]
+    for k, addition in enumerate(rounds):
+        here = part(tell, k / len(rounds), (k + 1) / len(rounds))
+        own, rivals = in_its_place(current, k, others, set_nats, here, team)
+        if own is not None and rivals:
+            winner = addition.winner
+            # By what the name had gained in its round.
+            gain, raw = winner.gain_nats - own.gain_nats, winner.raw_nats - own.raw_nats
+            lasting = winner.lasting_nats - own.lasting_nats
+            alike = (
+                replace(
+                    r, gain_nats=r.gain_nats + gain, raw_nats=r.raw_nats + raw, lasting_nats=r.lasting_nats + lasting
+                )
+                for r in (own, *rivals)
+            )
+            addition = replace(addition, in_its_place=tuple(alike))
+        found.append(addition)
+    return found
+
+
+def in_its_place(
+    current: Fit,
+    index: int,
+    others: Sequence[Hypothesis],
+    set_nats: float,
+    tell: Progress = silent,
+    team: Team = ALONE,
+) -> tuple[Rival | None, list[Rival]]:
+    """The effect of that index of a model as a rival, and what of ``others`` does as well or better, best first.
+
+    All are judged against the model that is left without it, and have it, or what is in its place, last. None, and
+    nothing, where that order makes another model, or there is nothing to ask.
+    """
+    problem = current.problem
+    kept, e, own = without(current, index)
+    try:
+        stand = fit(problem, kept, current.u, e, ())
+        last = fit(problem, (*kept, current.hypotheses[index]), current.u, np.concatenate([e, own]), ())
+    except NoStructureError:
+        # It holds the aircraft up.
+        return None, []
+    # What depends on level has its linear likeness here, and levels tell the two.
+    asked = [h for h in others if h.linear]
+    if last.cost > current.cost + 2 * _SAME_NATS:
+        # It acts on what a later one changed: last, it is another model, and no measure for what is in its place.
+        return None, []
+    start = Stand.of(stand)
+    bought = 0.5 * (start.cost - current.cost)
+    if not asked or bought <= 0:
+        return None, []
+    tries: list[Task] = [
+        (fitted_from, (stand, s, NEAR)) for s in _promising(start, asked, bought, part(tell, 0.0, 0.7))
+    ]
+    fits = team.work_off(tries, part(tell, 0.7, 1.0))
+    last = replace(last, converged=current.converged)
+    judged = against(stand, [last, *(best_course(f, others) for f in fits if f is not None)])
+    mine = next(r for r in judged if r.fit is last)
+    rivals = [
+        r for r in judged
+        if r is not mine and r.gain_nats > mine.gain_nats - set_nats
+        and as_good(r.fit, last, set_nats) and not implausible(r.fit)
+    ]  # fmt: skip
+    return mine, rivals
+
+
+def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: Progress) -> list[Screened]:
+    """The best variant of each of the few effects that could buy most of what was ``bought``, by the closed form.
+
+    At a part of its size, where a screen looks first, nothing could: it is all of it, or nothing, that is missing.
+    """
+    sized: list[Screened] = []
+    for k, hypothesis in enumerate(asked):
+        tell(k / len(asked), f"in its place {hypothesis.name}")
+        sized += at_sizes(start, hypothesis)
+    best: dict[str, Screened] = {}
+    for s in sorted(sized, key=lambda s: -s.gain_nats):
+        if s.visible and s.gain_nats > _PROMISED * bought:
+            best.setdefault(s.hypothesis.name, s)
+    return [replace(s, start=start.fit.scores) for s in list(best.values())[:_FITTED]]

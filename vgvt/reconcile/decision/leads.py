@@ -1,0 +1,113 @@
+"""Every name must halve what is too much, end near the data, and be a thing that could be: what does not is a lead.
+
+Where the right effect is not in the catalogue another one nearly always takes something, and two more take something of
+the rest. They are worth looking at, and no finding: what is missing is still unknown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.backward import without_last
+from vgvt.reconcile.decision.doubts import strained_too_much
+from vgvt.reconcile.evidence.confirmation import share_taken
+from vgvt.reconcile.evidence.plausible import implausible
+from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.question.thresholds import Limits, Thresholds
+
+FAR_OFF = 4.0
+"""More than this many times what campaigns leave in which nothing is missing, and a model is none of the data."""
+
+
+def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
+    """The same, with what was named as leads where it takes too little of what was too much, or is no plausible thing.
+
+    Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
+    to give, and of held-out data where these are still missed; and however much they take, what is left may not be
+    :data:`FAR_OFF`. What leaves no more than campaigns leave in which nothing is missing keeps its name. What is no
+    plausible thing keeps none, whatever it leaves; what was named before it does without it.
+    """
+    if not found.rounds:
+        return found
+    rounds, final = list(found.rounds), found.final
+    while rounds and implausible(final):
+        rounds, final, _ = without_last(rounds, found.null)
+    if not rounds or any(implausible(final, k) for k in range(len(rounds))):
+        return demoted(found)
+    if len(rounds) < len(found.rounds):
+        dropped = found.rounds[len(rounds) :]
+        found = replace(
+            found, rounds=tuple(rounds), final=final, final_residual=residual(final, thresholds),
+            last_rivals=dropped[0].rivals, vetoed=(*(r.winner for r in dropped), *found.vetoed),
+        )  # fmt: skip
+    enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
+    far = far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof, after.limits)
+    if after.adequate or (min(shares(found)) >= enough and not far):
+        return found
+    return demoted(found)
+
+
+def far_off(fitted: float, held_out: float | None, limits: Limits) -> bool:
+    """Whether χ² per degree of freedom is far beyond the limits: of several wrong models one is always the best."""
+    return fitted > FAR_OFF * limits.chi2_per_dof or (held_out or 0.0) > FAR_OFF * limits.held_out_per_dof
+
+
+def why_no_name(found: Attribution) -> str:
+    """Why leads are no names, in words."""
+    led = found.led
+    strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
+    if strange:
+        return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
+    if led and far_off(led.chi2_per_dof, led.held_out_chi2_per_dof, found.null_residual.limits):
+        return f"what leaves more than {FAR_OFF:.0f} times what may be left is a lead, however much it takes"
+    return "what does not halve what is too much with every name is a lead"
+
+
+def strange_names(found: Attribution) -> frozenset[str]:
+    """Effects that are no plausible thing in the final model."""
+    final = found.final
+    return frozenset(h.name for k, h in enumerate(final.hypotheses) if implausible(final, k))
+
+
+def does_without(found: Attribution, without: Attribution, within_nats: float) -> bool:
+    """Whether a search ``without`` what was no plausible thing names plausible ones that explain the data as well.
+
+    Beside a second effect an absorber far above the band may gain more than the mass that is there: only the two
+    together show that the mass does as well. And where they leave no more than campaigns leave in which nothing is
+    missing, nothing is left for what could not be to explain: how far it bends to the last of it is no matter.
+    """
+    reached = without.final.evidence_nats > found.final.evidence_nats - within_nats
+    met = without.final_residual.adequate and not strained_too_much(without.final)
+    return bool(without.rounds) and (reached or met) and not strange_names(without)
+
+
+def telling(found: Attribution, without: Attribution) -> Attribution:
+    """The search ``without`` what was no plausible thing, with that among what was refused: it is not to be hidden."""
+    strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
+    return replace(without, vetoed=(*strange, *without.vetoed))
+
+
+def demoted(found: Attribution) -> Attribution:
+    """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
+    bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
+    if not found.null_residual.adequate or strained_too_much(found.null):
+        return replace(bare, leads=found.rounds, led=found.final)
+    # What the first round asked is what stood between these data and a name; what could not be was refused one.
+    strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
+    rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
+    return replace(bare, last_rivals=rivals, vetoed=(*strange, *found.vetoed))
+
+
+def shares(found: Attribution) -> tuple[float, float]:
+    """What the final model takes of what was too much without its effects: of the fit, and of held-out data.
+
+    The second is 1 where held-out data are met, or nothing is held out.
+    """
+    before, after = found.null_residual, found.final_residual
+    fitted = share_taken(found.final, found.null, before)
+    left, was = after.held_out_chi2_per_dof, before.held_out_chi2_per_dof
+    if left is None or was is None or left <= after.limits.held_out_per_dof:
+        return fitted, 1.0
+    excess = was - (before.held_out_noise_per_dof or 0.0)
+    return fitted, (was - left) / excess if excess > 0 else 0.0

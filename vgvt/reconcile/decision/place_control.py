@@ -1,0 +1,185 @@
+"""The wrong-place control: the winner offered where it is not; where that does as well, its place is not determined."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.evidence.residual import independent_values
+from vgvt.reconcile.fitting.fit import FAR, Fit
+from vgvt.reconcile.fitting.fit_unless_behind import fit_unless_behind
+from vgvt.reconcile.prediction.grouping import NoStructureError, effects_at
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.candidates import freed, places
+from vgvt.reconcile.work.progress import Progress, silent
+from vgvt.reconcile.work.team import ALONE, Team
+
+if TYPE_CHECKING:
+    from vgvt.reconcile.decision.addition import Addition
+    from vgvt.reconcile.evidence.rivals import Rival
+
+Array = NDArray[np.float64]
+Place = tuple[float, float]
+
+APART_M = 0.25
+"""Places nearer than this are one place: a station of the candidates' grid is about twice as long."""
+_NEIGHBOURS = 2
+# What a fit elsewhere is given before it is asked how far behind it is.
+_FIRST = (*FAR[:-1], (0.0, 6))
+_OTHER_SIDE = {"left": "right", "right": "left"}
+# What says where a thing is that has no place in metres.
+_WHERE = ("side", "node", "other_node", "sensors", "channels", "item", "shaker", "beam")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ElsewhereTrial:
+    """The winner's effect fitted elsewhere: ``where`` in words, and its fit."""
+
+    where: str
+    fit: Fit
+
+
+def controlled(
+    addition: Addition, judged: Callable[[Fit], Rival], set_nats: float, tell: Progress = silent, team: Team = ALONE
+) -> Addition:
+    """A round whose equivalence set holds the winner's effect elsewhere too, where that does as well on held-out data.
+
+    ``judged`` makes a rival of a fit as the round did.
+    """
+    trials = elsewhere(addition.winner.fit, tell, team)
+    added = [judged(t.fit) for t in trials if as_good(t.fit, addition.winner.fit, set_nats)]
+    return replace(addition, equivalent=(*addition.equivalent, *added), rivals=(*addition.rivals, *added))
+
+
+def elsewhere(winner: Fit, tell: Progress = silent, team: Team = ALONE) -> tuple[ElsewhereTrial, ...]:
+    """The winner's last effect fitted at its mirror image and, its place held, at the two nearest other stations.
+
+    Nothing for an effect that has neither a place nor a side.
+    """
+    offers, own = _offers(winner), place_of(winner)
+    found = team.work_off([(_fitted_at, (winner, *offer)) for offer in offers], tell)
+    places_found = [None if fitted is None else place_of(fitted) for fitted in found]
+    # One that wandered back says nothing.
+    return tuple(
+        ElsewhereTrial(where, fitted)
+        for (where, _, _), fitted, place in zip(offers, found, places_found, strict=True)
+        if fitted is not None and (place is None or own is None or _apart(place, own) > APART_M)
+    )
+
+
+def _fitted_at(winner: Fit, where: str, hypothesis: Hypothesis, values: dict[str, float], tell: Progress) -> Fit | None:
+    """The effect somewhere else, fitted; None where there is no such aircraft."""
+    tell(0.0, f"control: {hypothesis.name} {where}")
+    before = winner.e[: winner.e.size - len(winner.hypotheses[-1].parameters)]
+    start = np.concatenate([before, hypothesis.scores(values)])
+    try:
+        return fit_unless_behind(
+            winner.problem, (*winner.hypotheses[:-1], hypothesis), winner.u, start, _FIRST, winner.chi2
+        )
+    except NoStructureError:
+        return None
+
+
+def as_good(other: Fit, winner: Fit, set_nats: float) -> bool:
+    """Whether held-out data, or all where nothing is held out, prefer the winner by less than ``set_nats``.
+
+    χ² counts as many independent values as the better residual has.
+    """
+    measured, parts = winner.problem.measured, winner.problem.split
+    rows = parts.held if parts.held.any() else parts.train
+    left = [((f.foretold - measured.values) / measured.sigma)[rows] for f in (winner, other)]
+    best = min(left, key=_square)
+    worth = min(1.0, independent_values(best) / (2 * best.size))
+    nats = worth * (_square(left[1]) - _square(left[0]))
+    # sigma² is the variance of the complex value: |rho|² is half a square sum of two, as nats want it.
+    return nats < set_nats
+
+
+def place_of(fit: Fit) -> Place | None:
+    """Where the last effect of a fit sits, (x, y) in metres; None for one without a place."""
+    hypothesis = fit.hypotheses[-1]
+    values = {**hypothesis.settings, **{k: v[0] for k, v in fit.values(len(fit.hypotheses) - 1).items()}}
+    if "x_m" not in values or "y_m" not in values:
+        return None
+    return float(values["x_m"]), float(values["y_m"])
+
+
+def distinct_places(fits: Sequence[Fit]) -> tuple[Place, ...]:
+    """The places of the last effects of some fits, the first of those that are one place, in order."""
+    found: list[Place] = []
+    for fitted in fits:
+        place = place_of(fitted)
+        if place is not None and all(_apart(place, other) > APART_M for other in found):
+            found.append(place)
+    return tuple(found)
+
+
+def open_places(addition: Addition) -> tuple[str, ...]:
+    """Where else the winner's effect does as well, in words: other points, or settings that say where it is.
+
+    Not what says the same of the same channels in other words, as a sensor's number does of the point where it sits.
+    A/F is a quotient: what happens to its force, and what happens to all responses, is one place, too.
+    """
+    winner = addition.winner
+    same = [r for r in addition.equivalent if r.name == winner.name and r is not winner]
+    points = distinct_places([winner.fit, *(r.fit for r in same)])[1:]
+    own, touched = winner.hypothesis.settings, _touched(winner.fit) if same else None
+    others = [
+        {k: v for k, v in r.hypothesis.settings.items() if k in _WHERE and v != own.get(k)}
+        for r in same
+        if touched is None or _touched(r.fit) != touched
+    ]
+    return (
+        *(f"at x = {x:.2f} m, y = {y:.2f} m" for x, y in points),
+        *dict.fromkeys("with " + ", ".join(f"{k} = {v}" for k, v in other.items()) for other in others if other),
+    )
+
+
+def _touched(fit: Fit) -> tuple[frozenset[str], ...] | None:
+    """The channels of each run that the last effect of a fit changes; None for one that changes none."""
+    made = effects_at(fit.problem, fit.hypotheses, fit.e)
+    if made is None:
+        return None
+    scenario, found = fit.problem.scenario, []
+    label = {p.dof.node: str(p.dof) for p in fit.problem.layouts.first.grid}
+    for run, nodes in enumerate(scenario.acquisition.run_nodes):
+        changed = {c.channels for c in made[-1].act(scenario, run).channels}
+        shared = bool(changed & {"force", "drive", "response", "all"})
+        found.append(frozenset(label[n] for n in nodes) if shared else frozenset(changed))
+    return tuple(found) if any(found) else None
+
+
+def _offers(winner: Fit) -> list[tuple[str, Hypothesis, dict[str, float]]]:
+    """Where else, the hypothesis there, and the values to start from."""
+    hypothesis = winner.hypotheses[-1]
+    values = {k: v[0] for k, v in winner.values(len(winner.hypotheses) - 1).items()}
+    place = place_of(winner)
+    if place is None:
+        side = str(hypothesis.settings.get("side", ""))
+        if side not in _OTHER_SIDE:
+            return []
+        other = replace(hypothesis, settings={**hypothesis.settings, "side": _OTHER_SIDE[side]})
+        return [(f"on the {_OTHER_SIDE[side]}", other, values)]
+    x, y = place
+    free = freed(hypothesis)
+    offers = []
+    if 2 * abs(y) > APART_M:
+        offers.append(("at the mirror image", free, {**values, "x_m": x, "y_m": -y}))
+    stations = sorted((p for p in places(winner.problem) if _apart(p, place) > APART_M), key=lambda p: _apart(p, place))
+    for p in stations[:_NEIGHBOURS]:
+        held = replace(free, settings={**free.settings, "x_m": p[0], "y_m": p[1]})
+        rest = {k: v for k, v in values.items() if k not in ("x_m", "y_m")}
+        offers.append((f"at x = {p[0]:.2f} m, y = {p[1]:.2f} m", held, rest))
+    return offers
+
+
+def _apart(one: Place, other: Place) -> float:
+    return float(np.hypot(one[0] - other[0], one[1] - other[1]))
+
+
+def _square(rho: NDArray[np.complex128]) -> float:
+    return float(np.sum(np.abs(rho) ** 2))

@@ -1,0 +1,109 @@
+"""Whether data that no fit has seen confirm a name: better than chance where they can tell, not worse where not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vgvt.reconcile.evidence.residual import Residual, independent_values
+from vgvt.reconcile.evidence.strain import strain_sd
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.thresholds import Thresholds, noise_share
+
+# Held-out data must speak for a name by more than chance fluctuation.
+_HELD_OUT_NATS = 1.0
+# Standard deviations within which held-out data are not against a name that they cannot tell.
+_CHANCE = 2.0
+# What 'much better' means where data are still missed: this share of what was too much.
+_MUCH = 0.25
+# Of how far the tolerances were leant on: what takes this share of it is what they had imitated.
+_MOST = 0.5
+
+
+def confirmed_by_held_out(
+    found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds
+) -> bool:
+    """Held-out data must be met better than before; where nothing is held out there is no name.
+
+    ``found`` is the fit with the effect, ``missed`` its held-out χ² per degree of freedom, ``current`` the model
+    without it and ``before`` what that leaves. Where held-out data are still missed, they must be met much better, or
+    fitted data must, or the tolerances be leant on by less than half: a wrong effect often takes a little of what
+    another one leaves, while of two true ones held-out data may miss little of the first.
+
+    Two kinds of effect they cannot speak for, only against. Where the unknowns had imitated the effect, far out of
+    their tolerances, the data were met already: the tolerances must then speak for the name by as much as a name
+    needs. And what happens to a fitted channel alone no other record knows of.
+    """
+    if missed is None or before.held_out_chi2_per_dof is None:
+        return False
+    excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
+    better = before.held_out_chi2_per_dof - missed
+    if missed > before.limits.held_out_per_dof and better < _MUCH * excess and not takes_enough(found, current, before):
+        return False
+    held, sigma = found.problem.split.held, found.problem.measured.sigma
+    worth = _worth(found)
+    nats = held_out_nats(found, better)
+    if nats > _HELD_OUT_NATS:
+        return True
+    tolerances_nats = 0.5 * float(current.scores @ current.scores - found.scores @ found.scores)
+    if tolerances_nats < thresholds.evidence_nats and worth * _felt(found) > _HELD_OUT_NATS:
+        return False
+    # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
+    apart = worth * float(np.sum(np.abs((found.foretold - current.foretold) / sigma)[held] ** 2))
+    return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * apart))
+
+
+def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
+    """Whether a fit meets its own data, or takes much of what was too much in ``current`` without it.
+
+    One held-out channel can miss more than all the others: what it alone gains by is no explanation of them. Too much
+    is also what the tolerances had to give: a gain that is wrong by thirty of its deviations leaves no misfit behind.
+    Of several missing effects one may be all in what the data miss and another all in the tolerances: much of either
+    will do.
+    """
+    if found.chi2_per_dof <= before.limits.chi2_per_dof or share_taken(found, current, before) >= _MUCH:
+        return True
+    missed = current.chi2 - before.noise_per_dof * current.points
+    if missed > 0 and current.chi2 - found.chi2 >= _MUCH * missed:
+        return True
+    strained = before.strain_sd > before.limits.strain_sd
+    return strained and strain_sd(found) <= (1 - _MOST) * before.strain_sd
+
+
+def share_taken(found: Fit, current: Fit, before: Residual) -> float:
+    """What a fit takes of what was too much in ``current`` without it: misfit beyond noise and bent tolerances.
+
+    ``before`` is what ``current`` leaves. One where nothing was too much.
+    """
+    missed = current.chi2 - before.noise_per_dof * current.points
+    # Scores that nothing bends have a square of one each at most.
+    bent = max(0.0, float(current.scores @ current.scores) - current.scores.size)
+    return (current.cost - found.cost) / (missed + bent) if missed + bent > 0 else 1.0
+
+
+def held_out_nats(found: Fit, better: float) -> float:
+    """What held-out data say by meeting them so much ``better``, in χ² per degree of freedom, as nats for a fit."""
+    return _worth(found) * int(found.problem.split.held.sum()) * found.problem.measured.frequency_hz.size * better
+
+
+def _worth(found: Fit) -> float:
+    """Independent values that a held-out one is worth: what a fit misses there, and an error of form, are not noise."""
+    problem = found.problem
+    held, sigma = problem.split.held, problem.measured.sigma
+    rho = ((found.foretold - problem.measured.values) / sigma)[held]
+    return min(1.0, independent_values(rho) / (2 * rho.size)) * noise_share(problem.measured, held).worth
+
+
+def _felt(found: Fit) -> float:
+    """What the last effect, and nothing else, does to the held-out data, in squared standard deviations."""
+    problem, last = found.problem, len(found.hypotheses[-1].parameters)
+    held, sigma = problem.split.held, problem.measured.sigma
+    rest = found.e[: found.e.size - last]
+    try:
+        without = anchor(problem, found.u, found.hypotheses[:-1], rest, slopes=False).predict(found.u, rest)
+    except NoStructureError:
+        return np.inf
+    return float(np.sum(np.abs((found.predicted - without) / sigma)[held] ** 2))

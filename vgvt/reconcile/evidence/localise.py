@@ -1,0 +1,264 @@
+"""Where a residual comes from, without a hypothesis: a free force at each place that could carry one.
+
+Any single interface, linear or not, is a force g(ω) at a coordinate h: it leaves -a_h(ω) g(ω) in the responses.
+That is projected out line by line, and what the unknowns can take of the rest is taken. The force over the
+motion there, z(ω), says of which type the interface is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.mechanics.response import accelerances
+from vgvt.reconcile.prediction.surrogate import Anchor, Reduced, anchor
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.work.one_thread import one_thread
+from vgvt.simulation.attached import point_rows
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+_UP = np.array([0.0, 0.0, 1.0])
+# The type is read at this many of the best places.
+_TYPED = 8
+# What is not worth the telling.
+_HARDLY = 0.05
+_POLES, _RATIOS = 240, (0.003, 0.01, 0.03, 0.08)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A place and how much of the residual a free force there explains, 0 to 1 (what chance explains taken off).
+
+    ``kind`` is 'structure', 'drive' or 'sensor'; ``type`` what z(ω) (L,) looks like and ``size`` with its unit
+    for a place on the structure.
+    """
+
+    label: str
+    kind: str
+    position_m: tuple[float, float, float] | None
+    explained: float
+    type: str
+    size: float
+    unit: str
+    dynamic_stiffness: ComplexArray | None
+
+
+def words_of_place(best: Place) -> str:
+    """One sentence about the place that explains most."""
+    if best.explained < _HARDLY:
+        return f"No free force or factor at one place would explain {100 * _HARDLY:.0f} % of the residual"
+    freed = best.label
+    if best.kind != "structure":
+        freed = f"factor on {'the ' if best.kind == 'drive' else ''}{best.label}"
+    return f"A free {freed} would explain {100 * best.explained:.0f} % of the residual" + _looks_like(best)
+
+
+def _looks_like(place: Place) -> str:
+    """What the dynamic stiffness at a place looks like, in words."""
+    if place.type in ("", "unclear"):
+        return ""
+    if place.type == "resonant":
+        return f"; it looks like something that swings at {place.size:.1f} Hz"
+    return f"; it looks like a {place.type} of {place.size:.3g} {place.unit}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Localisation:
+    """Places by what they explain, best first, and the χ² that they share out."""
+
+    places: tuple[Place, ...]
+    frequency_hz: Array
+    chi2_per_dof: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Candidate:
+    label: str
+    kind: str
+    position_m: tuple[float, float, float] | None
+    row: Array | None
+    mask: NDArray[np.bool_] | None
+
+
+@one_thread
+def localise(null: Fit, progress: Callable[[float, str], None] | None = None) -> Localisation:
+    """Rank every place by the residual that a force, a gain or a single sensor there would explain."""
+    problem = null.problem
+    here = anchor(problem, null.u, null.hypotheses, null.e)
+    keep = problem.split.train
+    measured = problem.measured
+    sigma = measured.sigma[keep] if null.sigma is None else null.sigma
+    rho = (null.predicted - measured.values)[keep] / sigma
+    count, lines = rho.shape
+    # The real tangent holds sqrt(2) times real parts, then imaginary ones.
+    half = null.tangent.reshape(2, count, lines, -1) / np.sqrt(2)
+    tangent = half[0] + 1j * half[1]
+    left = _free(rho, tangent, null.scores, None)
+    found: list[tuple[float, _Candidate, ComplexArray]] = []
+    trials = _candidates(problem, here, keep)
+    chain = here.chain(null.u, null.e)
+    for k, c in enumerate(trials):
+        if progress is not None:
+            progress(k / len(trials), f"localise {c.label}")
+        answer = _answer(problem, here, c, null.predicted, chain)
+        scaled = answer[keep] / sigma
+        remaining = _free(rho, tangent, null.scores, scaled)
+        chance = lines * (scaled.any(axis=1).any())
+        explained = float((left - remaining - chance) / left)
+        found.append((explained, c, scaled))
+    ranked = []
+    for k, (explained, c, scaled) in enumerate(sorted(found, key=lambda f: -f[0])):
+        kind, size, unit, ratio = "", 0.0, "", None
+        if c.row is not None:
+            z = _stiffness(problem, here, c.row, rho, scaled)
+            ratio = -z[0] / z[1]
+            if k < _TYPED:
+                kind, size, unit = interface_type(2 * np.pi * measured.frequency_hz, *z)
+        ranked.append(Place(c.label, c.kind, c.position_m, explained, kind, size, unit, ratio))
+    return Localisation(tuple(ranked), measured.frequency_hz, null.chi2_per_dof)
+
+
+def _free(rho: ComplexArray, tangent: ComplexArray, scores: Array, direction: ComplexArray | None) -> float:
+    """Least |P (ρ + J δ)|² + |u + δ|² over δ, with P taking a free amount of ``direction`` (C, L) off every line."""
+    if direction is not None:
+        power = np.sum(np.abs(direction) ** 2, axis=0)
+        unit = direction / np.sqrt(np.where(power > 0, power, 1.0))
+        rho = rho - unit * np.sum(unit.conj() * rho, axis=0)
+        tangent = tangent - unit[:, :, None] * np.einsum("cl,clp->lp", unit.conj(), tangent)[None]
+    flat = tangent.reshape(-1, tangent.shape[2])
+    vector = rho.ravel()
+    normal = (flat.conj().T @ flat).real + 0.5 * np.eye(scores.size)
+    gradient = (flat.conj().T @ vector).real + 0.5 * scores
+    total = float(np.sum(np.abs(vector) ** 2)) + 0.5 * float(scores @ scores)
+    return total - float(gradient @ np.linalg.solve(normal, gradient))
+
+
+def _candidates(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[_Candidate]:
+    group = here.assembled[0]
+    s, plan = group.structure, group.plan
+    found = []
+    for point in plan.grid:
+        k = s.places.index(point.site)
+        at = (float(point.position_m[0]), float(point.position_m[1]), float(point.position_m[2]))
+        found.append(_Candidate(f"force at {point.dof}", "structure", at, s.axis[k], None))
+    hook = np.array(plan.scenario.suspension.hook_m)
+    rows, _ = point_rows(s, plan, "body", hook)
+    found.append(_Candidate("force at the hook", "structure", tuple(hook.tolist()), _UP @ rows, None))
+    # The first six coordinates: translation, then rotation about the body's own x, y and z.
+    for axis, name in ((4, "pitch"), (3, "roll")):
+        row = np.zeros(s.drive.size)
+        row[axis] = 1.0
+        found.append(_Candidate(f"{name} moment on the centre body", "structure", None, row, None))
+    for beam, chain in plan.parts.chains.items():
+        for kind in ("bending", "torsion"):
+            joints = [f"{link.name}/{kind}" for link in chain.links if f"{link.name}/{kind}" in s.joints]
+            if joints:
+                row = np.zeros(s.drive.size)
+                row[s.joints.index(joints[0])] = 1.0
+                x, y, z = (float(v) for v in chain.table.point_m(0.0))
+                found.append(_Candidate(f"{kind} at the root of {beam}", "structure", (x, y, z), row, None))
+    channels = problem.measured.channels
+    everything = np.ones(len(channels), dtype=bool)
+    found.append(_Candidate("force channel", "drive", None, None, everything))
+    instruments = np.array([c.instrument for c in channels])
+    if len(problem.measured.runs) > 1:
+        found += [
+            _Candidate(f"sensor-{k + 1} in every run", "sensor", None, None, instruments == k)
+            for k in np.unique(instruments)
+        ]
+    found += [
+        _Candidate(channel.label, "sensor", None, None, np.arange(len(channels)) == i)
+        for i, channel in enumerate(channels)
+        if keep[i]
+    ]
+    return found
+
+
+def _answer(
+    problem: Problem, here: Anchor, c: _Candidate, predicted: ComplexArray, chain: ComplexArray
+) -> ComplexArray:
+    """What a unit of the candidate does to A/F, (C, L)."""
+    if c.row is None:
+        assert c.mask is not None
+        return np.asarray(predicted * c.mask[:, None])
+    out = np.zeros(problem.measured.values.shape, dtype=complex)
+    omega = 2 * np.pi * problem.measured.frequency_hz
+    for group in here.groups:
+        out[group.channels] = _pushed(group, c.row, omega)
+    return np.asarray(out * chain)
+
+
+def _pushed(group: Reduced, row: Array, omega: Array) -> ComplexArray:
+    """Accelerances (C_g, L) of a group for a force along a row over its assembled coordinates."""
+    wide = np.zeros(group.basis.shape[0])
+    wide[: row.size] = row
+    pushed = replace(group.matrices, drive=group.basis.T @ wide, spare=np.zeros_like(group.matrices.spare))
+    masses = tuple(group.masses_kg[r] if group.roving else np.zeros(r.size) for r in group.runs)
+    return accelerances(pushed, omega, group.runs, masses)
+
+
+def _stiffness(
+    problem: Problem, here: Anchor, row: Array, rho: ComplexArray, scaled: ComplexArray
+) -> tuple[ComplexArray, ComplexArray, Array]:
+    """Free force g (L,), motion there (L,), both per unit of shaker force, and the weight of each line (L,)."""
+    omega = 2 * np.pi * problem.measured.frequency_hz
+    power = np.sum(np.abs(scaled) ** 2, axis=0)
+    force = -np.sum(scaled.conj() * rho, axis=0) / np.where(power > 0, power, 1.0)
+    group = here.groups[0]
+    wide = np.zeros(group.basis.shape[0])
+    wide[: row.size] = row
+    own = group.basis.T @ wide
+    seen = replace(group.matrices, axis=own[None], tilt=np.zeros((1, own.size)), spare=np.zeros(1))
+    runs, none = (np.array([0]),), (np.zeros(1),)
+    by_drive = accelerances(seen, omega, runs, none)[0] / -(omega**2)
+    by_itself = accelerances(replace(seen, drive=own), omega, runs, none)[0] / -(omega**2)
+    return force, by_drive + by_itself * force, power
+
+
+def interface_type(omega: Array, force: ComplexArray, motion: ComplexArray, weight: Array) -> tuple[str, float, str]:
+    """The simplest law force = -z motion that fits best: its name, its size and unit (translation: N/m, kg, N s/m).
+
+    ``omega`` (L,) rad/s, ``force``, ``motion``, ``weight`` (L,). 'resonant' where a pole in z with what the
+    calibration may have put beside it, a stiffness, mass and damper, does much better than these three alone;
+    then the size is the pole's frequency. 'unclear' where half of the force is left by each law.
+    """
+    names = (("stiffness", "N/m"), ("mass", "kg"), ("damper", "N s/m"))
+    laws = np.stack([np.ones_like(omega), -(omega**2), 1j * omega], axis=1)
+    scale = np.sqrt(weight)
+    target = _parts(scale * force)
+    total = float(target @ target)
+    best, least = ("unclear", 0.0, ""), 0.5 * total
+    for k, (name, unit) in enumerate(names):
+        size, left = _least(_parts((-laws[:, k] * motion * scale)[:, None]), target)
+        if (left < least and size[0] > 0) or left < 0.9 * least:
+            best, least = (name, float(size[0]), unit), left
+    plain = _parts(-laws * motion[:, None] * scale[:, None])
+    enough = 0.4 * min(_least(plain, target)[1], total)
+    for frequency in np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), _POLES)):
+        for ratio in _RATIOS:
+            pole = frequency**2 + 2j * ratio * frequency * omega
+            column = omega**2 * pole / (pole - omega**2) * motion * scale
+            size, left = _least(np.column_stack([_parts(column[:, None]), plain]), target)
+            if size[0] > 0 and left < enough:
+                best, enough = ("resonant", float(frequency / (2 * np.pi)), "Hz"), left
+    return best
+
+
+def _parts(values: ComplexArray) -> Array:
+    """Real parts, then imaginary ones, along the first axis."""
+    return np.concatenate([values.real, values.imag])
+
+
+def _least(columns: Array, target: Array) -> tuple[Array, float]:
+    """Least-squares amounts (k,) of columns (2 L, k), and the square sum that they leave."""
+    length = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    unit = columns / length
+    normal = unit.T @ unit + 1e-10 * np.eye(length.size)
+    amounts = np.linalg.solve(normal, unit.T @ target)
+    left = target - unit @ amounts
+    return amounts / length, float(left @ left)

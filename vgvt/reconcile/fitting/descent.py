@@ -1,0 +1,192 @@
+"""One accepted step of a fit, by Levenberg and Marquardt: damped by what steps keep of their promises.
+
+Slopes of the stated values serve until they mislead, and are then taken anew: along a narrow, bent valley one that is
+wrong by a tenth leads up its side at every step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.local_slopes import Origin, from_elsewhere
+from vgvt.reconcile.prediction.surrogate import Anchor, anchor
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+Scores = tuple[Array, Array]
+
+# Standard deviations at once: from where scores are tens of them away, a share of that.
+_LONGEST_STEP, _LONGEST_SHARE = 1.5, 0.2
+_REJECTIONS = 9
+# Of what a step promised, what it keeps where the next may be freer, and where it has to be held back more: as freely
+# as data that miss much let it, a step would cross the valley's floor and come back at the next, over and over.
+_KEEPS_MOST, _KEEPS_LITTLE = 0.75, 0.25
+_FREER, _HELD_BACK, _REFUSED = 0.2, 2.0, 4.0
+# A free step that was refused: to be held back at all.
+_FREE, _HELD = 1e-2, 1.0
+# Where a step keeps less of its promise, slopes that were taken elsewhere are taken anew.
+_TRUE = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """Where a step has arrived: scores, the anchor and the prediction (C, L) there, and the damping to go on with.
+
+    ``gain`` is what it took off the cost and ``promised`` what a free step promised to, as shares of the cost.
+    """
+
+    u: Array
+    e: Array
+    here: Anchor
+    predicted: ComplexArray
+    damping: float
+    gain: float
+    promised: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Slopes:
+    """Gradient (scores,) of half the cost where a step begins, and half its curvature as a tangent has it.
+
+    No step is longer than ``longest``.
+    """
+
+    gradient: Array
+    normal: Array
+    longest: float
+
+    @classmethod
+    def of(cls, here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> _Slopes | None:
+        """By the slopes of ``here``; None beside a joint whose march runs away."""
+        tangent = jacobian(here, u, e, predicted, sigma)
+        if not np.isfinite(tangent).all():
+            return None
+        scores = np.concatenate([u, e])
+        gradient = tangent.T @ data_misfit(here.problem, predicted, sigma) + scores
+        longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max()))
+        return cls(gradient, tangent.T @ tangent + np.eye(scores.size), longest)
+
+    def move(self, damping: float) -> Array:
+        """A damped Gauss-Newton step (scores,)."""
+        # Scores are in units of their priors: damping by the identity spares the well-determined directions.
+        move = -solved(self.normal + damping * np.eye(self.gradient.size), self.gradient)
+        return move * min(1.0, self.longest / max(float(np.abs(move).max()), 1e-300))
+
+    def promised(self, move: Array) -> float:
+        """What a step (scores,) takes off the cost where slopes stay as they are."""
+        return -float(2 * self.gradient @ move + move @ self.normal @ move)
+
+    @property
+    def promised_freely(self) -> float:
+        """What a free step, however long, takes off the cost where slopes stay as they are."""
+        return float(self.gradient @ solved(self.normal, self.gradient))
+
+
+def taken(
+    here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float, rough: bool
+) -> Step | None:
+    """One accepted step from u and e with the slopes of ``here``, or None where none is found.
+
+    ``predicted`` (C, L) is the prediction there, ``sigma`` (fitted channels, L) what it is judged by; ``rough`` keeps
+    the slopes, whatever they promise.
+    """
+    slopes = _Slopes.of(here, u, e, predicted, sigma)
+    cost = _cost(here, u, e, predicted, sigma)
+    for _ in range(_REJECTIONS):
+        if slopes is None:
+            return None
+        move = slopes.move(damping)
+        reached = _reached(here, _moved(here, u, e, move), sigma)
+        if reached is not None and reached.cost < cost:
+            kept = (cost - reached.cost) / slopes.promised(move)
+            if kept > _KEEPS_MOST:
+                damping *= _FREER
+            elif kept < _KEEPS_LITTLE:
+                damping *= _HELD_BACK
+            anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
+            there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
+            gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
+            return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free)
+        if not rough and _misled(here, u, e):
+            here = _sloped(here, here, u, e, anew=True)
+            slopes = _Slopes.of(here, u, e, predicted, sigma)
+        else:
+            damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Reached:
+    """Scores, the anchor and the prediction (C, L) there, and the cost."""
+
+    u: Array
+    e: Array
+    here: Anchor
+    predicted: ComplexArray
+    cost: float
+
+
+def _reached(here: Anchor, scores: Scores, sigma: Array) -> _Reached | None:
+    """What is found at some scores; None where there is no such aircraft."""
+    u, e = scores
+    try:
+        there = anchor(here.problem, u, here.hypotheses, e, slopes=False, structures=here.structures)
+        trial = there.predict(u, e)
+    except NoStructureError:
+        return None
+    left = _cost(here, u, e, trial, sigma)
+    return _Reached(u, e, there, trial, left) if np.isfinite(left) else None
+
+
+def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> float:
+    """Square sum of misfit and scores."""
+    misfit = data_misfit(here.problem, predicted, sigma)
+    return float(misfit @ misfit + u @ u + e @ e)
+
+
+def _misled(here: Anchor, u: Array, e: Array) -> bool:
+    """Whether slopes of ``here`` may be to blame for a broken promise, and others are to be had at u and e."""
+    return not here.structures.whole and from_elsewhere(here.problem, u, e, here.origin, here.hypotheses)
+
+
+def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> Anchor:
+    """The anchor at scores u and e, whose groups ``there`` has, with slopes from where those of ``here`` are, or new.
+
+    Those of the stated values are kept until they mislead.
+    """
+    origin = Origin(u.copy(), e.copy()) if anew else here.origin
+    return anchor(
+        here.problem, u, here.hypotheses, e, groups=there.assembled, origin=origin,
+        rough=origin is None and not here.structures.whole, structures=here.structures,
+    )  # fmt: skip
+
+
+def solved(normal: Array, right: Array) -> Array:
+    """Solution (n,) of a symmetric positive definite system (n, n), however different the sizes of its rows.
+
+    Cholesky's factors do not mind scaling, where a condition number would warn of it.
+    """
+    try:
+        return np.asarray(scipy.linalg.cho_solve(scipy.linalg.cho_factor(normal), right), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        # Slopes so steep that the priors are lost in round-off: the shortest of all solutions.
+        return np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0], dtype=np.float64)
+
+
+def _moved(here: Anchor, u: Array, e: Array, move: Array) -> Scores:
+    """Scores after a step that is straight in amounts, as the valley is where an effect and an unknown trade places."""
+    new_u, new_e = u + move[: u.size], e + move[u.size :]
+    for k, unknown in enumerate(here.problem.unknowns):
+        new_u[k] = unknown.moved(float(u[k]), float(move[k]), float(u[k]))
+    start = 0
+    for hypothesis in here.hypotheses:
+        stop = start + len(hypothesis.parameters)
+        new_e[start:stop] = hypothesis.moved(e[start:stop], move[u.size + start : u.size + stop])
+        start = stop
+    return new_u, new_e

@@ -1,0 +1,20 @@
+"""A fit gone on with to its end."""
+
+from __future__ import annotations
+
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.local_slopes import origin_at
+from vgvt.reconcile.work.progress import Progress, naming
+
+
+def finished(found: Fit, tell: Progress) -> Fit:
+    """A fit gone on with to its end, with exact slopes where that is far out."""
+    if found.converged and origin_at(found.problem, found.u, found.e, found.hypotheses) is None:
+        return found
+    tell = naming(tell, found.hypotheses[-1])
+    try:
+        more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, tell, exact=True)
+    except NoStructureError:
+        return found
+    return more if more.evidence_nats >= found.evidence_nats else found

@@ -1,0 +1,79 @@
+"""The residual of a fit as a real vector, and its derivatives: data in standard deviations, then the scores."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.prediction.chain import chain_factor
+from vgvt.reconcile.prediction.surrogate import Anchor
+from vgvt.reconcile.question.problem import Problem
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+# Small against a resonance's width for the widest prior; the prediction is smooth to round-off.
+_STEP = 1e-4
+
+
+def data_misfit(problem: Problem, predicted: ComplexArray, sigma: Array | None = None) -> Array:
+    """sqrt(2) Re and Im of (model - data)/sigma of the channels to fit, (2 N,): the square sum is a χ².
+
+    sigma² is the variance of the complex value, hence the 2. ``sigma`` (fitted channels, L) stands in for the data's.
+    """
+    keep = problem.split.train
+    measured = problem.measured
+    difference = (predicted[keep] - measured.values[keep]) / _sigma(problem, sigma)
+    return np.asarray(np.sqrt(2) * np.concatenate([difference.real.ravel(), difference.imag.ravel()]))
+
+
+def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None = None) -> Array:
+    """Derivatives (2 N, scores) of :func:`data_misfit` in u, then in e, at the scores that ``anchored`` stands on."""
+    problem = anchored.problem
+    keep, sigma = problem.split.train, _sigma(problem, sigma)
+    columns = []
+
+    def add(change: ComplexArray) -> None:
+        scaled = change / sigma
+        columns.append(np.sqrt(2) * np.concatenate([scaled.real.ravel(), scaled.imag.ravel()]))
+
+    known = len(problem.unknowns)
+    chain, here = anchored.chain(u, e), predicted[keep]
+    slopes = anchored.slopes(keep)
+    for change in slopes[:known]:
+        add(chain[keep] * change)
+    plain = chain_factor(problem, u[known:], None)
+    for k, nuisance in enumerate(problem.nuisances):
+        if nuisance.kind == "gain":
+            add(nuisance.sd * here * nuisance.rows[keep, None])
+        else:
+            moved = u[known:].copy()
+            moved[k] += _STEP
+            add(here * (chain_factor(problem, moved, None) / plain - 1)[keep] / _STEP)
+    for k, change in enumerate(slopes[known:]):
+        add(chain[keep] * change + (predicted * _relative_slope(anchored, u, e, k, chain))[keep])
+    return np.array(columns).T
+
+
+def _relative_slope(anchored: Anchor, u: Array, e: Array, k: int, chain: ComplexArray) -> ComplexArray | float:
+    """What a hypothesis' parameter does to the measuring chain, relative to the chain's factor."""
+    if not anchored.filtered:
+        return 0.0
+    moved = e.copy()
+    for step in (_STEP, -_STEP):
+        moved[k] = e[k] + step
+        try:
+            return np.asarray((anchored.chain(u, moved) / chain - 1) / step)
+        except ValueError:
+            continue
+    return 0.0
+
+
+def coarse_sigma(problem: Problem, coarse: float) -> Array:
+    """Standard deviations with a relative error added to every line."""
+    keep = problem.split.train
+    measured = problem.measured
+    return np.asarray(np.sqrt(measured.sigma[keep] ** 2 + (coarse * np.abs(measured.values[keep])) ** 2))
+
+
+def _sigma(problem: Problem, sigma: Array | None) -> Array:
+    return problem.measured.sigma[problem.split.train] if sigma is None else sigma

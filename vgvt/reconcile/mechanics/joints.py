@@ -1,0 +1,105 @@
+"""Nonlinear joints of a structure: their force laws, loaded by what rests on them, in reduced coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.elements import JointLaw
+from vgvt.reconcile.mechanics.describing import Law
+from vgvt.scenario.mirror import part_name
+from vgvt.simulation.assembly import Plan
+from vgvt.simulation.reduced import Structure
+from vgvt.simulation.rig import GRAVITY_M_PER_S2
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joints:
+    """Joints with a force law of their own, in reduced coordinates: ``rows`` (J, m) of their motions.
+
+    ``laws`` are those of every run and joint: the run's sensors rest on them too. ``to_drive`` (J,), ``to_axis``
+    (C, J) and ``between`` (J, J) are static flexibilities that the coordinates miss.
+    """
+
+    laws: tuple[tuple[Law, ...], ...]
+    rows: Array
+    to_drive: Array
+    to_axis: Array
+    between: Array
+
+
+def joint_laws(layout: Plan, s: Structure) -> dict[int, Law]:
+    """Force laws by the coordinate of the structure that they act on, each about where the weight holds it.
+
+    What several effects say of one joint is one law.
+    """
+    said: dict[int, JointLaw] = {}
+    for _, element in layout.elements:
+        if isinstance(element, JointLaw):
+            name = f"{part_name(layout.parts.airframe, element.beam, 1.0)}-root/{element.kind}"
+            index = s.joints.index(name)
+            said[index] = element if index not in said else _together(said[index], element)
+    laws = {index: Law.of(element, float(s.equilibrium[index])) for index, element in said.items()}
+    return {index: law for index, law in laws.items() if law.cubic or law.friction or law.play}
+
+
+def _together(one: JointLaw, other: JointLaw) -> JointLaw:
+    """What two effects make of one joint, whose stiffness both know."""
+    return replace(
+        one,
+        cubic_n_m_per_rad3=one.cubic_n_m_per_rad3 + other.cubic_n_m_per_rad3,
+        friction_n_m=one.friction_n_m + other.friction_n_m,
+        play_rad=max(one.play_rad, other.play_rad),
+    )
+
+
+def joints_of(
+    layout: Plan,
+    s: Structure,
+    basis: Array,
+    rows: NDArray[np.intp],
+    runs: tuple[NDArray[np.intp], ...],
+    masses_kg: Array,
+) -> Joints | None:
+    """The nonlinear joints of a structure in a ``basis`` (n, m); None where it has none.
+
+    The channels are at its ``rows`` (C,) of places, those of each run are ``runs``; each carries a sensor of
+    ``masses_kg`` (C,), whose weight the structure has not settled under.
+    """
+    laws = joint_laws(layout, s)
+    if not laws:
+        return None
+    index = np.array(list(laws))
+    unit = np.zeros((s.drive.size, index.size))
+    unit[index, np.arange(index.size)] = 1.0
+    stiffness = basis.T @ s.stiffness @ basis
+    reduced = basis[index]
+    moved, pushed = np.linalg.solve(s.stiffness, unit), np.linalg.solve(s.stiffness, s.drive)
+    near, near_pushed = np.linalg.solve(stiffness, reduced.T), np.linalg.solve(stiffness, basis.T @ s.drive)
+    axis = s.axis[rows]
+    weight = -GRAVITY_M_PER_S2 * masses_kg[:, None] * s.jacobian[rows, 2][:, index]
+    loaded = tuple(
+        tuple(law.loaded(float(weight[run, k].sum())) for k, law in enumerate(laws.values())) for run in runs
+    )
+    return Joints(
+        loaded, reduced, pushed[index] - reduced @ near_pushed, axis @ moved - axis @ basis @ near,
+        moved[index] - reduced @ near,
+    )  # fmt: skip
+
+
+def missed(joints: Joints, rows: NDArray[np.intp], carried: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Static flexibilities that the coordinates miss, where sensors ``carried`` and joints act: b points in all.
+
+    The first (a, b) is from these to the rows (a,), the second (b, b) between them.
+    """
+    loads = carried.size
+    to_rows, between = np.zeros((rows.size, loads + len(joints.rows))), np.zeros((loads + len(joints.rows),) * 2)
+    to_rows[:, loads:] = joints.to_axis[rows]
+    between[:loads, loads:] = joints.to_axis[carried]
+    between[loads:, :loads] = joints.to_axis[carried].T
+    between[loads:, loads:] = joints.between
+    return to_rows, between

@@ -1,0 +1,142 @@
+"""What a campaign could see at all: the smallest size of each effect beyond the tolerances, and what looks alike.
+
+And how large it has to be to get its name, which is more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from vgvt.effects.parameter import Parameter
+from vgvt.reconcile.evidence.lasting import Imitated
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.next_test.nameable import nameable_ratio
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
+from vgvt.reconcile.search.scan import start_values
+from vgvt.reconcile.search.stand import Stand
+from vgvt.reconcile.work.one_thread import one_thread
+
+_SIGMA = 5.0
+_ALIKE = 0.6
+# Times the largest plausible size.
+_ABSURD = 1e3
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    """One size parameter of one variant: the smallest size seen at five standard deviations, in ``unit``.
+
+    ``named`` is the size that gets its name in 95 of 100 such campaigns; ``low`` and ``high`` bound what is plausible;
+    ``alike`` are variants whose signature, after what the unknowns can imitate, has a cosine above 0.6 with it.
+    ``smallest`` is infinite for what A/F does not show, and ``named`` for what would have to be absurdly large.
+    """
+
+    effect: str
+    label: str
+    parameter: str
+    unit: str
+    smallest: float
+    named: float
+    low: float
+    high: float
+    alike: tuple[tuple[str, float], ...]
+
+    @property
+    def visible(self) -> bool:
+        """Whether a plausible size could be seen."""
+        return self.smallest <= max(abs(self.low), abs(self.high))
+
+    def document(self) -> dict[str, object]:
+        """Plain values; an infinite size is None."""
+        sizes = {"smallest": self.smallest, "named": self.named}
+        return asdict(self) | {k: v if np.isfinite(v) else None for k, v in sizes.items()}
+
+
+@one_thread
+def power(
+    null: Fit,
+    hypotheses: Sequence[Hypothesis],
+    progress: Callable[[float, str], None] | None = None,
+    thresholds: Thresholds | None = None,
+) -> tuple[Power, ...]:
+    """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|).
+
+    Of what grows with the square of its size, from the second one. ``thresholds`` (default: those that are shipped)
+    say what a name needs.
+    """
+    share = noise_share(null.problem.measured, null.problem.split.train)
+    needed, worth = (thresholds or stored_thresholds()).at(share).evidence_nats, share.worth
+    stand = Stand.of(null)
+    alike = Imitated.of(stand.fit.problem, stand.fit.tangent)
+    rows, signatures = [], []
+    for k, hypothesis in enumerate(hypotheses):
+        if progress is not None:
+            progress(k / len(hypotheses), f"power {hypothesis.name}")
+        switches = [p for p in hypothesis.parameters if p.neutral is not None]
+        neutral = {p.name: float(p.neutral) for p in switches if p.neutral is not None}
+        for p in switches:
+            values = {**start_values(hypothesis), **neutral}
+            square = stand.squared(hypothesis, values, p)
+            slope = stand.slope(hypothesis, values, p) if square is None else square[1]
+            seen = None if slope is None else stand.projected(slope)
+            length = 0.0 if seen is None else float(np.linalg.norm(seen))
+            smallest = named = float("inf")
+            if slope is not None and seen is not None and length > 1e-9:
+                # What the tolerances have to give counts whole, what data say is tempered.
+                given = float(np.linalg.norm(seen[null.points :])) / length
+                lasting = alike.deviations(slope)
+                smallest, named = _sizes(
+                    hypothesis, p, needed, None if square is None else square[0],
+                    (np.sqrt(worth) * length, length, length * np.sqrt(worth + (1 - worth) * given**2)),
+                    (lasting, lasting, lasting),
+                )  # fmt: skip
+            if not np.isfinite(smallest):
+                seen = None
+            rows.append((hypothesis, p, smallest, named))
+            signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
+    return tuple(
+        Power(h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, _alike(k, rows, signatures))
+        for k, (h, p, smallest, named) in enumerate(rows)
+    )
+
+
+def _sizes(
+    hypothesis: Hypothesis, p: Parameter, needed: float, step: float | None, *views: tuple[float, float, float]
+) -> tuple[float, float]:
+    """The sizes that are just visible and that get a name, by the view of the data that sees least.
+
+    A view are deviations per unit of size (per ``step`` squared of what grows with its square): those that show, those
+    where every line counts whole, and those that give a name.
+    """
+    grows = 1 if step is None else 2
+    sizes = []
+    for shown, raw, told in views:
+        smallest = float((_SIGMA / shown) ** (1 / grows) * (step or 1.0)) if shown > 0 else float("inf")
+        if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
+            # What leaves A/F alone but for round-off: no score is known of such a size.
+            return float("inf"), float("inf")
+        more = nameable_ratio(
+            hypothesis, p, smallest, deviations=_SIGMA * told / shown, raw=_SIGMA * raw / shown,
+            threshold_nats=needed, power=grows,
+        )  # fmt: skip
+        sizes.append((smallest, smallest * more))
+    return max(s for s, _ in sizes), max(n for _, n in sizes)
+
+
+def _alike(
+    k: int, rows: list[tuple[Hypothesis, Parameter, float, float]], signatures: list[np.ndarray | None]
+) -> tuple[tuple[str, float], ...]:
+    own = signatures[k]
+    if own is None:
+        return ()
+    best: dict[str, float] = {}
+    for j, other in enumerate(signatures):
+        name = rows[j][0].name
+        if other is not None and name != rows[k][0].name:
+            best[name] = max(best.get(name, 0.0), abs(float(own @ other)))
+    found = [(name, cosine) for name, cosine in best.items() if cosine > _ALIKE]
+    return tuple(sorted(found, key=lambda pair: -pair[1]))

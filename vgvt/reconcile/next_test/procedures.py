@@ -1,0 +1,159 @@
+"""What a lab can change within minutes between two campaigns, and the campaign that a scenario then foretells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vgvt.effects.added_mass import with_lump
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.question.holdout import Split
+from vgvt.reconcile.question.problem import Nominal, Problem, nuisances_of
+from vgvt.reconcile.question.uncertain import prepared
+from vgvt.reconcile.search.candidates import places
+from vgvt.scenario.model import Scenario
+from vgvt.simulation.reduced import Layouts, structure
+
+_DUMMY_KG = 0.05
+_AVERAGED = (4, 16)
+# To move the sensors and to look at what they read.
+_BETWEEN_RUNS_MIN = 3.0
+
+Runs = tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Procedure:
+    """A change of procedure: in words, as an edit of the scenario, and its lab time beyond the runs themselves.
+
+    ``force`` multiplies what the shaker pushed with; ``sweeps`` of every run are averaged where there was one.
+    """
+
+    words: str
+    edit: Callable[[Scenario], Scenario]
+    minutes: float
+    force: float = 1.0
+    sweeps: int = 1
+
+
+def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
+    """Sweeps at other levels, where one of the fits holds an effect that depends on it."""
+    if all(h.linear for fit in fits for h in fit.hypotheses):
+        return ()
+    return tuple(
+        Procedure(f"sweep again with {words} the force", lambda s: s, 5.0, factor)
+        for words, factor in (("twice", 2.0), ("half", 0.5), ("a quarter of", 0.25))
+    )
+
+
+def procedures(problem: Problem) -> tuple[Procedure, ...]:
+    """What a lab can change within minutes: drive point, dummy mass, suspension, and what is measured when."""
+    scenario = problem.scenario
+    x, y, z = scenario.shaker.position_m
+
+    def driven(at: tuple[float, float, float]) -> Callable[[Scenario], Scenario]:
+        return lambda s: s.model_copy(update={"shaker": s.shaker.model_copy(update={"position_m": at})})
+
+    def sprung(factor: float) -> Callable[[Scenario], Scenario]:
+        return lambda s: s.model_copy(
+            update={
+                "suspension": s.suspension.model_copy(
+                    update={"stiffness_n_per_m": s.suspension.stiffness_n_per_m * factor}
+                )
+            }
+        )
+
+    def loaded(place: tuple[float, float]) -> Callable[[Scenario], Scenario]:
+        return lambda s: with_lump(s, "dummy", _DUMMY_KG, place)
+
+    found = []
+    if y != 0:
+        found.append(Procedure("excite at the mirror image of the drive point", driven((x, -y, z)), 20.0))
+        found.append(Procedure("excite on the centre line", driven((x, 0.0, z)), 20.0))
+    found.append(Procedure("excite 10 cm further forward", driven((x - 0.1, y, z)), 20.0))
+    found.append(Procedure("hang it on a spring half as stiff", sprung(0.5), 15.0))
+    found.append(Procedure("hang it on a spring twice as stiff", sprung(2.0), 15.0))
+    for place in places(problem):
+        words = f"tape a dummy mass of {1000 * _DUMMY_KG:.0f} g at x = {place[0]:.2f} m, y = {place[1]:.2f} m"
+        found.append(Procedure(words, loaded(place), 5.0))
+    return (*found, *_other_runs(problem.measured.runs), *_averages(problem))
+
+
+def _averages(problem: Problem) -> list[Procedure]:
+    """What takes noise away where nothing but noise keeps two explanations together."""
+    sweep_min = problem.scenario.excitation.record_s / 60
+    return [
+        Procedure(
+            f"average {count} sweeps in every run", lambda s: s,
+            len(problem.measured.runs) * (_BETWEEN_RUNS_MIN + count * sweep_min), sweeps=count,
+        )
+        for count in _AVERAGED
+    ]  # fmt: skip
+
+
+def _other_runs(runs: Runs) -> list[Procedure]:
+    """What tells an instrument from the point where it sat, and what happened in the meantime from either."""
+
+    def measured(after: Runs) -> Callable[[Scenario], Scenario]:
+        changes = {"runs": after, "repeats": 1}
+        return lambda s: s.model_copy(update={"acquisition": s.acquisition.model_copy(update=changes)})
+
+    found = []
+    if len(runs) > 1:
+        found += [
+            Procedure(f"make run {k + 1} once more after the last", measured((*runs, run)), 5.0)
+            for k, run in enumerate(runs)
+        ]
+    if any(len(run) > 1 for run in runs):
+        words = "exchange the sensors: every run again with their places in reverse order"
+        # As long as the campaign was.
+        found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), 5.0 * len(runs)))
+    return found
+
+
+def changed(problem: Problem, procedure: Procedure) -> Problem:
+    """The problem of a campaign by a changed procedure, the data of the first standing in for its own."""
+    scenario = procedure.edit(problem.scenario)
+    start = prepared(scenario)
+    layouts = Layouts.of(start)
+    layout = layouts.plan(start)
+    nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
+    if scenario.acquisition.runs != problem.scenario.acquisition.runs:
+        problem = _rearranged(problem, scenario)
+    measured = problem.measured
+    if procedure.force != 1:
+        pushed, force = procedure.force * measured.pushed, procedure.force * measured.force
+        measured = replace(measured, pushed=pushed, force=force)
+    # Noise of the instruments is what it is, and counts for less in A/F the harder the push and the more sweeps are
+    # averaged. The model's own error does neither.
+    noise = measured.noise / (procedure.force**2 * procedure.sweeps)
+    measured = replace(measured, noise=noise, sigma=np.sqrt(measured.sigma**2 - measured.noise + noise))
+    return replace(problem, scenario=scenario, measured=measured, start=nominal)
+
+
+def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
+    """The problem of other runs over the same points: each point's data as it was first measured, wherever it is now.
+
+    What is measured once more is there to be fitted; of the rest the same channels are held out.
+    """
+    first, runs = problem.measured, scenario.acquisition.runs
+    row = {(c.run, c.dof.node): i for i, c in enumerate(first.channels)}
+    came = [k if k < len(first.runs) else first.runs.index(run) for k, run in enumerate(runs)]
+    channels, index = [], []
+    for k, run in enumerate(runs):
+        for place, node in enumerate(run):
+            index.append(row[came[k], node])
+            channels.append(replace(first.channels[index[-1]], run=k, run_number=k + 1, instrument=place))
+    again = first.used[index] & np.array([c.run >= len(first.runs) for c in channels])
+    measured = replace(
+        first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
+        sigma=first.sigma[index], variances={name: v[index] for name, v in first.variances.items()},
+        force=first.force[came], pushed=first.pushed[came], level_n=first.level_n[came],
+        endings=tuple(first.endings[k] for k in came) if first.endings else (),
+        lost=None if first.lost is None else first.lost[index],
+    )  # fmt: skip
+    parts = problem.split
+    split = Split(parts.train[index] | again, parts.held_runs[index] & ~again, parts.held_channels[index] & ~again)
+    return replace(problem, measured=measured, split=split, nuisances=nuisances_of(scenario, measured))

@@ -1,0 +1,195 @@
+"""The next test: changes of procedure and readings, each under two rival explanations, ranked by what they tell."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.reconcile.fitting.descent import solved
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
+from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
+from vgvt.reconcile.next_test.checks import Check, checks, reading_nats
+from vgvt.reconcile.next_test.procedures import Procedure, changed, levels_to_try, procedures
+from vgvt.reconcile.next_test.with_reading import followed_nats
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.work.one_thread import one_thread
+
+Array = NDArray[np.float64]
+Nats = Callable[[Fit, Fit], float | None]
+# What a test must promise to be worth its time: nats scatter by sqrt(2 nats), and five make two explanations two.
+_TELLS = 10.0
+# What leaves no doubt: a test that promises more is not worth more minutes.
+_CERTAIN = 50.0
+# Tests whose promise is followed to the end by fits; each takes seconds.
+_FOLLOWED = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Suggestion:
+    """A test, the nats it is expected to put between ``rivals``, and how long it takes."""
+
+    test: str
+    rivals: tuple[str, str]
+    nats: float
+    minutes: float
+
+    def document(self) -> dict[str, object]:
+        """Plain values."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Test:
+    """A test in words, the nats that it promises between two fits at first sight, and ``followed`` to the end."""
+
+    words: str
+    minutes: float
+    promised: Nats
+    followed: Nats | None = None
+
+    def worth(self, fits: Sequence[Fit], nats: Nats) -> Suggestion | None:
+        """What it tells of the pair that it tells least of, whichever is true; None where that cannot be said."""
+        least: tuple[float, tuple[str, str]] | None = None
+        for one, other in itertools.combinations(fits, 2):
+            for true, wrong in ((one, other), (other, one)):
+                told = nats(true, wrong)
+                if told is None:
+                    return None
+                names = (one.hypotheses[-1].name, other.hypotheses[-1].name)
+                least = min(least or (told, names), (told, names))
+        return None if least is None else Suggestion(self.words, least[1], least[0], self.minutes)
+
+
+@one_thread
+def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) -> tuple[Suggestion, ...]:
+    """Rank tests for every pair of the first three rival fits by expected nats a lab minute; the smallest pair counts.
+
+    What tells a pair at all comes before what does not, however quickly; more than 50 nats are no more than 50, and
+    where nothing tells, minutes do not count.
+    What a changed campaign promises is the linear distance (:func:`expected_nats`); the best of them are followed
+    by fits until the first ``count`` hold what they promise. ``levels_alone`` compares sweeps at other levels of force.
+    """
+    if len(fits) < 2:
+        return ()
+    fits = fits[:3]
+    ranked = [
+        (found, test) for test in _tests(fits, levels_alone) if (found := test.worth(fits, test.promised)) is not None
+    ]
+    for _ in range(_FOLLOWED):
+        ranked.sort(key=lambda pair: _order(pair[0]))
+        ahead = [(i, test) for i, (_, test) in enumerate(ranked[:count]) if test.followed is not None]
+        if not ahead:
+            break
+        index, test = ahead[0]
+        assert test.followed is not None
+        found = test.worth(fits, test.followed)
+        if found is None:
+            ranked.pop(index)
+        else:
+            ranked[index] = (found, replace(test, followed=None))
+    sure = sorted((found for found, test in ranked if test.followed is None), key=_order)
+    return tuple(sure[:count])
+
+
+def _order(found: Suggestion) -> tuple[bool, float]:
+    if found.nats < _TELLS:
+        return True, -found.nats
+    return False, -min(found.nats, _CERTAIN) / found.minutes
+
+
+def _tests(fits: Sequence[Fit], levels_alone: bool) -> Iterator[_Test]:
+    """All tests that a scenario allows, or sweeps at other levels."""
+    problem = fits[0].problem
+    for check in () if levels_alone else checks(problem):
+        yield _Test(check.words, check.minutes, partial(reading_nats, check=check), partial(_followed, check=check))
+    for procedure in (*(() if levels_alone else procedures(problem)), *levels_to_try(fits)):
+        after = _after(problem, procedure)
+        if after is not None:
+            yield _Test(
+                procedure.words, procedure.minutes,
+                partial(expected_nats, problem=after), partial(found_nats, problem=after),
+            )  # fmt: skip
+
+
+def _followed(true: Fit, other: Fit, check: Check) -> float | None:
+    """What a reading tells where the other explanation may bend to it, unless it is beyond doubt at first sight.
+
+    That is dear, as the whole campaign is fitted again. Bending takes of such a promise, at most until the effect is
+    gone that the campaign had asked for.
+    """
+    promised = reading_nats(true, other, check)
+    return promised if promised is None or promised >= _CERTAIN else followed_nats(true, other, check)
+
+
+def _after(problem: Problem, procedure: Procedure) -> Problem | None:
+    try:
+        return changed(problem, procedure)
+    except (InputError, NoStructureError, ValueError, KeyError):
+        return None
+
+
+def words_of_none(tests: Sequence[Suggestion], needed: float) -> tuple[str, ...]:
+    """What is to be said where not even the best test is expected to bring the nats ``needed``."""
+    if not tests or tests[0].nats >= needed:
+        return ()
+    one, other = tests[0].rivals
+    return (
+        f"None of the tests that were compared is expected to tell {one} from {other}: for all of them they are one",
+    )
+
+
+def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
+    """Nats that a campaign by a changed procedure puts between two fits where ``one`` is true; None if impossible.
+
+    Half the square distance of the two predictions, after the other's own parameters have taken what they can (Box and
+    Hill, Technometrics 9, 1967, for normal errors). By that campaign alone: what the first one knew of the unknowns
+    is left out, as where it is reconciled by itself.
+    """
+    other_u = known_in(problem, other)
+    try:
+        told, own = foretold_by(one, problem)
+        second = anchor(told, other_u, other.hypotheses, other.e)
+        predicted = second.predict(other_u, other.e)
+    except (InputError, NoStructureError, ValueError, KeyError):
+        return None
+    gap = data_misfit(told, predicted)
+    tangent = jacobian(second, other_u, other.e, predicted)
+    scores = np.concatenate([other_u, other.e])
+    gradient = tangent.T @ gap + scores
+    taken = float(gradient @ solved(tangent.T @ tangent + np.eye(scores.size), gradient))
+    return 0.5 * (float(gap @ gap + scores @ scores) - taken - own)
+
+
+def found_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
+    """What :func:`expected_nats` foretells, after the other explanation was fitted to the campaign by iteration."""
+    try:
+        told, own = foretold_by(one, problem)
+        ended = fit(told, other.hypotheses, known_in(problem, other), other.e, NEAR)
+    except (InputError, NoStructureError, ValueError, KeyError):
+        return None
+    return 0.5 * (ended.cost - own)
+
+
+def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
+    """A problem whose data are what a fit foretells, without noise but judged by it, and the fit's own penalty."""
+    u = known_in(problem, true)
+    values = anchor(problem, u, true.hypotheses, true.e, slopes=False).predict(u, true.e)
+    measured = problem.measured
+    relative = np.median(measured.sigma[measured.used] / np.abs(measured.values[measured.used]))
+    sigma = relative * (np.abs(values) + np.median(np.abs(values), axis=1, keepdims=True))
+    told = replace(problem, measured=replace(measured, values=values, sigma=sigma))
+    return told, float(u @ u + true.e @ true.e)
+
+
+def known_in(problem: Problem, fit: Fit) -> Array:
+    """Scores (n,) of a fit's unknowns in another problem, by name: zero for what only that one has."""
+    names = dict(zip(fit.problem.names, fit.u, strict=True))
+    return np.array([names.get(name, 0.0) for name in problem.names])

@@ -1,0 +1,1 @@
+"""What is written back: the scenario with its effects, and the arrays and labels of the page."""

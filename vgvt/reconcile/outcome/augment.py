@@ -1,0 +1,98 @@
+"""Write a reconciliation back: the scenario at its calibrated values with the ``[[effect]]`` blocks that were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from vgvt.files.atomically import replacing
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.verdict import NamedEffect, Verdict
+from vgvt.reconcile.evidence.posterior import honest
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.question.uncertain import edited
+from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.write import to_toml
+
+
+def augment(scenario: Scenario, found: Attribution) -> Scenario:
+    """The scenario with its unknowns at their posterior means and the effects of the final fit switched on."""
+    final = found.final
+    problem = final.problem
+    known = problem.unknowns
+    calibrated = edited(scenario, known, final.u[: len(known)])
+    tables = list(scenario.effect)
+    for k, hypothesis in enumerate(final.hypotheses):
+        values = {name: value for name, (value, _, _) in final.values(k).items()}
+        tables.append(EffectTable(name=hypothesis.name, **{**hypothesis.settings, **values}))
+    summary = f"{scenario.summary.rstrip('.')}; reconciled with a measured campaign."
+    return calibrated.model_copy(
+        update={"name": f"{scenario.name}-reconciled"[:60], "effect": tuple(tables), "summary": summary}
+    )
+
+
+def posterior_of(fit: Fit) -> list[dict[str, object]]:
+    """Every calibrated quantity: name, in words, stated and calibrated value, scores and standard deviation."""
+    rows: list[dict[str, object]] = []
+    sd = np.sqrt(np.diag(honest(fit).covariance))
+    for k, unknown in enumerate(fit.problem.unknowns):
+        amount = unknown.amount(float(fit.u[k]))
+        row: dict[str, object] = {
+            "name": unknown.name,
+            "what": unknown.what,
+            "score": float(fit.u[k]),
+            "std_score": float(sd[k]),
+        }
+        if unknown.scale == "log":
+            row |= {"factor": amount, "factor_std": amount * unknown.sd * float(sd[k])}
+        else:
+            row |= {"shift": amount, "shift_std": unknown.rate(float(fit.u[k])) * float(sd[k])}
+        if unknown.nominal is not None:
+            row["stated"] = unknown.nominal
+            row["calibrated"] = unknown.nominal * amount if unknown.scale == "log" else unknown.nominal + amount
+            row["unit"] = unknown.unit
+        rows.append(row)
+    start = len(fit.problem.unknowns)
+    for k, nuisance in enumerate(fit.problem.nuisances):
+        u = float(fit.u[start + k])
+        factor = float(np.exp(nuisance.sd * u))
+        row = {"name": nuisance.name, "what": nuisance.name, "score": u, "std_score": float(sd[start + k])}
+        rows.append(row | {"factor": factor, "factor_std": factor * nuisance.sd * float(sd[start + k])})
+    return rows
+
+
+def _values(effect: NamedEffect) -> list[str]:
+    """Settings and parameters of an effect as comments."""
+    settings = [f"#   {k} = {v}" for k, v in effect.settings.items()]
+    fitted = [
+        f"#   {k} = {v:.5g} +- {sd:.2g} {unit}".rstrip() + _interval(effect, k)
+        for k, (v, sd, unit) in effect.parameters.items()
+    ]
+    return settings + fitted
+
+
+def _interval(effect: NamedEffect, parameter: str) -> str:
+    known = effect.ranges.get(parameter)
+    return "" if known is None else f" (95 % from {known[0]:.4g} to {known[1]:.4g})"
+
+
+def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]) -> None:
+    """The augmented scenario as TOML with where it comes from, and the posterior, as comments above it."""
+    lines = [f"# {key}: {value}" for key, value in provenance.items()]
+    lines += [f"# verdict: {verdict.kind.value}", *(f"# {reason}" for reason in verdict.reasons), "#"]
+    for effect in verdict.effects:
+        lines.append(
+            f"# {effect.name}: {effect.evidence_nats:.1f} nats, equivalent: {', '.join(effect.equivalent) or 'none'}"
+        )
+        lines += _values(effect)
+    for lead in verdict.leads:
+        lines += [f"# a lead, not switched on here: {lead.name}", *_values(lead)]
+    lines += ["#", "# Calibrated within the scenario's tolerances (score in prior standard deviations):"]
+    lines += [
+        f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}" for r in posterior_of(verdict.attribution.final)
+    ]
+    with replacing(path) as part:
+        part.write_text("\n".join(lines) + "\n\n" + to_toml(verdict.scenario), encoding="utf-8")

@@ -1,0 +1,121 @@
+"""Mode by mode, before and after: a wrong effect often mends one mode and spoils others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.mechanics.response import poles_of
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.view.reconcile_account import ModeRow
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+# A window of this many half-power widths each side, at least this share of the frequency and these many lines.
+_WIDTHS, _SHARE, _FEWEST_LINES = 3.0, 0.01, 5
+_SAME_MAC, _SAME_FREQUENCY = 0.5, 0.15
+_MOST_DAMPED = 0.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelModes:
+    """Modes of a fitted model in its first run: Hz (M,), damping ratios (M,), shapes (M, P) at the grid's points."""
+
+    frequency_hz: Array
+    damping_ratio: Array
+    shapes: ComplexArray
+
+
+def model_modes(fit: Fit) -> ModelModes:
+    """The modes of a fit within the band of its data, as they are in the first run, its accelerometers seated."""
+    here = anchor(fit.problem, fit.u, fit.hypotheses, fit.e, slopes=False)
+    group, whole = here.groups[0], here.assembled[0]
+    band = fit.problem.measured.frequency_hz
+    matrices = group.matrices
+    if group.roving:
+        rows = group.runs[0]
+        seated = matrices.axis[rows]
+        matrices = replace(matrices, mass=matrices.mass + seated.T @ (group.masses_kg[rows][:, None] * seated))
+    found = poles_of(matrices, 2 * np.pi * band[:1])
+    frequency = np.abs(found.poles) / (2 * np.pi)
+    damping = -found.poles.real / np.abs(found.poles)
+    inside = (found.poles.imag > 0) & (frequency >= band[0]) & (frequency <= band[-1]) & (damping < _MOST_DAMPED)
+    index = np.flatnonzero(inside)[np.argsort(frequency[inside])]
+    # At every point, those of other runs too: where runs differ in structure a group has some of the channels only.
+    points = [whole.structure.places.index(p.site) for p in whole.plan.grid]
+    shapes = (whole.structure.axis[points] @ group.basis @ found.vectors[:, index]).T
+    return ModelModes(frequency[index], damping[index], shapes)
+
+
+def mode_rows(before: Fit, after: Fit) -> tuple[ModeRow, ...]:
+    """Every mode of both models, paired by shape, with the error of both in a window around it."""
+    first = model_modes(before)
+    second = first if after is before else model_modes(after)
+    pairs = _pairs(first, second)
+    rows = []
+    for i, j in pairs:
+        f = second.frequency_hz[j] if j is not None else first.frequency_hz[i]
+        damping = second.damping_ratio[j] if j is not None else first.damping_ratio[i]
+        errors = _errors(before, after, float(f), float(damping))
+        mac = None if i is None or j is None else float(_mac(first.shapes[i], second.shapes[j]))
+        rows.append(
+            ModeRow(
+                _at(first.frequency_hz, i), _at(second.frequency_hz, j), _at(first.damping_ratio, i),
+                _at(second.damping_ratio, j), mac, *errors,
+            )
+        )  # fmt: skip
+    return tuple(sorted(rows, key=lambda r: r.after_hz or r.before_hz or 0.0))
+
+
+def _pairs(first: ModelModes, second: ModelModes) -> list[tuple[int | None, int | None]]:
+    """Best MAC first, each mode once, near in frequency; what is left has no partner."""
+    options = sorted(
+        (
+            (_mac(a, b), i, j)
+            for i, a in enumerate(first.shapes)
+            for j, b in enumerate(second.shapes)
+            if abs(first.frequency_hz[i] / second.frequency_hz[j] - 1) < _SAME_FREQUENCY
+        ),
+        reverse=True,
+    )
+    taken: list[tuple[int | None, int | None]] = []
+    used_i: set[int] = set()
+    used_j: set[int] = set()
+    for mac, i, j in options:
+        if mac > _SAME_MAC and i not in used_i and j not in used_j:
+            taken.append((i, j))
+            used_i.add(i)
+            used_j.add(j)
+    taken += [(i, None) for i in range(len(first.shapes)) if i not in used_i]
+    taken += [(None, j) for j in range(len(second.shapes)) if j not in used_j]
+    return taken
+
+
+def _mac(a: ComplexArray, b: ComplexArray) -> float:
+    return float(np.abs(np.vdot(a, b)) ** 2 / max(np.vdot(a, a).real * np.vdot(b, b).real, 1e-300))
+
+
+def _errors(
+    before: Fit, after: Fit, frequency_hz: float, damping_ratio: float
+) -> tuple[tuple[float, float], tuple[float, float] | None]:
+    """Median error, per cent of the responses' size in the window, on train and on held-out channels."""
+    measured, split = before.problem.measured, before.problem.split
+    half = frequency_hz * max(_SHARE, _WIDTHS * damping_ratio)
+    away = np.abs(measured.frequency_hz - frequency_hz)
+    lines = away <= max(half, np.sort(away)[min(_FEWEST_LINES, away.size) - 1])
+    values = measured.values[:, lines]
+    size = np.where(measured.used, np.linalg.norm(values, axis=1), 1.0)
+    share = [100 * np.linalg.norm(fit.predicted[:, lines] - values, axis=1) / size for fit in (before, after)]
+
+    def middle(rows: NDArray[np.bool_]) -> tuple[float, float]:
+        return float(np.median(share[0][rows])), float(np.median(share[1][rows]))
+
+    return middle(split.train), middle(split.held) if split.held.any() else None
+
+
+def _at(values: Array, index: int | None) -> float | None:
+    return None if index is None else float(values[index])

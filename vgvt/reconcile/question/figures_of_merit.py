@@ -1,0 +1,69 @@
+"""How far a prediction is from data, in the figures that test engineers compare: NRMSE, FRAC, decibels, χ²."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.question.data import Measured
+from vgvt.reconcile.question.holdout import Split
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True)
+class Merit:
+    """χ² per degree of freedom; NRMSE fit in per cent (100 perfect, median over channels); mean |dB|; median FRAC."""
+
+    chi2_per_dof: float
+    nrmse_percent: float
+    mean_abs_db: float
+    frac: float
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A prediction against the data that were fitted, and against each kind that was held out (None: there is none)."""
+
+    train: Merit
+    held_out: Merit | None
+    held_runs: Merit | None
+    held_channels: Merit | None
+
+    def document(self) -> dict[str, object]:
+        """Plain numbers by the JSON contract's keys."""
+        return asdict(self)
+
+
+def compare(predicted: ComplexArray, measured: Measured, split: Split) -> Comparison:
+    """A prediction (C, L) against a campaign's accelerances."""
+
+    def over(rows: NDArray[np.bool_]) -> Merit | None:
+        return merit(predicted[rows], measured.some(rows)) if rows.any() else None
+
+    train = over(split.train)
+    assert train is not None, "a split leaves something to fit"
+    return Comparison(train, over(split.held), over(split.held_runs), over(split.held_channels))
+
+
+def merit(predicted: ComplexArray, measured: Measured) -> Merit:
+    """The figures of a prediction (C, L).
+
+    NRMSE fit 100 (1 - |y - ŷ| / |y - mean y|) as in Gupta, Seiler and Danowsky (AIAA 2016-1753), on complex
+    accelerances; FRAC |yᴴŷ|² / (yᴴy ŷᴴŷ), Heylen and Lammens, Proc. IMAC 1996.
+    """
+    values = measured.values
+    error = predicted - values
+    spread = np.linalg.norm(values - values.mean(axis=1, keepdims=True), axis=1)
+    nrmse = 100 * (1 - np.linalg.norm(error, axis=1) / spread)
+    cross = np.abs(np.sum(values.conj() * predicted, axis=1)) ** 2
+    frac = cross / (np.sum(np.abs(values) ** 2, axis=1) * np.sum(np.abs(predicted) ** 2, axis=1))
+    decibels = 20 * np.abs(np.log10(np.abs(predicted) / np.abs(values)))
+    return Merit(
+        float(np.mean(np.abs(error / measured.sigma) ** 2)),
+        float(np.median(nrmse)),
+        float(np.mean(decibels)),
+        float(np.median(frac)),
+    )

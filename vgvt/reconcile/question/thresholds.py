@@ -1,0 +1,139 @@
+"""Where 'adequate' ends and a name begins: what campaigns without any effect leave, carried over to the one at hand."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.question.data import Measured
+from vgvt.reconcile.question.holdout import Split
+
+SMOOTHED = 5
+"""Neighbouring lines whose sum is the smooth part of a residual."""
+PLACEBO_FLOOR = 0.004
+"""Relative model-form floor that limits refer to."""
+_STORED = Path(__file__).with_name("thresholds.toml")
+# How well a line's noise is known on average, and the normal deviate that 98 of 100 stay below.
+_NOISE_KNOWN, _DEVIATE = 0.1, 2.054
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """Limits that campaigns without any missing effect stay below; ``provenance`` says which.
+
+    χ² per degree of freedom of the fit, of its smooth part and of held-out data *beyond noise*: where a campaign had
+    no noise, and a model-form floor of ``model_form`` were all that it is judged by. ``limits_for`` makes them those
+    of a campaign. ``evidence_nats`` is the largest gain of evidence that an effect that is not there reaches where
+    noise is most of what is judged by; ``evidence_form_nats`` where a model-form floor is all, which lasts from line to
+    line and from channel to channel; ``set_nats`` is how near candidates count as equal.
+    ``strain_sd`` and ``strain_form_sd`` are the same pair for how far all that is uncertain is taken together
+    (:mod:`vgvt.reconcile.evidence.strain`).
+    """
+
+    chi2_per_dof: float
+    smooth_per_dof: float
+    held_out_per_dof: float
+    evidence_nats: float
+    set_nats: float
+    provenance: str
+    model_form: float = PLACEBO_FLOOR
+    evidence_form_nats: float = 0.0
+    strain_sd: float = 4.0
+    strain_form_sd: float = 0.0
+
+    def at(self, share: NoiseShare) -> Thresholds:
+        """These thresholds with the ``evidence_nats`` of a campaign of that share of noise.
+
+        What a model's form has wrong is imitated in proportion to its size, the root of its share.
+        """
+        return replace(self, evidence_nats=max(self.evidence_nats, self.evidence_form_nats * share.form_size))
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Limits of χ² per degree of freedom for one campaign: of the fit, of its smooth part and of held-out data.
+
+    And of how far all that is uncertain may be taken together.
+    """
+
+    chi2_per_dof: float
+    smooth_per_dof: float
+    held_out_per_dof: float
+    strain_sd: float
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseShare:
+    """Share of sigma² that is noise, on average: what a model that is right leaves of χ² per degree of freedom.
+
+    ``values`` is the number of real numbers that it is the mean of, ``floor`` the relative model-form floor.
+    """
+
+    noise: float
+    values: int
+    floor: float
+
+    @property
+    def form_size(self) -> float:
+        """Size of an error of the model's form relative to what a campaign is judged by."""
+        return math.sqrt(max(0.0, 1 - self.noise))
+
+    @property
+    def worth(self) -> float:
+        """Independent values a line is worth: noise is new on every line, an error of the model's form is not.
+
+        Such an error lasts for some lines; an effect that mends it would else be paid for each of them.
+        """
+        return self.noise + (1 - self.noise) / SMOOTHED
+
+
+def noise_share(measured: Measured, rows: NDArray[np.bool_]) -> NoiseShare:
+    """The share of noise in what some channels (C,) bool are judged by."""
+    if not rows.any():
+        return NoiseShare(1.0, 0, 0.0)
+    noise, variance = measured.noise[rows], measured.sigma[rows] ** 2
+    size = np.abs(measured.values[rows])
+    shape = size**2 + np.median(size, axis=1, keepdims=True) ** 2
+    floor = float(np.sqrt(max(float(np.median((variance - noise) / shape)), 0.0)))
+    return NoiseShare(float(np.mean(noise / variance)), 2 * noise.size, floor)
+
+
+def limits_for(thresholds: Thresholds, measured: Measured, parts: Split) -> Limits:
+    """The limits of χ² for one campaign, at its noise, its floor and its number of lines.
+
+    A placebo leaves its noise, which is known within a tenth and fluctuates, and its model-form error: that of the
+    placebos, and as much again as the declared floor lies above theirs, which is taken at its word.
+    """
+    fitted, held = noise_share(measured, parts.train), noise_share(measured, parts.held)
+    return Limits(
+        _limit(fitted, thresholds.chi2_per_dof, thresholds.model_form, 1),
+        # Sums over neighbouring lines: a smooth error counts that many times, noise once.
+        _limit(fitted, thresholds.smooth_per_dof, thresholds.model_form, SMOOTHED),
+        _limit(held, thresholds.held_out_per_dof, thresholds.model_form, 1),
+        max(thresholds.strain_sd, thresholds.strain_form_sd * fitted.form_size),
+    )
+
+
+def stored_thresholds() -> Thresholds:
+    """The thresholds that are shipped, with where they come from."""
+    return thresholds_of(_STORED)
+
+
+def thresholds_of(path: Path) -> Thresholds:
+    """Thresholds from a TOML file with a number for every field and the provenance in words."""
+    return Thresholds(**tomllib.loads(path.read_text(encoding="utf-8")))
+
+
+def _limit(share: NoiseShare, beyond: float, floor_of_placebos: float, summed: int) -> float:
+    fluctuation = _DEVIATE * np.sqrt(2 * summed / max(share.values, 1))
+    noise = share.noise * (1 + _NOISE_KNOWN + fluctuation)
+    if share.floor == 0:
+        return float(noise)
+    like_placebos = (floor_of_placebos / share.floor) ** 2
+    form = beyond * like_placebos + summed * max(0.0, 1 - like_placebos)
+    return float(noise + (1 - share.noise) * form)

@@ -1,0 +1,184 @@
+"""Every variant of every installed effect that a campaign could show: choices enumerated, places laid out in a grid.
+
+Settings are enumerated by their type and, for the catalogue's common words, by name: ``node``, ``channels``,
+``sensors``, ``side``, ``from_run``, ``item``, and places ``x_m``, ``y_m``, with ``other_x_m``, ``other_y_m`` for what
+ties two together. Others keep their defaults.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import typing
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from vgvt.effects.beams import plain_name
+from vgvt.effects.parameter import parameters_of
+from vgvt.effects.registry import available_effects
+from vgvt.reconcile.evidence.plausible import reach
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
+from vgvt.scenario.mirror import expanded_beams
+from vgvt.scenario.placement import aircraft_box_m
+from vgvt.scenario.planform import edge_lines_m
+
+# Runs at which a change is tried at first, evenly spread where there are more; those between come as other courses of
+# what did best (:mod:`vgvt.reconcile.search.courses`).
+_FROM_RUNS = 11
+_STATIONS = 6
+_TIED = ("x_m", "y_m", "other_x_m", "other_y_m")
+# A campaign of a dozen runs of 34 sensors asks whether each of these changed its gain, from each run on.
+_MOST = 1024
+
+
+def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
+    """All variants, each with its share of its effect's prior; ``effects`` by name (default: all installed ones).
+
+    Places (``x_m``, ``y_m``) are settings here: a fit may free them. They reach as far as the aircraft does, if that is
+    larger than those that the catalogue has in mind. Of an effect with more than a thousand variants as many are taken,
+    spread evenly over all.
+    """
+    found: list[Hypothesis] = []
+    box = aircraft_box_m(problem.scenario.airframe)
+    declared = {table.name for table in problem.scenario.effect}
+    for name, cls in (available_effects() if effects is None else effects).items():
+        if name in declared:
+            continue
+        variants = _spread(list(_variants(problem, cls)))
+        spans = reach(parameters_of(cls), box)
+        found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
+    return tuple(found)
+
+
+def _spread(variants: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """No more than the most, evenly: a cut at the end would leave out the last sensors, always the same."""
+    if len(variants) <= _MOST:
+        return variants
+    return [variants[k] for k in np.linspace(0, len(variants) - 1, _MOST).round().astype(int)]
+
+
+def freed(hypothesis: Hypothesis) -> Hypothesis:
+    """The same variant with its place, if it has one, free to be fitted."""
+    kept = {k: v for k, v in hypothesis.settings.items() if k not in {p.name for p in parameters_of(hypothesis.cls)}}
+    return dataclasses.replace(hypothesis, settings=kept)
+
+
+def places(problem: Problem) -> tuple[tuple[float, float], ...]:
+    """Points (x, y) over the aircraft: the drive point, along the centre line, and along each beam at its middle."""
+    driven = problem.scenario.shaker.position_m
+    # What sits on the drive point is told from what hangs below the gauge by little: it must be offered there.
+    points = [(float(driven[0]), float(driven[1])), *_on_centre_line(problem)]
+    points += [point for beam in _on_beams(problem) for point in beam]
+    return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
+
+
+def _on_centre_line(problem: Problem) -> list[tuple[float, float]]:
+    """Three points (x, y) of the body, from nose to tail."""
+    body = problem.scenario.airframe.body
+    x = [p[0] for p in body.outline_m] or [body.centre_of_gravity_m[0]]
+    return [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
+
+
+def _on_beams(problem: Problem) -> list[list[tuple[float, float]]]:
+    """Points (x, y) of each beam at its middle, from root to tip."""
+    beams: list[list[tuple[float, float]]] = []
+    for beam in expanded_beams(problem.scenario.airframe):
+        forward, aft = edge_lines_m(beam)
+        middle = (forward + aft) / 2
+        arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
+        arc /= arc[-1]
+        shares = [min(float(share), 0.97) for share in (np.arange(_STATIONS) + 0.75) / _STATIONS]
+        beams.append([(float(np.interp(v, arc, middle[:, 0])), float(np.interp(v, arc, middle[:, 1]))) for v in shares])
+    return beams
+
+
+def tied_places(problem: Problem) -> tuple[tuple[float, float, float, float], ...]:
+    """Points (x, y, other x, other y) for what ties two places together: of beams to the body, and to each other.
+
+    An end on the body does not move against it: a fit that begins there finds no way off it.
+    """
+    beams, (_, middle, _) = _on_beams(problem), _on_centre_line(problem)
+    pairs = [(point, middle) for beam in beams for point in beam]
+    # The ends of a tie are free to move where it is fitted: two of each beam will do.
+    pairs += itertools.combinations([point for beam in beams for point in beam[2::3]], 2)
+    rounded = ((round(a, 4), round(b, 4), round(c, 4), round(d, 4)) for (a, b), (c, d) in pairs)
+    # From above a fin is a point.
+    return tuple(dict.fromkeys(tie for tie in rounded if tie[:2] != tie[2:]))
+
+
+def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
+    """Settings of every variant of an effect."""
+    hints = typing.get_type_hints(cls)
+    numbers = {p.name for p in parameters_of(cls)}
+    choices: dict[str, tuple[Any, ...]] = {}
+    for f in dataclasses.fields(cls):
+        if f.name in numbers:
+            continue
+        options = _options(problem, f.name, hints[f.name])
+        if options is not None:
+            choices[f.name] = options
+    at: tuple[dict[str, float], ...] = ({},)
+    for names, points in ((_TIED, tied_places), (_TIED[:2], places)):
+        if set(names) <= numbers:
+            at = tuple(dict(zip(names, point, strict=True)) for point in points(problem))
+            break
+    if {"node", "other_node"} <= set(choices):
+        nodes = choices.pop("node")
+        choices.pop("other_node")
+        pairs = [(a, b) for a, b in itertools.combinations(nodes, 2) if _near(problem, a, b)]
+        for a, b in pairs:
+            yield {"node": a, "other_node": b}
+        return
+    if "shape" in choices and "from_run" in choices:
+        if "channels" in choices:
+            choices["channels"] = tuple(c for c in choices["channels"] if _in_more_runs_than_one(problem, c))
+        steps = [("step", k) for k in choices.pop("from_run")]
+        shapes = [(s, None) for s in choices.pop("shape") if s != "step"]
+        for values in itertools.product(*choices.values()):
+            for shape, run in (*shapes, *steps):
+                yield dict(zip(choices, values, strict=True)) | {"shape": shape} | ({"from_run": run} if run else {})
+        return
+    for values in itertools.product(*choices.values()):
+        for place in at:
+            yield dict(zip(choices, values, strict=True)) | place
+
+
+def _options(problem: Problem, name: str, hint: Any) -> tuple[Any, ...] | None:
+    """What a setting can be in this campaign; None keeps its default."""
+    runs = problem.measured.runs
+    literal = typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else None
+    if literal is not None:
+        return tuple(literal)
+    if name in ("node", "other_node"):
+        return tuple(dict.fromkeys(n for run in runs for n in run))
+    if name == "from_run":
+        count = len(runs)
+        steps = np.unique(np.linspace(2, max(count, 2), min(_FROM_RUNS, max(count - 1, 1))).round().astype(int))
+        return tuple(int(k) for k in steps)
+    if name in ("channels", "sensors"):
+        instruments = [f"sensor-{k + 1}" for k in range(max(len(r) for r in runs))] if len(runs) > 1 else []
+        labels = [str(p.dof) for p in problem.layouts.first.grid if any(p.dof.node in r for r in runs)]
+        force = ["force"] if name == "channels" else []
+        return ("response", *force, *(instruments or ["odd", "even"]), *labels)
+    if name == "item":
+        held = dict.fromkeys(plain_name(i.name) for i in problem.scenario.airframe.item if i.attached_to != "body")
+        return tuple(held) or None
+    return None
+
+
+def _in_more_runs_than_one(problem: Problem, channels: str) -> bool:
+    """Whether channels could change between runs at all: what a point shows in its only run has always been so."""
+    nodes = {str(p.dof): p.dof.node for p in problem.layouts.first.grid}
+    return channels not in nodes or sum(nodes[channels] in run for run in problem.measured.runs) > 1
+
+
+def _near(problem: Problem, one: int, other: int) -> bool:
+    """Whether two sensors are likely to be taken for one another: in one run, or mirror images."""
+    if any(one in run and other in run for run in problem.measured.runs):
+        return True
+    grid = {p.dof.node: p.position_m for p in problem.layouts.first.grid}
+    a, b = grid[one], grid[other]
+    return bool(np.hypot(a[0] - b[0], a[1] + b[1]) < 0.02)
