@@ -35,11 +35,11 @@ def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[Any, ...] = ()) -> 
     )  # fmt: skip
 
 
-def left(held_out: float | None, adequate: bool = False) -> Any:
-    """What a fit leaves, of which noise leaves 0.7 and a campaign without an effect at most 1."""
+def left(held_out: float | None, adequate: bool = False, strain: float = 0.0) -> Any:
+    """What a fit leaves, of which noise leaves 0.7 and a campaign without an effect at most 1, leaning by at most 4."""
     return SimpleNamespace(
         held_out_chi2_per_dof=held_out, held_out_noise_per_dof=0.7, noise_per_dof=0.7, adequate=adequate,
-        limits=SimpleNamespace(held_out_per_dof=1.0, chi2_per_dof=1.0),
+        strain_sd=strain, limits=SimpleNamespace(held_out_per_dof=1.0, chi2_per_dof=1.0, strain_sd=4.0),
     )  # fmt: skip
 
 
@@ -79,6 +79,38 @@ def test_a_model_far_from_the_data_names_nothing_however_much_it_takes(
 
 
 @pytest.mark.parametrize(
+    ("before", "after", "adequate", "kept"),
+    [
+        (5.0, 9.1, False, False),
+        (5.0, 4.9, False, True),  # it lets go of some
+        (1.0, 3.9, False, True),  # no more than campaigns do in which nothing is missing
+        (1.0, 4.1, False, False),
+        (5.0, 9.1, True, True),
+    ],
+)
+def test_a_name_that_makes_tolerances_give_more_than_before_is_a_lead(
+    before: float, after: float, adequate: bool, kept: bool
+) -> None:
+    """A line from tip to tip was a flap with a cable, as the body and the wings had to give for it."""
+    case = found((1.7, 1.6), (1.0, 1.1), adequate)
+    case = replace(case, null_residual=left(1.6, strain=before), final_residual=left(1.1, adequate, after))
+    judged = as_leads(case, THRESHOLDS)
+    assert (judged is case) == kept
+    if not kept:
+        assert kind_of(judged) is Kind.UNKNOWN
+
+
+def test_it_is_said_that_a_lead_lives_on_the_tolerances(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = found((1.7, 1.6), (1.0, 1.1))
+    led: Any = SimpleNamespace(hypotheses=(), chi2_per_dof=1.0, held_out_chi2_per_dof=1.1)
+    monkeypatch.setattr(leads, "strain_sd", lambda fit: 9.1)
+    judged = replace(case, null_residual=left(1.6, strain=5.0), rounds=(), leads=case.rounds, led=led)
+    assert "the tolerances give more than without (9.1 standard deviations beyond chance, 5.0 before)" in why_no_name(
+        judged
+    )
+
+
+@pytest.mark.parametrize(
     ("after", "strange", "why"),
     [
         ((4.1, 3.9), (), "more than 4 times what may be left"),
@@ -95,6 +127,7 @@ def test_it_is_said_why_a_lead_is_no_name(
     case = found((100.0, 100.0), after)
     led = fitted(1000 * after[0], hypotheses=(SimpleNamespace(name="added-mass"),))
     led.held_out_chi2_per_dof = after[1]
+    monkeypatch.setattr(leads, "strain_sd", lambda fit: 0.0)
     monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: strange)
     assert why in why_no_name(replace(case, rounds=(), leads=case.rounds, led=led))
 

@@ -1,5 +1,7 @@
 """Every name must halve what is too much, end near the data, and be a thing that could be: what does not is a lead.
 
+Nor may it live on the tolerances: what is missing was imitated by them, and a right name lets go of them.
+
 Where the right effect is not in the catalogue another one nearly always takes something, and two more take something of
 the rest. They are worth looking at, and no finding: what is missing is still unknown.
 """
@@ -13,7 +15,8 @@ from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.doubts import strained_too_much
 from vgvt.reconcile.evidence.confirmation import share_taken
 from vgvt.reconcile.evidence.plausible import implausible
-from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.evidence.residual import Residual, residual
+from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.question.thresholds import Limits, Thresholds
 
 FAR_OFF = 4.0
@@ -25,8 +28,9 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
 
     Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
     to give, and of held-out data where these are still missed; and however much they take, what is left may not be
-    :data:`FAR_OFF`. What leaves no more than campaigns leave in which nothing is missing keeps its name. What is no
-    plausible thing keeps none, whatever it leaves; what was named before it does without it.
+    :data:`FAR_OFF`, nor may the tolerances have to give more than without the names. What leaves no more than campaigns
+    leave in which nothing is missing keeps its name. What is no plausible thing keeps none, whatever it leaves; what
+    was named before it does without it.
     """
     if not found.rounds:
         return found
@@ -43,7 +47,8 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
         )  # fmt: skip
     enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
     far = far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof, after.limits)
-    if after.adequate or (min(shares(found)) >= enough and not far):
+    leant = leant_on_more(after.strain_sd, found.null_residual)
+    if after.adequate or (min(shares(found)) >= enough and not far and not leant):
         return found
     return demoted(found)
 
@@ -51,6 +56,14 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
 def far_off(fitted: float, held_out: float | None, limits: Limits) -> bool:
     """Whether χ² per degree of freedom is far beyond the limits: of several wrong models one is always the best."""
     return fitted > FAR_OFF * limits.chi2_per_dof or (held_out or 0.0) > FAR_OFF * limits.held_out_per_dof
+
+
+def leant_on_more(strain: float, without: Residual) -> bool:
+    """Whether names lean on the tolerances by more than campaigns in which nothing is missing, and than no name did.
+
+    ``strain`` is by how many standard deviations they do, ``without`` what is left without them.
+    """
+    return strain > max(without.limits.strain_sd, without.strain_sd)
 
 
 def why_no_name(found: Attribution) -> str:
@@ -61,6 +74,11 @@ def why_no_name(found: Attribution) -> str:
         return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
     if led and far_off(led.chi2_per_dof, led.held_out_chi2_per_dof, found.null_residual.limits):
         return f"what leaves more than {FAR_OFF:.0f} times what may be left is a lead, however much it takes"
+    if led and leant_on_more(strain := strain_sd(led), found.null_residual):
+        return (
+            f"with it the tolerances give more than without ({strain:.1f} standard deviations beyond chance, "
+            f"{found.null_residual.strain_sd:.1f} before): what takes from them what it gives the data is a lead"
+        )
     return "what does not halve what is too much with every name is a lead"
 
 
