@@ -15,6 +15,7 @@ from vgvt.scenario.planform import outlines_m
 from vgvt.simulation.acquisition import record
 from vgvt.simulation.assembly import Plan, Rig, driven_rig, plan, plans
 from vgvt.simulation.command import drive_commands, excitation_in_words, excitation_notes, sample_times_s, sent_commands
+from vgvt.simulation.converter import Converter
 from vgvt.simulation.linear_engine import prepared, respond
 from vgvt.simulation.mujoco_engine import Progress, step_runs
 from vgvt.simulation.state_space import StateSpace, state_space
@@ -103,15 +104,15 @@ def geometry(layout: Plan) -> Geometry:
 def _linear_readings(
     layouts: list[Plan], models: list[StateSpace], progress: Progress | None
 ) -> list[NDArray[np.float64]]:
-    readings = []
-    sent = prepared(np.zeros(4))
+    converter, readings = Converter.of(layouts[0].scenario), []
+    times, sent = converter.times_s(), prepared(np.zeros(4))
     for run, (layout, model) in enumerate(zip(layouts, models, strict=True)):
         # After the truth's points the model's outputs are the sensors of the run, then the forces.
         index = list(range(len(layout.points), model.output_matrix.shape[0]))
-        command = sent_commands(layout, run, sample_times_s(layout.scenario))
+        command = sent_commands(layout, run, times)
         # A sweep is the same in every run: its spline and spectrum are, too.
         sent = sent if np.array_equal(command, sent.samples_v) else prepared(command)
-        readings.append(respond(model.outputs(index), sent, layout.scenario.acquisition.sample_rate_hz))
+        readings.append(converter.delivered(respond(model.outputs(index), sent, converter.instant_rate_hz)))
         if progress is not None:
             progress((run + 1) / len(models), f"run {run + 1} of {len(models)} solved")
     return readings
@@ -121,13 +122,14 @@ def _mujoco_readings(
     layouts: list[Plan], rigs: list[Rig], models: list[StateSpace], progress: Progress | None
 ) -> list[NDArray[np.float64]]:
     scenario = layouts[0].scenario
-    rate = scenario.acquisition.sample_rate_hz
+    converter = Converter.of(scenario)
+    rate = converter.instant_rate_hz
     poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in models])
     count = substeps(poles, rate, scenario.simulation.step_s)
     for rig in rigs:
         rig.model.opt.timestep = 1.0 / (rate * count)
-    commands = [sent_commands(layout, run, sample_times_s(scenario, count)) for run, layout in enumerate(layouts)]
-    return step_runs(layouts, rigs, commands, count, rate, progress)
+    commands = [sent_commands(layout, run, converter.times_s(count)) for run, layout in enumerate(layouts)]
+    return [converter.delivered(r) for r in step_runs(layouts, rigs, commands, count, rate, progress)]
 
 
 def _rows(layout: Plan) -> tuple[tuple[int, ...], ...]:
