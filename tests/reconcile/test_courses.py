@@ -101,7 +101,9 @@ def test_courses_that_fitted_data_cannot_tell_are_one_rival(remounted: Problem) 
     chosen = [best_course(claimed(remounted, REMOUNT, SHIFT, from_run=run), every) for run in (3, 4)]
     elsewhere = claimed(remounted, REMOUNT, {**SHIFT, "shift_x_m": 0.002}, from_run=3)
     worse = replace(chosen[0], evidence_nats=chosen[0].evidence_nats - 0.5)
-    assert distinct([worse, elsewhere, *chosen]) == [chosen[0], elsewhere]
+    first, *others = distinct([worse, elsewhere, *chosen])
+    assert any(first is f for f in chosen)
+    assert others == [elsewhere]
 
 
 def test_what_has_no_course_is_left_alone(remounted: Problem) -> None:

@@ -11,6 +11,7 @@ from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects, parameters_of
 from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.prediction.first_order import FirstOrder
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -105,7 +106,7 @@ def test_a_filtered_channel_is_part_of_the_slope(null: Fit) -> None:
     slope = stand.slope(gain, {}, size)
     assert slope is not None
     problem_ = null.problem
-    shown = (null.predicted / problem_.measured.sigma)[problem_.split.train]
+    shown = standardised(problem_, null.predicted[problem_.split.train])
     wanted = np.sqrt(2) * np.concatenate([shown.real.ravel(), shown.imag.ravel()])
     assert np.linalg.norm(slope[: wanted.size] - wanted) < 0.05 * np.linalg.norm(wanted)
 

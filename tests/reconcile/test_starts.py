@@ -108,7 +108,9 @@ def judged_alone(noise: float, chi2: float, evidence_nats: float, lasting_nats: 
     g = np.random.default_rng(0)
     shape = (8, 100)
     white = g.standard_normal(shape) + 1j * g.standard_normal(shape)
-    measured = SimpleNamespace(values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.full(shape, noise))
+    measured = SimpleNamespace(
+        values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.full(shape, noise), of_force=None
+    )
     split = SimpleNamespace(train=np.ones(8, bool), held=np.zeros(8, bool))
     found: Any = SimpleNamespace(
         problem=SimpleNamespace(measured=measured, split=split), predicted=1 + white, points=1600, chi2=chi2,

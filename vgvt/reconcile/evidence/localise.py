@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.mechanics.response import accelerances
 from vgvt.reconcile.prediction.surrogate import Anchor, Reduced, anchor
 from vgvt.reconcile.question.problem import Problem
@@ -92,8 +93,7 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     here = anchor(problem, null.u, null.hypotheses, null.e)
     keep = problem.split.train
     measured = problem.measured
-    sigma = measured.sigma[keep] if null.sigma is None else null.sigma
-    rho = (null.predicted - measured.values)[keep] / sigma
+    rho = standardised(problem, (null.predicted - measured.values)[keep], null.sigma)
     count, lines = rho.shape
     # The real tangent holds sqrt(2) times real parts, then imaginary ones.
     half = null.tangent.reshape(2, count, lines, -1) / np.sqrt(2)
@@ -106,7 +106,7 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
         if progress is not None:
             progress(k / len(trials), f"localise {c.label}")
         answer = _answer(problem, here, c, null.predicted, chain)
-        scaled = answer[keep] / sigma
+        scaled = standardised(problem, answer[keep], null.sigma)
         remaining = _free(rho, tangent, null.scores, scaled)
         chance = lines * (scaled.any(axis=1).any())
         explained = float((left - remaining - chance) / left)

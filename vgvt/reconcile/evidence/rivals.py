@@ -13,6 +13,7 @@ import numpy as np
 from vgvt.reconcile.evidence.lasting import lasting_nats
 from vgvt.reconcile.evidence.residual import independent_values
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share
 
@@ -82,7 +83,7 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
         return ()
     found = max(fits, key=lambda f: f.evidence_nats)
     measured, keep = found.problem.measured, found.problem.split.train
-    rho = (found.predicted - measured.values)[keep] / measured.sigma[keep]
+    rho = standardised(found.problem, (found.predicted - measured.values)[keep])
     worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
     rivals, lasting = [], lasting_nats(current)
     for f in fits:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.prediction.chain import chain_factor
 from vgvt.reconcile.prediction.surrogate import Anchor
 from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.shared_noise import apart
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -21,37 +22,41 @@ def data_misfit(problem: Problem, predicted: ComplexArray, sigma: Array | None =
     sigma² is the variance of the complex value, hence the 2. ``sigma`` (fitted channels, L) stands in for the data's.
     """
     keep = problem.split.train
-    measured = problem.measured
-    difference = (predicted[keep] - measured.values[keep]) / _sigma(problem, sigma)
+    difference = standardised(problem, predicted[keep] - problem.measured.values[keep], sigma)
     return np.asarray(np.sqrt(2) * np.concatenate([difference.real.ravel(), difference.imag.ravel()]))
+
+
+def standardised(problem: Problem, change: ComplexArray, sigma: Array | None = None) -> ComplexArray:
+    """Changes (fitted channels, L) or (…, k) of A/F in standard deviations, what channels of a run share taken out.
+
+    Where a coarse ``sigma`` stands in, noise is nothing of what it is judged by.
+    """
+    judged = _sigma(problem, sigma)
+    scaled = change / judged.reshape(*judged.shape, *[1] * (change.ndim - 2))
+    return scaled if sigma is not None else apart(problem.measured, problem.split.train, scaled)
 
 
 def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None = None) -> Array:
     """Derivatives (2 N, scores) of :func:`data_misfit` in u, then in e, at the scores that ``anchored`` stands on."""
     problem = anchored.problem
-    keep, sigma = problem.split.train, _sigma(problem, sigma)
-    columns = []
-
-    def add(change: ComplexArray) -> None:
-        scaled = change / sigma
-        columns.append(np.sqrt(2) * np.concatenate([scaled.real.ravel(), scaled.imag.ravel()]))
-
+    keep = problem.split.train
     known = len(problem.unknowns)
     chain, here = anchored.chain(u, e), predicted[keep]
     slopes = anchored.slopes(keep)
-    for change in slopes[:known]:
-        add(chain[keep] * change)
+    changes = [chain[keep] * change for change in slopes[:known]]
     plain = chain_factor(problem, u[known:], None)
     for k, nuisance in enumerate(problem.nuisances):
         if nuisance.kind == "gain":
-            add(nuisance.sd * here * nuisance.rows[keep, None])
+            changes.append(nuisance.sd * here * nuisance.rows[keep, None])
         else:
             moved = u[known:].copy()
             moved[k] += _STEP
-            add(here * (chain_factor(problem, moved, None) / plain - 1)[keep] / _STEP)
+            changes.append(here * (chain_factor(problem, moved, None) / plain - 1)[keep] / _STEP)
     for k, change in enumerate(slopes[known:]):
-        add(chain[keep] * change + (predicted * _relative_slope(anchored, u, e, k, chain))[keep])
-    return np.array(columns).T
+        changes.append(chain[keep] * change + (predicted * _relative_slope(anchored, u, e, k, chain))[keep])
+    scaled = standardised(problem, np.moveaxis(np.reshape(changes, (-1, *here.shape)), 0, -1), sigma)
+    columns = np.moveaxis(scaled, -1, 0).reshape(len(changes), -1)
+    return np.asarray(np.sqrt(2) * np.hstack([columns.real, columns.imag]).T)
 
 
 def _relative_slope(anchored: Anchor, u: Array, e: Array, k: int, chain: ComplexArray) -> ComplexArray | float:

@@ -153,6 +153,7 @@ def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
         force=first.force[came], pushed=first.pushed[came], level_n=first.level_n[came],
         endings=tuple(first.endings[k] for k in came) if first.endings else (),
         lost=None if first.lost is None else first.lost[index],
+        of_force=None if first.of_force is None else first.of_force[index],
     )  # fmt: skip
     parts = problem.split
     split = Split(parts.train[index] | again, parts.held_runs[index] & ~again, parts.held_channels[index] & ~again)

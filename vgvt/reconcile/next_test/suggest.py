@@ -185,7 +185,8 @@ def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
     measured = problem.measured
     relative = np.median(measured.sigma[measured.used] / np.abs(measured.values[measured.used]))
     sigma = relative * (np.abs(values) + np.median(np.abs(values), axis=1, keepdims=True))
-    told = replace(problem, measured=replace(measured, values=values, sigma=sigma))
+    # How much of such a sigma is the force's noise nobody knows.
+    told = replace(problem, measured=replace(measured, values=values, sigma=sigma, of_force=None))
     return told, float(u @ u + true.e @ true.e)
 
 

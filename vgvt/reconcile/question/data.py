@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, Channel, Dof, InputError
 from vgvt.reconcile.mechanics.ending import Ending
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
+from vgvt.reconcile.question.shared_noise import in_phase
 from vgvt.reconcile.question.variance import local_rational_noise, quiet_noise, repeat_noise
 from vgvt.signals.local_polynomial import local_polynomial_fit
 from vgvt.signals.usable import UsableRun, usable_runs
@@ -52,7 +53,8 @@ class Measured:
     A channel that could not be ``used`` (C,) has no values and an infinite ``sigma``: its sensor loads the aircraft,
     and nothing is asked of it.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
-    ``endings`` are those of the runs' records, by which these leave something out.
+    ``endings`` are those of the runs' records, by which these leave something out. ``of_force`` (C, L) is the root
+    of the share of ``noise`` that the force's makes, which a run's channels have in common, in phase with ``values``.
     """
 
     frequency_hz: Array
@@ -72,6 +74,7 @@ class Measured:
     harmonics: tuple[Harmonic, ...] = ()
     endings: tuple[Ending, ...] = ()
     lost: NDArray[np.bool_] | None = None
+    of_force: ComplexArray | None = None
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -93,6 +96,7 @@ class Measured:
             variances={name: v[index] for name, v in self.variances.items()},
             sigma=self.sigma[index],
             lost=None if self.lost is None else self.lost[index],
+            of_force=None if self.of_force is None else self.of_force[index],
         )
 
 
@@ -125,7 +129,7 @@ def measured_frfs(
     channels, rows = _channels(runs)
     chosen = _chosen(spectra, usable, lines)
     values = np.array([spectra.response[i][chosen] / spectra.force[c.run][chosen] for c, i in rows])
-    variances = _variances(runs, spectra, rows, chosen, rate)
+    variances, of_force = _variances(runs, spectra, rows, chosen, rate)
     noise = variances["local rational"]
     force = spectra.force[:, chosen]
     level = np.sqrt(np.mean(np.abs(force) ** 2, axis=1)) * 2 / spectra.samples
@@ -135,7 +139,7 @@ def measured_frfs(
         spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
         tuple(
             Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) for r, end in enumerate(spectra.ends)
-        ),
+        ), of_force=in_phase(of_force, values),
     )  # fmt: skip
     return _with_mounted(found, runs)
 
@@ -160,7 +164,7 @@ def _with_mounted(found: Measured, runs: tuple[UsableRun, ...]) -> Measured:
     return replace(
         found, channels=every, values=spread(found.values, 0.0), noise=spread(found.noise, 0.0),
         variances={name: spread(v, 0.0) for name, v in found.variances.items()}, sigma=spread(found.sigma, np.inf),
-        lost=at < 0,
+        lost=at < 0, of_force=None if found.of_force is None else spread(found.of_force, 0.0),
     )  # fmt: skip
 
 
@@ -289,9 +293,9 @@ def _variances(
     rows: list[tuple[MeasuredChannel, int]],
     chosen: NDArray[np.intp],
     rate: float,
-) -> dict[str, Array]:
-    shape = (len(rows), chosen.size)
-    polynomial, rational, quiet = np.empty(shape), np.empty(shape), np.empty(shape)
+) -> tuple[dict[str, Array], Array]:
+    """Variances (C, L) of A/F by name, and the share (C, L) of the local rational one that is the force's."""
+    polynomial, rational, quiet, of_force = np.empty((4, len(rows), chosen.size))
     for r, run in enumerate(runs):
         mine = [i for c, i in rows if c.run == r]
         if not mine:
@@ -300,7 +304,8 @@ def _variances(
         fit = local_polynomial_fit(spectra.response[mine], force[None], chosen, _ORDER, _HALF_WIDTH)
         power = np.abs(force[chosen]) ** 2
         polynomial[mine] = fit.noise_power / power
-        rational[mine] = local_rational_noise(spectra.response[mine], force, chosen) / power
+        whole, of_force[mine] = local_rational_noise(spectra.response[mine], force, chosen)
+        rational[mine] = whole / power
         frequency = chosen * rate / spectra.samples
         base = np.array([quiet_noise(x, rate, frequency) for x in run.response_samples])
         pushed = quiet_noise(run.reference_samples[0], rate, frequency)
@@ -314,7 +319,7 @@ def _variances(
     repeats = repeat_noise(spectra.response, spectra.force, rows, chosen)
     if repeats is not None:
         found["repeats"] = repeats
-    return found
+    return found, of_force
 
 
 def _harmonics(

@@ -20,8 +20,9 @@ _MEDIAN_PER_MEAN = np.log(2.0)
 _SMOOTHED_LINES = 10
 
 
-def local_rational_noise(responses: ComplexArray, force: ComplexArray, lines: NDArray[np.intp]) -> Array:
-    """Power (channels, lines), squared units of the spectra, of what noise adds to A - G F at each line.
+def local_rational_noise(responses: ComplexArray, force: ComplexArray, lines: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Power (channels, lines), squared units of the spectra, of what noise adds to A - G F at each line; and the share
+    of it, likewise, that is the force's noise, which all responses see at once.
 
     A local rational model with transient, orders 2, 2 and 2 (McKelvey and Guérin, Non-parametric frequency response
     estimation using a local rational model, IFAC Proceedings 45(16), 2012), does not take a sharp mode for noise as a
@@ -42,7 +43,8 @@ def local_rational_noise(responses: ComplexArray, force: ComplexArray, lines: ND
         around[c] = (weight * np.abs(response[window] / strength) ** 2).sum(axis=1) / weight.sum(axis=1)
     here = np.abs(responses[:, lines] / np.maximum(np.abs(force[lines]), 1e-3 * scale[:, 0])) ** 2
     own, of_force = _shares(noise, around)
-    return np.asarray(noise * (own[:, None] + of_force * here) / (own[:, None] + of_force * around))
+    whole = own[:, None] + of_force * here
+    return noise * whole / (own[:, None] + of_force * around), of_force * here / whole
 
 
 def local_rational_rest(responses: ComplexArray, force: ComplexArray, lines: NDArray[np.intp]) -> ComplexArray:
