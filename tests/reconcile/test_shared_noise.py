@@ -9,7 +9,13 @@ import pytest
 from added_noise import Noise
 
 from vgvt.data import Campaign, ChannelRole, Dof
+from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.fitting.fit import fit
+from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
+from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.data import Measured, MeasuredChannel, measured_frfs
+from vgvt.reconcile.question.holdout import Split
+from vgvt.reconcile.question.problem import problem_of
 from vgvt.reconcile.question.shared_noise import apart, in_phase
 from vgvt.scenario import load_scenario
 from vgvt.simulation import simulated_campaign
@@ -153,3 +159,38 @@ def _of_force(noise: Noise, campaign: Campaign, measured: Measured, exact: np.nd
         force = np.fft.rfft(run.samples[k] - run.samples[k].mean())[measured.lines]
         relative.append(run.samples.shape[1] * sd**2 / np.abs(force) ** 2)
     return np.abs(exact) ** 2 * np.array([relative[c.run] for c in measured.channels])
+
+
+def test_slopes_of_a_fit_are_those_of_its_misfit(quiet: Campaign) -> None:
+    """Of what each unknown does to the misfit, whose channels are not each for itself: drive, gains and all."""
+    measured = measured_frfs(Noise(0.03, False).on(quiet, np.random.default_rng(7)), lines=60)
+    scenario = load_scenario("hati-unsymmetric")
+    problem = problem_of(measured, scenario)
+    here = anchor(problem, np.zeros(problem.size))
+    none, stated = np.zeros(0), here.predict(here.u0, np.zeros(0))
+    tangent = jacobian(here, here.u0, none, stated)
+    direction = np.random.default_rng(8).standard_normal(problem.size)
+    step = 1e-4
+    ends = [data_misfit(problem, here.predict(side * step * direction, none)) for side in (1, -1)]
+    wanted = (ends[0] - ends[1]) / (2 * step)
+    assert np.linalg.norm(tangent @ direction - wanted) < 1e-3 * np.linalg.norm(wanted)
+    alone = data_misfit(replace(problem, measured=replace(measured, of_force=None)), stated)
+    assert np.linalg.norm(alone - data_misfit(problem, stated)) > 0.05 * np.linalg.norm(alone)
+
+
+def test_a_factor_on_a_whole_run_is_a_place_that_shares_nothing(quiet: Campaign) -> None:
+    """What is wrong with one sensor alone is found there, whatever its run shares: the residual is turned with it."""
+    broken = replace(
+        quiet,
+        runs=tuple(
+            replace(r, samples=np.where(np.arange(len(r.samples))[:, None] == 3, 1.2 * r.samples, r.samples))
+            if r.run == 2 else r for r in quiet.runs
+        ),
+    )  # fmt: skip
+    measured = measured_frfs(Noise(0.03, False).on(broken, np.random.default_rng(9)), lines=60)
+    every = np.ones(len(measured.channels), dtype=bool)
+    problem = replace(problem_of(measured, load_scenario("hati-unsymmetric")), split=Split(every, ~every, ~every))
+    stated = fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
+    first, second = localise(stated).places[:2]
+    assert first.label == measured.channels[[c.run for c in measured.channels].index(1) + 1].label
+    assert first.explained > second.explained + 0.1
