@@ -1,8 +1,8 @@
 """Noise of the force is an error that all responses of a run share: seen on four of them it is seen once.
 
 Where the shaker drops out, A/F of a whole run is wrong by one factor. Taken for noise of every channel it looks like
-news of that run: evidence for whatever changes runs. (Errors in variables: Pintelon and Schoukens, System
-Identification, 2nd edition, 2012, section 2.4.)
+news of that run: evidence for whatever changes runs. (Errors in variables, as in Pintelon and
+Schoukens, System Identification, 2nd edition, 2012.)
 """
 
 from __future__ import annotations
