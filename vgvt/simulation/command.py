@@ -27,11 +27,10 @@ from vgvt.simulation.assembly import Plan
 _T = TypeVar("_T")
 
 
-def sample_times_s(scenario: Scenario, steps_per_sample: int = 1) -> NDArray[np.float64]:
-    """The sampling instants of a record, or the time steps between them, from 0 to the last sample inclusive."""
+def sample_times_s(scenario: Scenario) -> NDArray[np.float64]:
+    """The times of a record's samples, from 0 to the last one inclusive."""
     rate = scenario.acquisition.sample_rate_hz
-    samples = round(scenario.excitation.record_s * rate) + 1
-    return np.arange((samples - 1) * steps_per_sample + 1) / (rate * steps_per_sample)
+    return np.arange(round(scenario.excitation.record_s * rate) + 1) / rate
 
 
 def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64], shaker: int = 0) -> NDArray[np.float64]:

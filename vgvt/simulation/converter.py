@@ -15,6 +15,7 @@ import scipy.signal
 from numpy.typing import NDArray
 
 from vgvt.scenario.model import Scenario
+from vgvt.simulation.command import sample_times_s
 
 Array = NDArray[np.float64]
 # Instants in a period of the excitation's highest frequency: an image of a cubic spline is 3e-6 of it then.
@@ -42,7 +43,7 @@ class Converter:
     def of(cls, scenario: Scenario) -> Converter:
         """The converter of a scenario's acquisition."""
         rate, top = scenario.acquisition.sample_rate_hz, scenario.excitation.band_hz[1]
-        samples = round(scenario.excitation.record_s * rate) + 1
+        samples = sample_times_s(scenario).size
         instants = max(1, math.ceil(_INSTANTS_PER_PERIOD * top / rate - 1e-9))
         if instants == 1:
             return cls(rate, samples, 1, np.ones(1))
@@ -58,8 +59,8 @@ class Converter:
         return self.rate_hz * self.instants
 
     def times_s(self, steps: int = 1) -> Array:
-        """The instants that are read, from 0 on, or ``steps`` of time an instant: past the last sample by what the
-        filter looks ahead.
+        """The instants that are read, or ``steps`` of time each: from 0 to as far past the last sample as the filter
+        looks ahead.
         """
         count = (self.samples - 1) * self.instants + self.taps.size // 2
         return np.arange(count * steps + 1) / (self.instant_rate_hz * steps)

@@ -23,6 +23,8 @@ _MOST_STEPS = 64
 def substeps(poles: NDArray[np.complex128], sample_rate_hz: float, longest_step_s: float) -> int:
     """The fewest steps a sample that are no longer than asked for and keep all ``poles`` (n,), rad/s, stable.
 
+    A sample is what is read of the model: an instant of a converter that reads several for one that it delivers.
+
     The boundary of Runge-Kutta's stability is no circle, so the growth of every pole is
     evaluated. Raises InputError where the model would need more than 64 steps.
     """
@@ -34,7 +36,7 @@ def substeps(poles: NDArray[np.complex128], sample_rate_hz: float, longest_step_
     raise InputError(
         "simulation.engine = 'mujoco'",
         f"the fastest motion of this model ({np.abs(poles).max():.2g} rad/s) needs more than {_MOST_STEPS} time steps "
-        f"in each sample at {sample_rate_hz:g} Hz",
+        f"each time it is read, {sample_rate_hz:g} times a second",
         "Use fewer cells a beam, more pitch_inertia_kg_m, a softer stinger, or simulation.engine = 'linear'.",
     )
 
