@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile.decision import one_level, place_control, verdict
+from vgvt.reconcile.decision import one_level, place_control, reasons
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
-from vgvt.reconcile.decision.verdict import Kind, kind_of
+from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.question.problem import CELLS
 
 NAMES = tuple(f"unknown {k}" for k in range(30))
@@ -136,7 +136,7 @@ def test_how_coarse_a_chain_the_data_come_from_is_no_tolerance() -> None:
 
 def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The best variant of what gains enough line by line alone, and is a thing that could be."""
-    monkeypatch.setattr(verdict, "implausible", lambda fit: fit)
+    monkeypatch.setattr(reasons, "implausible", lambda fit: fit)
     rows = (("loose", 18.0, 3.0, ()), ("loose", 12.0, 2.0, ()), ("mass", 30.0, 20.0, ()), ("drift", 5.0, 1.0, ()),
             ("absorber", 40.0, 2.0, ("120 Hz",)))  # fmt: skip
     tried = tuple(
@@ -144,7 +144,7 @@ def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: p
         for n, g, last, strange in rows
     )
     limits: Any = SimpleNamespace(evidence_nats=9.0)
-    (said,) = verdict._lasting_alone(SimpleNamespace(last_rivals=tried), limits)  # type: ignore[arg-type]
+    (said,) = reasons._lasting_alone(SimpleNamespace(last_rivals=tried), limits)  # type: ignore[arg-type]
     assert said.startswith("loose would gain 18 nats, but 3 where an error of the model lasts")
 
 
@@ -154,8 +154,8 @@ def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: p
 def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     monkeypatch: pytest.MonkeyPatch, kind: Kind, told: bool
 ) -> None:
-    monkeypatch.setattr(verdict, "open_places", lambda addition: ())
-    monkeypatch.setattr(verdict, "several_levels", lambda problem: True)
+    monkeypatch.setattr(reasons, "open_places", lambda addition: ())
+    monkeypatch.setattr(reasons, "several_levels", lambda problem: True)
     about = found(fitted(), fitted())
     winner: Any = SimpleNamespace(
         name="root-freeplay", hypothesis=SimpleNamespace(label="root-freeplay", linear=False), gain_nats=90.0,
@@ -163,12 +163,12 @@ def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     )  # fmt: skip
     about.rounds = (Addition(winner, (winner,), (winner,), 3.6),)
     about.null.problem = SimpleNamespace(names=NAMES, measured=SimpleNamespace(harmonics=()))
-    monkeypatch.setattr(verdict, "rests_on_one_level", lambda found: ("root-freeplay",))
+    monkeypatch.setattr(reasons, "rests_on_one_level", lambda found: ("root-freeplay",))
     about.vetoed = ()
     about.null_residual, about.final_residual = (
         SimpleNamespace(reasons=("a",)),
         SimpleNamespace(reasons=("2.3 is left",), adequate=False),
     )
-    said = verdict.reasons_of(kind, about, SimpleNamespace(set_nats=5.0, evidence_nats=9.0), None)  # type: ignore[arg-type]
+    said = reasons.reasons_of(kind, about, SimpleNamespace(set_nats=5.0, evidence_nats=9.0), None)  # type: ignore[arg-type]
     assert ("With it 2.3 is left" in said) == told
     assert any("needs a second level" in words for words in said)

@@ -17,8 +17,9 @@ from vgvt.reconcile.decision import in_its_place as asked_again
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.in_its_place import in_its_place, reconsidered
+from vgvt.reconcile.decision.reasons import _how_well
 from vgvt.reconcile.decision.undecided import undecided
-from vgvt.reconcile.decision.verdict import _how_well, named_effects
+from vgvt.reconcile.decision.verdict import named_effects
 from vgvt.reconcile.evidence.rivals import against
 from vgvt.reconcile.fitting import fit as fits
 from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit

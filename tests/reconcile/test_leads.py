@@ -12,8 +12,9 @@ import pytest
 from vgvt.reconcile.decision import leads
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, shares, strange_names, telling, why_no_name
-from vgvt.reconcile.decision.verdict import Kind, kind_of, leads_of, named_effects
+from vgvt.reconcile.decision.verdict import leads_of, named_effects
 
 THRESHOLDS: Any = SimpleNamespace()
 

@@ -14,7 +14,7 @@ from reconciled_case import campaign_of, small_scenario
 from vgvt.effects import available_effects
 from vgvt.reconcile import Kind, reconcile
 from vgvt.reconcile.decision import attribute as rounds
-from vgvt.reconcile.decision.verdict import reasons_of
+from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.evidence import plausible
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.outcome.account import _standing

@@ -16,7 +16,7 @@ from vgvt.effects.control_surface import ControlSurface
 from vgvt.effects.lateral_force import LateralForce
 from vgvt.effects.sensor_tilt import SensorTilt
 from vgvt.reconcile import reconcile
-from vgvt.reconcile.decision.verdict import Kind
+from vgvt.reconcile.decision.kinds import Kind
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search import scan

@@ -9,11 +9,13 @@ from pathlib import Path
 from vgvt.data import Campaign
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.decision.attribute import Attribution, attribute
+from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
+from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.decision.told import with_told_parameters
 from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.decision.undecided import next_best, undecided
-from vgvt.reconcile.decision.verdict import Kind, Verdict, kind_of, leads_of, named_effects, reasons_of
+from vgvt.reconcile.decision.verdict import Verdict, leads_of, named_effects
 from vgvt.reconcile.evidence.localise import localise
 from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none

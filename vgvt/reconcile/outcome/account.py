@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Geometry
-from vgvt.reconcile.decision.verdict import Kind, NamedEffect, Verdict
+from vgvt.reconcile.decision.kinds import Kind
+from vgvt.reconcile.decision.verdict import NamedEffect, Verdict
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.fitting.fit import Fit
