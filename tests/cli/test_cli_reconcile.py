@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, Quantity, Record
+from vgvt.scenario.points import sensor_points
 from vgvt.view.reconcile_account import Account, ChannelRow, EffectRow, ModelState, SuggestionRow
 
 BEAM = """
@@ -185,7 +186,13 @@ def loops(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
         effect |= {"name": "added-mass", "evidence_nats": 50.0, "equivalent": ["local-absorber"]}
         sets = {"train": MERIT, "held_out": MERIT, "held_runs": None, "held_channels": None}
         document = {"verdict": "ambiguous", "reasons": ["because"], "effects": [effect], "before": sets, "after": sets}
-        return SimpleNamespace(kind="ambiguous", document=lambda: document)
+        about = SimpleNamespace(
+            scenario=scenario,
+            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes),
+            layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
+        )
+        found = SimpleNamespace(null=SimpleNamespace(problem=about))
+        return SimpleNamespace(kind="ambiguous", document=lambda: document, attribution=found)
 
     monkeypatch.setattr(vgvt.reconcile.loop, "reconcile", close)
 

@@ -46,9 +46,10 @@ class Noise:
 
     def variance(self, campaign: Campaign, measured: Measured) -> tuple[np.ndarray, np.ndarray]:
         """The accelerance without noise and its variance with it, (C, L), from the DFT of white noise alone."""
-        values, variances = [], []
+        values, variances, longest = [], [], max(run.samples.shape[1] for run in campaign.runs)
         for run in campaign.runs:
-            spectra = np.fft.rfft(run.samples - run.samples.mean(axis=1, keepdims=True), axis=1)[:, measured.lines]
+            signals = run.samples - run.samples.mean(axis=1, keepdims=True)
+            spectra = np.fft.rfft(signals, longest, axis=1)[:, measured.lines]
             power = [
                 run.samples.shape[1]
                 * (self.density(x, run.sample_rate_hz, campaign.band_hz, c.role) * self.shape(measured.frequency_hz))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import pytest
 from reconciled_case import campaign_of, roving_scenario
 
-from vgvt.effects import available_effects
+from vgvt.effects import available_effects, parameter
+from vgvt.effects.run_schedule import Shape
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.search.candidates import _spread, candidates, freed, places, tied_places
 from vgvt.scenario import load_scenario
@@ -128,3 +130,59 @@ def test_of_too_many_variants_as_many_are_taken_from_every_part() -> None:
     assert len(set(kept)) == len(kept) < 3000
     assert (kept[0], kept[-1]) == (0, 2999)
     assert max(np.diff(kept)) <= 3
+
+
+@dataclass(frozen=True)
+class Mixed:
+    """Two sensors that are taken for one another, in one of two ways, at some place."""
+
+    name: ClassVar[str] = "mixed"
+    size: float = parameter("", 0.1, 1.0, "size", neutral=0.0, scale="log")
+    x_m: float = parameter("m", 0.0, 1.2, "place", default=0.4)
+    y_m: float = parameter("m", -1.5, 1.5, "place", default=0.0)
+    node: int = field(default=0, metadata={"doc": "one"})
+    other_node: int = field(default=0, metadata={"doc": "the other"})
+    kind: Literal["a", "b"] = field(default="a", metadata={"doc": "how"})
+
+
+@dataclass(frozen=True)
+class Growing:
+    """A mass that grows from run to run, on one of two sides, at some place."""
+
+    name: ClassVar[str] = "growing"
+    mass_kg: float = parameter("kg", 0.005, 0.2, "mass", neutral=0.0, scale="log")
+    x_m: float = parameter("m", 0.0, 1.2, "place", default=0.4)
+    y_m: float = parameter("m", -1.5, 1.5, "place", default=0.0)
+    shape: Shape = field(default="linear", metadata={"doc": "how"})
+    from_run: int = field(default=2, metadata={"doc": "when"})
+    side: Literal["left", "right"] = field(default="left", metadata={"doc": "where"})
+
+
+def _about(runs: int) -> Any:
+    """A beam that all its sensors measured in every run."""
+    scenario = load_scenario("teaching-beam")
+    nodes = tuple(scenario.accelerometers.grid.node[:4])
+    return SimpleNamespace(
+        scenario=scenario,
+        measured=SimpleNamespace(runs=(nodes,) * runs),
+        layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
+    )
+
+
+def test_pairs_of_sensors_are_tried_with_every_other_choice_and_place() -> None:
+    about = _about(1)
+    found = {tuple(h.settings[k] for k in ("node", "other_node", "kind", "x_m", "y_m")) for h in candidates(
+        about, {"mixed": Mixed}
+    )}  # fmt: skip
+    pairs = itertools.combinations(about.measured.runs[0], 2)
+    assert found == {(*p, kind, *at) for p in pairs for kind in "ab" for at in places(about)}
+
+
+def test_courses_between_runs_are_tried_at_every_place() -> None:
+    about = _about(3)
+    variants = candidates(about, {"growing": Growing})
+    assert all(("from_run" in h.settings) == (h.settings["shape"] == "step") for h in variants)
+    found = {tuple(h.settings.get(k) for k in ("side", "shape", "from_run", "x_m", "y_m")) for h in variants}
+    courses = [("linear", None), ("exponential", None), ("step", 2), ("step", 3)]
+    assert found == {(s, *c, *at) for s in ("left", "right") for c in courses for at in places(about)}
+    assert len(variants) == len(found)

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import os
+import subprocess
+import sys
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
-from vgvt.effects import available_effects
+from vgvt.effects import Action, available_effects, parameter
+from vgvt.effects.conformance import with_effect
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.next_test.suggest import suggest
 from vgvt.reconcile.prediction.local_slopes import Origin
+from vgvt.reconcile.question import effect_code
+from vgvt.reconcile.question.effect_code import code_of
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.thresholds import stored_thresholds
+from vgvt.scenario import load_scenario
 
 
 def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) -> None:
@@ -105,3 +113,63 @@ def test_other_samples_or_another_catalogue_are_another_question(tmp_path: Path)
         )
     }
     assert len(keys) == 4
+
+
+def _written(version: int, limit: float = 0.5) -> type:
+    """An effect as somebody has it at some time of writing it."""
+
+    @dataclass(frozen=True)
+    class Mine:
+        name: ClassVar[str] = "mine"
+        size: float = parameter("", 0.0, limit, "size", neutral=0.0)
+
+        def act(self, scenario: object, run: int) -> Action:
+            return Action(warming_k=self.size * version)
+
+    return Mine
+
+
+def test_an_effect_that_was_edited_is_another_question(tmp_path: Path) -> None:
+    """Under the name that it had: it is what it does that was tried."""
+    scenario, limits = small_scenario(), stored_thresholds()
+    campaign = campaign_of(scenario, 4)
+    keys = [
+        Checkpoint.of(tmp_path, provenance_of(campaign, scenario, {"mine": mine}, limits, 100)).key
+        for mine in (_written(1), _written(1), _written(2), _written(1, limit=0.7))
+    ]
+    assert keys[0] == keys[1]
+    assert len(set(keys)) == 3
+
+
+def test_a_name_stands_for_the_installed_effect() -> None:
+    scenario, limits, known = small_scenario(), stored_thresholds(), available_effects()
+    campaign = campaign_of(scenario, 4)
+    named, given, other = (
+        provenance_of(campaign, scenario, effects, limits, 100)
+        for effects in (["added-mass"], {"added-mass": known["added-mass"]}, {"added-mass": _written(1)})
+    )
+    assert named == given != other
+
+
+def test_what_effects_are_is_the_same_in_every_process() -> None:
+    """Or no call would go on from what another one has kept."""
+    program = (
+        "from vgvt.effects import available_effects; from vgvt.scenario import load_scenario\n"
+        "from vgvt.reconcile.question.effect_code import code_of\n"
+        "print(code_of(available_effects(), load_scenario('quick')))"
+    )
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", program], env={**os.environ, "PYTHONHASHSEED": seed}, check=True, text=True,
+            capture_output=True,
+        ).stdout.strip()
+        for seed in ("1", "2")
+    }  # fmt: skip
+    assert told == {code_of(available_effects(), load_scenario("quick"))}
+
+
+def test_an_effect_of_the_scenario_itself_belongs_to_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = with_effect(load_scenario("quick"), available_effects()["added-mass"](mass_kg=0.1))
+    before = code_of({}, scenario)
+    monkeypatch.setattr(effect_code, "available_effects", lambda: {"added-mass": _written(1)})
+    assert code_of({}, scenario) != before

@@ -13,11 +13,13 @@ from vgvt.effects.conformance import switched_on
 from vgvt.effects.registry import effects_of
 from vgvt.reconcile.fitting.fit import TO_THE_END, calibrate, fit
 from vgvt.reconcile.next_test import suggest as suggesting
-from vgvt.reconcile.next_test.checks import Check, checks, foretold, log_density, reading_nats, seen
+from vgvt.reconcile.next_test.checks import Check, _aircraft_kg, checks, foretold, log_density, reading_nats, seen
 from vgvt.reconcile.next_test.with_reading import reading_density
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.thresholds import stored_thresholds
+from vgvt.scenario import load_scenario
+from vgvt.scenario.mass import rigid_body_properties
 
 # The package's lazy name of the same spelling is the function.
 
@@ -85,6 +87,31 @@ def test_what_an_absorber_weighs_is_on_the_scale_and_what_the_spring_weighs_is_n
     assert not shown(case, "weigh the aircraft", "suspension-surge", mass_kg=0.5).any()
 
 
+@pytest.mark.parametrize(("name", "beam"), [("hati-unsymmetric", ""), ("garteur-sm-ag19", "wing")])
+def test_air_hangs_on_no_scale(name: str, beam: str) -> None:
+    """It is in the section tables, and moves with the wing; but it has no weight."""
+    scenario, carried_along = load_scenario(name), available_effects()["entrained-air"]
+    air = carried_along(mass_fraction=1.0, beam=beam)
+    plain, moved = (seen(scenario, effects)[0] for effects in ([], [air]))
+    carried = [rigid_body_properties(s.scenario.airframe).mass_kg for s in (plain, moved)]
+    assert carried[1] - carried[0] > 0.01
+    assert _aircraft_kg(moved) == pytest.approx(_aircraft_kg(plain), abs=1e-9)
+    dragged = carried_along(mass_fraction=0.0, drag_n_s_per_m3=1.0, beam=beam)
+    assert dragged.act(scenario, 0).weightless_kg == 0
+
+
+def test_a_scale_tells_air_from_a_mass_and_not_from_a_damper(case: Problem) -> None:
+    air = claimed(case, "entrained-air", {"mass_fraction": 1.0, "drag_n_s_per_m3": 0.5})
+    mass = claimed(case, "added-mass", {"mass_kg": 0.13}, x_m=0.45, y_m=0.0)
+    damper = claimed(case, "nonproportional-damper", {"damping_n_s_per_m": 0.5}, x_m=0.9, y_m=1.2)
+    scale = check(case, "weigh the aircraft")
+    for one, other in ((air, mass), (mass, air)):
+        told = reading_nats(one, other, scale)
+        assert told is not None and told > stored_thresholds().set_nats
+    alike = reading_nats(air, damper, scale)
+    assert alike is not None and alike < 0.1
+
+
 def test_a_split_signal_shows_converters_and_a_reference_sensor_shows_all(case: Problem) -> None:
     """A gain of the sensor is beyond the converter; a filter is seen where its corner is, far above the band."""
     split, beside = "split one noise signal", "reference accelerometer"
@@ -92,17 +119,24 @@ def test_a_split_signal_shows_converters_and_a_reference_sensor_shows_all(case: 
     assert not shown(case, split, "channel-gain", gain_error=0.05, channels=f"{node}+Z").any()
     gain = shown(case, beside, "channel-gain", gain_error=0.05, channels=f"{node}+Z")
     real = gain.reshape(-1, 2, 10)[:, 0]
-    # The force's channel comes first in every run.
-    channels = [(run, n) for run, nodes in enumerate(case.measured.runs) for n in (0, *nodes)]
-    assert [n for (_, n), row in zip(channels, real, strict=True) if row.any()] == [node] * sum(
-        n == node for _, n in channels
-    )
+    channels = [n for nodes in case.measured.runs for n in nodes]
+    assert [n for n, row in zip(channels, real, strict=True) if row.any()] == [node] * channels.count(node)
     assert set(np.round(real[real != 0], 9)) == {0.05}
     filtered = check(case, split).read(seen(case.scenario, [available_effects()["anti-alias-delay"](delay_s=1e-3)]))
     size = np.hypot(*np.moveaxis(filtered.reshape(-1, 2, 10), 1, 0))
     assert size[0] == pytest.approx(1.0)
+    # The force's channel comes first in every run.
+    assert len(size) == sum(1 + len(nodes) for nodes in case.measured.runs)
     # The fourth order falls by 80 dB in a decade.
     assert size[1, 0] == pytest.approx(1.0, abs=1e-3) and size[1, -1] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("channel-gain", {"gain_error": 0.05}), ("channel-delay", {"delay_s": 1e-4})]
+)
+def test_no_accelerometer_beside_the_others_shows_the_force(case: Problem, name: str, values: dict[str, float]) -> None:
+    assert shown(case, "reference accelerometer", name, **values, channels="response").any()
+    assert not shown(case, "reference accelerometer", name, **values, channels="force").any()
 
 
 @pytest.mark.parametrize(

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from reconciled_case import campaign_of, roving_scenario
 
+from vgvt.data import Dof
 from vgvt.effects import available_effects
 from vgvt.reconcile.evidence import confirmation
 from vgvt.reconcile.evidence.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.data import Measured, MeasuredChannel
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.shared_noise import in_phase
 
 CHANNELS, LINES = 8, 100
 BEFORE: Any = SimpleNamespace(
@@ -36,7 +41,7 @@ def white() -> Any:
     left = (g.standard_normal(shape) + 1j * g.standard_normal(shape)) / np.sqrt(2)
     held = np.arange(CHANNELS) < 2
     measured = SimpleNamespace(
-        values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.ones(shape), frequency_hz=np.zeros(LINES)
+        values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.ones(shape), of_force=None
     )
     problem = SimpleNamespace(measured=measured, split=SimpleNamespace(held=held, train=~held))
     return SimpleNamespace(problem=problem, foretold=1 + left, scores=np.zeros(3))
@@ -53,6 +58,8 @@ def confirmed(monkeypatch: pytest.MonkeyPatch) -> Any:
         own = white()
         monkeypatch.setattr(confirmation, "_felt", lambda found: felt)
         monkeypatch.setattr(confirmation, "takes_enough", lambda *given: enough)
+        gained = 2 * LINES * (before.held_out_chi2_per_dof - held_out)
+        monkeypatch.setattr(confirmation, "held_out_nats", lambda judge, *given: confirmation._worth(judge) * gained)
         null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]), foretold=own.foretold + apart)
         return confirmed_by_held_out(own, held_out, null, before, NEEDS)
 
@@ -128,9 +135,47 @@ def test_of_what_they_do_not_feel_held_out_data_only_speak_against(confirmed: An
 
 
 def test_what_held_out_data_say_is_the_difference_of_their_likelihoods() -> None:
-    """White noise, every value new: half the drop of the square sum, 2 channels of 100 complex lines."""
-    assert held_out_nats(white(), 0.1) == pytest.approx(0.1 * 2 * LINES, rel=0.15)
-    assert held_out_nats(white(), -0.1) == -held_out_nats(white(), 0.1)
+    """White noise, every value new: the drop of the square sum of 2 channels of 100 complex lines."""
+    own = white()
+    worse: Any = SimpleNamespace(problem=own.problem, foretold=own.foretold + np.sqrt(0.1), scores=own.scores)
+    missed, without = (np.sum(np.abs(f.foretold - 1)[:2] ** 2) for f in (own, worse))
+    assert held_out_nats(own, own, worse) == pytest.approx(without - missed, rel=0.15)
+    assert held_out_nats(own, worse, own) == -held_out_nats(own, own, worse)
+
+
+def test_noise_that_a_held_out_run_shares_is_not_news_of_it() -> None:
+    """Two predictions of a run, one of them true, are 3 % apart by one factor; half of the noise is the force's.
+
+    They are told apart by S ± sqrt(2 S) nats, S being the squared deviations between them; taken for noise of each
+    channel its scatter is nearly twice that.
+    """
+    channels, draws, g = 5, 200, np.random.default_rng(6)
+
+    def unit(*shape: int) -> NDArray[np.complex128]:
+        return np.asarray((g.standard_normal(shape) + 1j * g.standard_normal(shape)) / np.sqrt(2))
+
+    true = np.exp(0.5 * unit(channels, LINES))
+    noise = (0.1 * np.abs(true)) ** 2
+    held = np.ones(channels, bool)
+    judged = Measured(
+        np.linspace(1.0, 50.0, LINES),
+        tuple(MeasuredChannel(0, 1, Dof.from_label(f"{k + 1}+Z"), k) for k in range(channels)),
+        true, noise, {}, np.sqrt(noise), np.ones((1, LINES), complex), np.arange(LINES), 1.0, ((1, 2, 3, 4, 5),), 1e3,
+        np.ones((1, 2)), of_force=in_phase(np.full(noise.shape, 0.5), true),
+    )  # fmt: skip
+    said = []
+    for _ in range(draws):
+        relative = 0.1 * np.sqrt(0.5) * (unit(1, LINES) + unit(channels, LINES))
+        problem: Any = SimpleNamespace(
+            measured=replace(judged, values=true * (1 + relative)), split=SimpleNamespace(held=held)
+        )
+        right, wrong = (SimpleNamespace(problem=problem, foretold=true * factor) for factor in (1.0, 1.03))
+        between = confirmation._square_sum(confirmation._of_held_out(problem, wrong.foretold - right.foretold))
+        worth = confirmation._worth(right)  # type: ignore[arg-type]
+        nats = held_out_nats(right, right, wrong) / worth  # type: ignore[arg-type]
+        said.append((nats - between) / np.sqrt(2 * between))
+    assert np.std(said) == pytest.approx(1.0, abs=0.15)
+    assert abs(np.mean(said)) < 0.2
 
 
 @pytest.fixture(scope="module")

@@ -202,6 +202,6 @@ def test_of_a_model_that_misses_much_nothing_is_asked(
     mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(asked_again, "in_its_place", lambda *given: pytest.fail("asked"))
-    missing = replace(mounted, chi2=2.0 * mounted.points)
+    missing = replace(mounted, predicted=mounted.predicted + 1.5 * mounted.problem.measured.sigma)
     rounds = rounds_of(missing)
     assert reconsidered(rounds, missing, offered, SETTLED.set_nats) == rounds

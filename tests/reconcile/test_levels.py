@@ -156,8 +156,20 @@ def test_a_run_among_others_has_its_own_sensors_on(tmp_path: Path) -> None:
 
 def test_levels_are_seen_in_the_force(case: Problem) -> None:
     assert not several_levels(case)
-    force = np.concatenate([case.measured.force, 4 * case.measured.force])
-    assert several_levels(replace(case, measured=replace(case.measured, force=force)))
+    pushed = np.concatenate([case.measured.pushed, 4 * case.measured.pushed])
+    assert several_levels(replace(case, measured=replace(case.measured, pushed=pushed)))
+
+
+def test_a_shorter_sweep_of_one_level_is_no_other_level(case: Problem) -> None:
+    """Half as long it has two thirds of the spectrum."""
+    excitation = SCENARIO.excitation.model_copy(update={"duration_s": SCENARIO.excitation.duration_s / 2})
+    short = simulated_campaign(SCENARIO.model_copy(update={"excitation": excitation}), engine="linear").runs[0]
+    whole = simulated_campaign(SCENARIO, engine="linear")
+    both = measured_frfs(replace(whole, runs=(whole.runs[0], replace(short, run=2))), lines=120)
+    spectrum = np.sqrt(np.mean(np.abs(both.force) ** 2, axis=1))
+    assert spectrum[1] < 0.77 * spectrum[0]
+    assert both.level_n[1] == pytest.approx(both.level_n[0], rel=0.1)
+    assert not several_levels(replace(case, measured=both))
 
 
 def test_joints_come_second_at_one_level(case: Problem) -> None:
@@ -169,8 +181,8 @@ def test_joints_come_second_at_one_level(case: Problem) -> None:
     at_once, later = linear_first(case, [twice[0], soft, twice[1], flap])
     assert at_once == [soft]
     assert later == [twice[0], flap]
-    force = np.concatenate([case.measured.force, 4 * case.measured.force])
-    two = replace(case, measured=replace(case.measured, force=force))
+    pushed = np.concatenate([case.measured.pushed, 4 * case.measured.pushed])
+    two = replace(case, measured=replace(case.measured, pushed=pushed))
     assert linear_first(two, [soft, *twice]) == ([soft, *twice], [])
 
 

@@ -40,7 +40,11 @@ SCENARIOS = {
 @cache
 def without_noise(name: str) -> Campaign:
     """The campaign of a scenario with ideal instruments."""
-    scenario = SCENARIOS[name]()
+    return simulated(SCENARIOS[name]())
+
+
+def simulated(scenario: Scenario) -> Campaign:
+    """A campaign with ideal instruments."""
     silent = {"noise": None}
     changes = {
         "accelerometers": scenario.accelerometers.model_copy(update=silent),
@@ -78,6 +82,21 @@ def holds(name: str, noise: Noise, draws: int) -> None:
 
 def test_a_short_roving_sweep_is_given_its_own_noise() -> None:
     holds("Hati, 14 s", Noise(0.01, False), 6)
+
+
+def test_a_run_of_half_the_length_is_given_its_own_noise_and_no_harmonics() -> None:
+    """Between the lines of its own record noise is interpolated, and as smooth as an answer of the structure."""
+    long, short = without_noise("Hati, 60 s"), simulated(roving(24.0))
+    campaign = replace(long, runs=(*long.runs[:3], *short.runs[3:]))
+    noise, generator, ratios = Noise(0.01, False), np.random.default_rng(8), []
+    for _ in range(4):
+        measured = measured_frfs(noise.on(campaign, generator), lines=200)
+        _, variance = noise.variance(campaign, measured)
+        of_run = np.array([c.run for c in measured.channels])
+        ratios.append([(measured.noise / variance)[of_run == r].mean() for r in range(len(RUNS))])
+        assert {h.run_number for h in measured.harmonics} == {1, 2, 3, 4, 5}
+        assert max(h.between for h in measured.harmonics) < 4
+    assert np.mean(ratios, axis=0) == pytest.approx(np.ones(len(RUNS)), abs=0.1)
 
 
 @pytest.mark.slow

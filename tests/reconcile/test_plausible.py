@@ -2,27 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import itertools
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from reconciled_case import campaign_of, small_scenario
 
-from vgvt.effects import available_effects
+from vgvt.effects import available_effects, make_effect, parameter
+from vgvt.effects.conformance import with_effect
+from vgvt.effects.places import require_on_aircraft
 from vgvt.reconcile import Kind, reconcile
 from vgvt.reconcile.decision import attribute as rounds
 from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.evidence import plausible
-from vgvt.reconcile.evidence.plausible import implausible
+from vgvt.reconcile.evidence.plausible import implausible, placed
+from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.outcome.account import _standing
+from vgvt.reconcile.outcome.augment import augment
 from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.search.candidates import freed
 from vgvt.scenario import load_scenario
 
 # The package's lazy name of the same spelling is the function.
+
+
+@dataclass(frozen=True)
+class AlongTheBody:
+    """A mass of which only the station is asked."""
+
+    name: ClassVar[str] = "along-the-body"
+    mass_kg: float = parameter("kg", 0.01, 0.5, "mass", neutral=0.0, scale="log")
+    x_m: float = parameter("m", 0.0, 1.2, "station", default=0.5)
+
 
 ABSORBER = freed(Hypothesis(available_effects()["local-absorber"], {"x_m": 0.5, "y_m": 0.5}))
 LIKELY = {"mass_kg": 0.1, "frequency_hz": 20.0, "damping_ratio": 0.02, "x_m": 0.5, "y_m": 0.5}
@@ -55,12 +71,16 @@ def fit_of(sd: float = 0.01, **changed: float) -> Any:
         # Where values stop to follow their scores.
         ({"frequency_hz": 146.1}, 0.0, ("frequency_hz",)),
         ({"frequency_hz": 60.0}, 0.01, ()),
-        # Hati is 1.17 m long and 3.06 m wide; a quarter of that, at either end, is near it.
+        # A chord of Hati, 0.3 m, is near it; a body's chord is none.
         ({"x_m": 1.75}, 0.01, ("x_m",)),
-        ({"x_m": 1.75}, 0.2, ()),
-        ({"x_m": 1.4}, 0.01, ()),
-        ({"x_m": -0.35, "y_m": 2.35}, 0.01, ("x_m", "y_m")),
-        ({"y_m": -2.35}, 0.01, ("y_m",)),
+        ({"x_m": 1.0}, 0.01, ()),
+        ({"x_m": 0.1, "y_m": 1.0}, 0.01, ("x_m",)),
+        ({"x_m": 1.3, "y_m": 0.0}, 0.01, ("x_m",)),
+        ({"x_m": -0.35, "y_m": 2.35}, 0.01, ("x_m",)),
+        ({"y_m": -2.35}, 0.01, ("x_m",)),
+        # Not surely: within two deviations it may be on the wing.
+        ({"x_m": 1.75}, 0.8, ()),
+        ({"x_m": 0.1, "y_m": 1.0}, 0.2, ()),
         # How much there is of it, and how damped it is, is for the data to say.
         ({"mass_kg": 8.0, "damping_ratio": 0.6}, 0.01, ()),
     ],
@@ -69,6 +89,83 @@ def test_what_lies_surely_beyond_is_said(changed: dict[str, float], sd: float, w
     found = implausible(fit_of(sd, **changed), 0)
     assert tuple(words.split(" of ")[0] for words in found) == what
     assert implausible(fit_of(sd, **changed)) == ()
+
+
+def test_what_is_called_a_place_can_be_stated_in_a_scenario() -> None:
+    """A name is handed on as a file: no command may refuse the place in it."""
+    kept = []
+    for x_m, y_m in itertools.product(np.linspace(-0.6, 1.9, 14), np.linspace(-2.4, 2.4, 17)):
+        place = {"x_m": float(x_m), "y_m": float(y_m)}
+        at = placed(fit_of(**place), 0, ("x_m", "y_m"))
+        assert (at is None) == bool(implausible(fit_of(**place), 0))
+        if at is not None:
+            # Two deviations of 1 cm to either side.
+            assert max(abs(at[0] - x_m), abs(at[1] - y_m)) < 0.0201
+            stated = {**LIKELY, "x_m": at[0], "y_m": at[1]}
+            require_on_aircraft(with_effect(HATI, make_effect("local-absorber", "test", **stated)))
+            kept.append(place)
+    assert len(kept) > 20
+    (wing,) = HATI.airframe.beam
+    for x, y, _ in wing.stations.position_m:
+        assert implausible(fit_of(x_m=x, y_m=y), 0) == ()
+
+
+def test_what_is_hardly_placed_is_stated_where_it_may_be(tmp_path: Path) -> None:
+    """Five grams half a metre off the wing, give or take a third: a file that runs has them within a chord of it."""
+    scenario = small_scenario()
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=80, cache=tmp_path)
+    case = replace(case, measured=replace(case.measured, sigma=50 * case.measured.sigma))
+    mass = freed(Hypothesis(available_effects()["added-mass"], {"x_m": 0.5, "y_m": 0.5}))
+    values = {"mass_kg": 0.005, "x_m": 0.05, "y_m": 1.1}
+    found = fit(case, (mass,), np.zeros(case.size), mass.scores(values), ())
+    assert found.values(0)["x_m"][1] > 0.15
+    stated = augment(scenario, SimpleNamespace(final=found))  # type: ignore[arg-type]
+    (table,) = stated.effect
+    at = table.model_dump()
+    assert at["mass_kg"] == pytest.approx(0.005)
+    assert (at["x_m"], at["y_m"]) != pytest.approx((0.05, 1.1))
+    assert implausible(found) == ()
+    require_on_aircraft(stated)
+
+
+def test_a_place_that_no_scenario_may_state_is_said_with_the_nearest_part() -> None:
+    assert implausible(fit_of(x_m=0.1, y_m=1.0), 0) == (
+        "x_m of 0.1 m and y_m of 1 m, farther from 'wing-right', the nearest part, than a scenario may say",
+    )
+
+
+def test_an_end_of_a_tie_is_asked_too_and_a_place_that_was_not_fitted_is_not() -> None:
+    bundle = available_effects()["cable-bundle"]
+    values = {"stiffness_n_per_m": 20.0, "damping_n_s_per_m": 0.1, "x_m": 0.5, "y_m": 0.5}
+    values |= {"other_x_m": 0.4, "other_y_m": 2.6}
+
+    def fit_with(settings: dict[str, float]) -> Any:
+        tie = Hypothesis(bundle, settings)
+        free = {p.name: values[p.name] for p in tie.parameters}
+        return SimpleNamespace(
+            u=np.zeros(0), scores=tie.scores(free), hypotheses=(tie,),
+            values=lambda index: {k: (v, 0.01, "") for k, v in free.items()}, problem=SimpleNamespace(scenario=HATI),
+        )  # fmt: skip
+
+    (words,) = implausible(fit_with({}))
+    assert words.startswith("other_x_m of 0.4 m and other_y_m of 2.6 m")
+    assert implausible(fit_with({"other_x_m": 0.4, "other_y_m": 2.6})) == ()
+
+
+def test_half_a_place_is_asked_of_the_aircraft_s_box() -> None:
+    """An effect of somebody's own that is somewhere along the body: surely off it, by a quarter of its length."""
+    along = Hypothesis(AlongTheBody)
+
+    def fit_at(x_m: float, sd: float) -> Any:
+        return SimpleNamespace(
+            u=np.zeros(0), scores=along.scores({"mass_kg": 0.1, "x_m": x_m}), hypotheses=(along,),
+            values=lambda index: {"mass_kg": (0.1, sd, "kg"), "x_m": (x_m, sd, "m")},
+            problem=SimpleNamespace(scenario=HATI),
+        )  # fmt: skip
+
+    (words,) = implausible(fit_at(1.75, 0.01))
+    assert words.startswith("x_m of 1.75")
+    assert implausible(fit_at(1.75, 0.2)) == implausible(fit_at(1.4, 0.01)) == ()
 
 
 def test_it_is_asked_of_the_effect_that_was_added_last() -> None:
@@ -146,7 +243,7 @@ def test_a_plausible_rival_goes_first_where_it_does_as_well(
     monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
     monkeypatch.setattr(rounds, "ended", lambda current, found, *given: found)
     monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
-    monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 0.0)
+    monkeypatch.setattr(rounds, "held_out_nats", lambda *given: 0.0)
     monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
     monkeypatch.setattr(rounds, "plain_likenesses", lambda *given: ())
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))

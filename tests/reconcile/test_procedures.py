@@ -166,6 +166,31 @@ def test_where_no_test_tells_that_is_said() -> None:
     assert words_of_none([strong, weak], 5.0) == words_of_none([], 5.0) == ()
 
 
+def test_two_places_of_one_effect_are_told_as_two(case: Problem) -> None:
+    """Chosen or fitted, or a side; of two effects the names will do."""
+    known = (
+        claimed(case, "added-mass", {"mass_kg": 0.05}, x_m=0.9, y_m=1.2),
+        claimed(case, "added-mass", {"mass_kg": 0.05, "x_m": 0.9, "y_m": -1.2}),
+        claimed(case, "root-compliance", {}, side="left"),
+        claimed(case, "root-compliance", {}, side="right"),
+        claimed(case, "added-mass", {"mass_kg": 0.05, "x_m": 0.9, "y_m": -2e-4}),
+    )
+    test = suggesting._Test("a test", 5.0, lambda true, wrong: 1.0)
+
+    def rivals(*which: int) -> tuple[str, str]:
+        found = test.worth([known[k] for k in which], test.promised)
+        assert found is not None
+        return found.rivals
+
+    right, left = "added-mass (x_m = 0.9, y_m = 1.2)", "added-mass (x_m = 0.9, y_m = -1.2)"
+    assert rivals(0, 1) == (right, left)
+    assert rivals(2, 3) == ("root-compliance (side = left)", "root-compliance (side = right)")
+    assert rivals(0, 4) == (right, "added-mass (x_m = 0.9, y_m = 0)")
+    assert rivals(1, 2) == ("added-mass", "root-compliance")
+    (said,) = words_of_none([Suggestion("a test", rivals(0, 1), 1.0, 5.0)], 5.0)
+    assert f"tell {right} from {left}" in said
+
+
 def test_a_test_has_to_tell_names_apart_before_places() -> None:
     """The best fit of each of the last round that names several, not five places of one of them."""
 

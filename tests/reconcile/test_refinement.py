@@ -7,11 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import scipy.linalg
-from reconciled_case import small_scenario, without_instrument_noise
+from reconciled_case import campaign_of, small_scenario, without_instrument_noise
 
+from vgvt.effects import available_effects
 from vgvt.effects.beams import with_beams
+from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.mechanics.refinement import meshed, towards
 from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, make_problem
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario
@@ -76,3 +79,17 @@ def test_the_highest_modes_flexibility_brings_the_response_nearer(tmp_path: Path
         for p in (case, bare)
     ]
     assert left[0] < 0.95 * left[1]
+
+
+def test_a_swapped_sensor_is_refined_where_it_sits(tmp_path: Path) -> None:
+    """What the cells lack is another thing at a tip than at a root: labelled with the other point it is still there."""
+    scenario = small_scenario()
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=120, cache=tmp_path)
+    row = {channel.dof.node: k for k, channel in enumerate(case.measured.channels)}
+    swapped = Hypothesis(available_effects()["swapped-sensors"], {"node": 2, "other_node": 19})
+    u = np.zeros(case.size)
+    plain = fit(case, (), u, np.zeros(0), ()).predicted
+    found = fit(case, (swapped,), u, np.zeros(0), ()).predicted
+    np.testing.assert_allclose(found[row[2]], plain[row[19]], rtol=1e-6)
+    np.testing.assert_allclose(found[row[19]], plain[row[2]], rtol=1e-6)
+    assert np.abs(plain[row[2]] / plain[row[19]] - 1).max() > 0.1

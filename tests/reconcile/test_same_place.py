@@ -37,19 +37,40 @@ def test_what_one_place_explains_must_go(
     assert left_where_it_was(explained(**before), explained(**after), 80.0, missed_after) is refused
 
 
-def test_the_next_best_may_win_where_the_best_is_beside_the_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = {"null": explained(body=0.9), "beside": explained(body=0.95), "right": explained(tip=0.9, body=0.1)}
-    monkeypatch.setattr(rounds, "localise", lambda fit: shown[fit])
-    limits = SimpleNamespace(held_out_per_dof=1.0)
-    before: Any = SimpleNamespace(held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=limits)
-    null: Any = "null"
-    beside: Any = SimpleNamespace(fit="beside", gain_nats=90.0, held_out=40.0)
-    right: Any = SimpleNamespace(fit="right", gain_nats=50.0, held_out=30.0)
-    met: Any = SimpleNamespace(fit="beside", gain_nats=95.0, held_out=0.9)
-    assert rounds._taking_it_away(null, [right, beside], before) == [right]
-    assert rounds._taking_it_away(null, [beside], before) == []
+NEEDS: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
+MISSED: Any = SimpleNamespace(
+    held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=SimpleNamespace(held_out_per_dof=1.0)
+)
+
+
+def rival(place: str, gain_nats: float, held_out: float, left: float = 20.0) -> Any:
+    """One that explains the data so well, and leaves them to a place."""
+    return SimpleNamespace(fit=SimpleNamespace(place=place, chi2_per_dof=left), gain_nats=gain_nats, held_out=held_out)
+
+
+@pytest.fixture
+def shown(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The fit without a name, all of whose residual the body explains, as nearly all of what is left beside a name."""
+    known = {"null": explained(body=0.9), "body": explained(body=0.95), "tip": explained(tip=0.9, body=0.1)}
+    monkeypatch.setattr(rounds, "localise", lambda fit: known[fit.place])
+    return SimpleNamespace(place="null")
+
+
+def test_the_next_best_may_win_where_the_best_is_beside_the_point(shown: Any) -> None:
+    beside, right, met = rival("body", 90.0, 30.0), rival("tip", 50.0, 40.0), rival("body", 95.0, 0.9)
+    assert rounds._taking_it_away(shown, [right, beside], MISSED, NEEDS) == ([right], (right, (right,)))
+    assert rounds._taking_it_away(shown, [beside], MISSED, NEEDS) == ([], None)
     # Held-out data that are met need no place to speak for the name.
-    assert rounds._taking_it_away(null, [beside, met], before) == [met, beside]
+    assert rounds._taking_it_away(shown, [beside, met], MISSED, NEEDS) == ([met, beside], (met, (met,)))
+
+
+def test_it_is_asked_of_what_would_win_and_not_of_what_gains_most(monkeypatch: pytest.MonkeyPatch, shown: Any) -> None:
+    """Where much is left held-out data choose among the confirmed; where little is, all data among equals."""
+    most, chosen = rival("tip", 100.0, 40.0), rival("body", 60.0, 25.0)
+    assert rounds._taking_it_away(shown, [most, chosen], MISSED, NEEDS) == ([most], (most, (most,)))
+    most, chosen = rival("tip", 62.0, 40.0, left=1.2), rival("body", 60.0, 25.0, left=1.2)
+    monkeypatch.setattr(rounds, "held_out_nats", lambda judge, found, without: 10.0 * (found is chosen.fit))
+    assert rounds._taking_it_away(shown, [most, chosen], MISSED, NEEDS) == ([most], (most, (most,)))
 
 
 def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -74,6 +95,5 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
     monkeypatch.setattr(rounds, "ended", lambda current, rivals, *given: rivals)
     monkeypatch.setattr(rounds, "likelier", lambda confirmed, equal: list(confirmed))
-    needs: Any = SimpleNamespace(evidence_nats=9.0, set_nats=5.0)
-    found = rounds.attribute(null, (), needs)
+    found = rounds.attribute(null, (), NEEDS)
     assert found.rounds == () and found.vetoed == (beside,)

@@ -103,7 +103,10 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked: found)
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
-    monkeypatch.setattr(rounds, "_taking_it_away", lambda current, confirmed, before: confirmed)
+    monkeypatch.setattr(
+        rounds, "_taking_it_away", lambda current, confirmed, *given: (confirmed, (confirmed[0], ())) if confirmed
+        else ([], None),
+    )  # fmt: skip
     monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
     monkeypatch.setattr(rounds, "plain_likenesses", lambda *given: ())
 
@@ -153,14 +156,19 @@ def test_what_is_ahead_by_all_data_is_named_beside_the_confirmed(
     ahead: bool,
 ) -> None:
     """Where little is left: 12 nats more on fitted data against 10 or 30 less on those held out."""
-    monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 200 * better)
+    monkeypatch.setattr(rounds, "held_out_nats", lambda judge, found, without: 200 * (without.missed - found.missed))
     monkeypatch.setattr(rounds, "implausible", lambda fit: strange)
-    fit: Any = SimpleNamespace(chi2_per_dof=left)
+
+    def fit(missed: float) -> Any:
+        return SimpleNamespace(chi2_per_dof=left, missed=missed)
+
     winner: Any = SimpleNamespace(
-        name="confirmed", gain_nats=25.0, held_out=0.8, fit=fit, convinces=lambda limits: True
+        name="confirmed", gain_nats=25.0, held_out=0.8, fit=fit(0.8), convinces=lambda limits: True
     )
     other, same, drifting = (
-        SimpleNamespace(name=name, gain_nats=gain, held_out=missed, fit=fit, convinces=lambda limits, told=told: told)
+        SimpleNamespace(
+            name=name, gain_nats=gain, held_out=missed, fit=fit(missed), convinces=lambda limits, told=told: told
+        )
         for name, gain, missed, told in (
             ("refused", gain_nats, held_out, True), ("confirmed", 60.0, 0.8, True), ("drifting", 60.0, 0.8, False),
         )
@@ -269,9 +277,9 @@ def test_of_what_fitted_data_cannot_tell_the_one_goes_first_that_foretells_the_o
     monkeypatch: pytest.MonkeyPatch, chi2_per_dof: float, held_out: float | None, first: str
 ) -> None:
     """An inertia of 109 nats that leaves 0.56 of held-out data was gone on with; a root of 104 leaves 0.29."""
-    monkeypatch.setattr(rounds, "held_out_nats", lambda fit, better: 30.0 * better)
+    monkeypatch.setattr(rounds, "held_out_nats", lambda judge, found, without: 30.0 * (without.missed - found.missed))
     ahead, other = (
-        SimpleNamespace(name=n, gain_nats=g, held_out=h, fit=a_fit(chi2_per_dof))
+        SimpleNamespace(name=n, gain_nats=g, held_out=h, fit=SimpleNamespace(**vars(a_fit(chi2_per_dof)), missed=h))
         for n, g, h in (("inertia", 108.8, 0.56), ("root", 103.9, held_out))
     )
     winner, equal = rounds._foretelling(ahead, (ahead, other))

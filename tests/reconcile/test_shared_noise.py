@@ -36,7 +36,7 @@ def judged(share: float, floor: float = 0.0) -> Measured:
     nodes = tuple(tuple(c.dof.node for c in channels if c.run == r) for r in range(len(OF_RUN)))
     return Measured(
         np.arange(LINES) + 1.0, channels, values, noise, {}, np.sqrt(noise), np.ones((len(OF_RUN), LINES), complex),
-        np.arange(LINES), 1.0, nodes, 1e3, np.ones(len(OF_RUN)), np.ones((len(OF_RUN), 2)),
+        np.arange(LINES), 1.0, nodes, 1e3, np.ones((len(OF_RUN), 2)),
         of_force=in_phase(np.full(noise.shape, share), values),
     ).with_floor(floor)  # fmt: skip
 

@@ -71,16 +71,21 @@ def test_a_fit_goes_the_whole_way_along_the_valley(tmp_path: Path) -> None:
     assert sd < 0.1 * ROLL
 
 
-@pytest.mark.parametrize(("promised", "steps"), [(0.05, 12), (1e-4, 1)])
+@pytest.mark.parametrize(
+    ("promised", "cost", "steps"), [(0.05, 1e6, 12), (4e-4, 1e6, 1), (4e-4, 6000.0, 12), (1e-4, 6000.0, 1)]
+)
 def test_a_step_held_back_is_not_the_bottom(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, promised: float, steps: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, promised: float, cost: float, steps: int
 ) -> None:
-    """Little gained where a free step promised much: on, as far as the stage allows; where little, it ends."""
+    """Little gained where a free step promised much: on, as far as the stage allows; where little, it ends.
+
+    Little is a share of the cost while data miss much, and half a nat where they are nearly met.
+    """
     taken = []
 
     def held_back(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Step:
         taken.append(damping)
-        return Step(u, e, here, predicted, damping, 5e-4, promised)
+        return Step(u, e, here, predicted, damping, 5e-4, promised, cost)
 
     monkeypatch.setattr(fits, "taken", held_back)
     case = problem(tmp_path, 1)
@@ -100,7 +105,7 @@ def test_a_fit_ends_where_two_steps_gain_nothing(
 
     def next_one(here: Anchor, u: Any, e: Any, predicted: Any, sigma: Any, damping: float, rough: bool) -> Step:
         taken.append(gains[len(taken)] if len(taken) < len(gains) else 1e-2)
-        return Step(u, e, here, predicted, damping, taken[-1], 0.05)
+        return Step(u, e, here, predicted, damping, taken[-1], 0.05, cost=1e6)
 
     monkeypatch.setattr(fits, "taken", next_one)
     case = problem(tmp_path, 1)

@@ -49,9 +49,9 @@ def test_what_data_drown(case: Problem, share: float, silent: bool) -> None:
     assert not unheard(here, u, e, here.predict(u, e))
 
 
-@pytest.mark.parametrize("rings_there", [True, False])
+@pytest.mark.parametrize(("rings_there", "exact"), [(True, False), (True, True), (False, False), (False, True)])
 def test_a_fit_walks_without_them_and_ends_with_them(
-    case: Problem, monkeypatch: pytest.MonkeyPatch, rings_there: bool
+    case: Problem, monkeypatch: pytest.MonkeyPatch, rings_there: bool, exact: bool
 ) -> None:
     """Where it arrives what rings may show: then it goes on with it."""
     case = judged_by(case, heard_by(case) / (0.5 * 0.02))
@@ -67,7 +67,7 @@ def test_a_fit_walks_without_them_and_ends_with_them(
 
     monkeypatch.setattr(fits, "taken", taken)
     monkeypatch.setattr(fits, "unheard", shows)
-    found = fit(case, (), np.zeros(case.size), np.zeros(0), NEAR)
+    found = fit(case, (), np.zeros(case.size), np.zeros(0), NEAR, exact=exact)
     assert found.problem is case
     assert not walked[0]
     assert any(walked) == rings_there

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vgvt.cli.reconcile_folder import ReconcileFolder
     from vgvt.data import Campaign
     from vgvt.reconcile.decision.verdict import Verdict
+    from vgvt.reconcile.question.hypothesis import Hypothesis
     from vgvt.scenario.model import Scenario
 
 _LINES = 500
@@ -71,7 +72,7 @@ def reconcile(
     if not scenario:
         raise InputError("--scenario", "is missing", "write --scenario NAME or --scenario FILE.toml: what is believed")
     believed = resolved_scenario(scenario, seed, None)
-    effects = chosen_effects(only or [], without or [])
+    effects = undeclared(believed, chosen_effects(only or [], without or []))
     if campaign is None:
         if not power:
             raise InputError(
@@ -88,8 +89,9 @@ def reconcile(
     check_suitable(measured, believed)
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
     folder.prepare()
-    options = {"lines": lines, "effects": sorted(effects), "power": power}
-    fingerprint = fingerprint_of(measured, believed, options)
+    fingerprint = fingerprint_of(measured, believed, effects, {"lines": lines, "power": power})
+    if force:
+        folder.forget()
     document = None if force else folder.answer(fingerprint)
     if document is None:
         document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(workers))
@@ -126,6 +128,21 @@ def chosen_effects(only: list[str], without: list[str]) -> dict[str, type]:
     return kept
 
 
+def undeclared(scenario: Scenario, effects: Mapping[str, type]) -> dict[str, type]:
+    """Effects that a scenario has not in a table of its own already; InputError where that leaves none."""
+    from vgvt.data import InputError
+
+    declared = {table.name for table in scenario.effect}
+    kept = {name: cls for name, cls in effects.items() if name not in declared}
+    if not kept:
+        raise InputError(
+            "--only and --without",
+            f"leave nothing to try: scenario {scenario.name} has {', '.join(sorted(effects))} in [[effect]] already",
+            "choose another effect, or take that table out of the scenario to have its size found",
+        )
+    return kept
+
+
 def _reconciled(
     campaign: Campaign,
     scenario: Scenario,
@@ -150,14 +167,15 @@ def _reconciled(
             campaign, scenario, effects=effects, lines=lines, folder=folder.cache, workers=workers,
             progress=lambda fraction, message, _: report(share * fraction, message),
         )  # fmt: skip
+        tried = _tried(verdict, effects)
         # "Nothing is needed" is worth as much as what could have been seen.
         asked = with_power or verdict.kind == "adequate"
-        seen = _power(verdict, effects, lambda f, m: report(share + _POWER_SHARE * f, m)) if asked else ()
+        seen = _power(verdict, tried, lambda f, m: report(share + _POWER_SHARE * f, m)) if asked else ()
         spent = time.perf_counter() - start
         account = account_of(
             verdict,
             title=f"{campaign.name} against {scenario.name}",
-            facts=_facts(campaign, scenario, effects, spent),
+            facts=_facts(campaign, scenario, tried, spent),
             power=seen,
         )
         page = write_reconcile_page(folder.cache / folder.report.name, account)
@@ -184,16 +202,32 @@ def _reconciled(
     return document
 
 
-def _power(verdict: Verdict, effects: Mapping[str, type], report: Any) -> tuple[Any, ...]:
-    """Detectability around the calibrated scenario."""
-    from vgvt.reconcile.next_test.power import power as detectability
+def _tried(verdict: Verdict, effects: Mapping[str, type]) -> tuple[Hypothesis, ...]:
+    """What the loop had to choose from; InputError where this campaign could show no variant of any effect.
+
+    That nothing explains the data is no answer where nothing was asked.
+    """
+    from vgvt.data import InputError
     from vgvt.reconcile.search.candidates import candidates
 
-    null = verdict.attribution.null
-    return detectability(null, candidates(null.problem, effects), report)
+    tried = candidates(verdict.attribution.null.problem, effects)
+    if not tried:
+        raise InputError(
+            "--only and --without",
+            f"leave nothing to try: no variant of {', '.join(sorted(effects))} could show in this campaign",
+            "choose another effect",
+        )
+    return tried
 
 
-def _facts(campaign: Campaign, scenario: Scenario, effects: Mapping[str, type], spent_s: float) -> dict[str, str]:
+def _power(verdict: Verdict, tried: tuple[Hypothesis, ...], report: Any) -> tuple[Any, ...]:
+    """Detectability around the calibrated scenario."""
+    from vgvt.reconcile.next_test.power import power as detectability
+
+    return detectability(verdict.attribution.null, tried, report)
+
+
+def _facts(campaign: Campaign, scenario: Scenario, tried: tuple[Hypothesis, ...], spent_s: float) -> dict[str, str]:
     from vgvt import __version__
 
     low, high = campaign.band_hz
@@ -202,7 +236,7 @@ def _facts(campaign: Campaign, scenario: Scenario, effects: Mapping[str, type], 
         "scenario": f"{scenario.name}: {scenario.summary}",
         "band": f"{low:g} to {high:g} Hz",
         "runs": str(len(campaign.runs)),
-        "effects tried": str(len(effects)),
+        "effects tried": str(len({h.name for h in tried})),
         "seed of the hold-out": str(scenario.seed),
         "time": f"{spent_s:.0f} s",
         "made by": f"vgvt {__version__}",

@@ -54,6 +54,11 @@ class ReconcileFolder:
         same = isinstance(document, dict) and document.get("fingerprint") == fingerprint
         return document if same else None
 
+    def forget(self) -> None:
+        """Remove the rounds of an earlier search: the next one begins anew. Derivatives stay, which hold no effect."""
+        for rounds in self.cache.glob("rounds*.json"):
+            rounds.unlink(missing_ok=True)
+
     def prepare(self) -> None:
         """Make the folder; InputError where that is impossible or it is used for something else."""
         if self.path.exists() and not self.path.is_dir():
@@ -76,10 +81,16 @@ class ReconcileFolder:
             (self.path / name).unlink(missing_ok=True)
 
 
-def fingerprint_of(campaign: Campaign, scenario: Scenario, options: Mapping[str, object]) -> str:
-    """Hash of everything that a verdict follows from: samples, channels, scenario, options, version."""
+def fingerprint_of(
+    campaign: Campaign, scenario: Scenario, effects: Mapping[str, type], options: Mapping[str, object]
+) -> str:
+    """Hash of everything that a verdict follows from: samples, channels, scenario, effects, options, version.
+
+    An effect that somebody is writing keeps its name: it is what it does that counts.
+    """
     from vgvt import __version__
     from vgvt.cli.run_folder import scenario_sha256
+    from vgvt.reconcile.question.effect_code import code_of
 
     found = hashlib.sha256()
     for record in campaign.runs:
@@ -90,6 +101,8 @@ def fingerprint_of(campaign: Campaign, scenario: Scenario, options: Mapping[str,
         "band_hz": list(campaign.band_hz),
         "scenario": scenario_sha256(scenario),
         "version": __version__,
+        "effects": sorted(effects),
+        "code": code_of(effects, scenario),
         **options,
     }
     found.update(json.dumps(facts, sort_keys=True).encode())

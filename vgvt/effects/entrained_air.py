@@ -76,13 +76,19 @@ class EntrainedAir:
         copies = copies_of(scenario.airframe, edged)
         beams = [b for b in expanded_beams(scenario.airframe) if b.name in copies]
         dashpots = tuple(e for b in beams for e in self._dashpots(b)) if self.drag_n_s_per_m3 > 0 else ()
-        changed = with_beams(scenario, edged, self._with_air) if self.mass_fraction != 0 else None
-        return Action(scenario=changed, elements=dashpots)
+        if self.mass_fraction == 0:
+            return Action(elements=dashpots)
+        # The tables hold the air as any mass; what lies between two stations of theirs is straight.
+        air = sum(float(np.trapezoid(self._air_kg_per_m(b.stations), beam_axis(b).arc_length_m)) for b in beams)
+        return Action(with_beams(scenario, edged, self._with_air), dashpots, weightless_kg=air)
+
+    def _air_kg_per_m(self, stations: Stations) -> NDArray[np.float64]:
+        return np.asarray(self.mass_fraction * 0.25 * math.pi * AIR_KG_PER_M3 * chord_m(stations) ** 2)
 
     def _with_air(self, beam: Beam) -> Beam:
         stations = beam.stations
         chord, middle = chord_m(stations), mid_chord_m(stations)
-        air = self.mass_fraction * 0.25 * math.pi * AIR_KG_PER_M3 * chord**2
+        air = self._air_kg_per_m(stations)
         turning = self.mass_fraction * math.pi * AIR_KG_PER_M3 * chord**4 / 128
         mass, pitch = np.array(stations.mass_kg_per_m), np.array(stations.pitch_inertia_kg_m)
         offset = np.array(stations.cg_offset_m or (0.0,) * len(mass))

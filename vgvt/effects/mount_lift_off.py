@@ -6,6 +6,7 @@ import dataclasses
 from typing import ClassVar
 
 from vgvt.data import InputError
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
@@ -28,6 +29,7 @@ class MountLiftOff:
     name: ClassVar[str] = "mount-lift-off"
     summary: ClassVar[str] = "The force gauge's mount is softer in tension than in compression"
     family: ClassVar[Family] = Family.MOUNT
+    turn: ClassVar[Turn] = Turn.IN_THE_RIG
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = (
         "even harmonics in force and response, in the ratio of the FRF; A/F stays, force over command depends on level"

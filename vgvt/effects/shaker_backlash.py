@@ -6,6 +6,7 @@ import dataclasses
 from typing import ClassVar
 
 from vgvt.data import InputError
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
@@ -29,6 +30,7 @@ class ShakerBacklash:
     name: ClassVar[str] = "shaker-backlash"
     summary: ClassVar[str] = "The drive path between shaker and aircraft has play"
     family: ClassVar[Family] = Family.DRIVE_PATH
+    turn: ClassVar[Turn] = Turn.IN_THE_RIG
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = (
         "flat spots and knocks in the force, harmonics of all orders in force and response in the ratio of the FRF; "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import SuspensionCubic
 from vgvt.effects.parameter import parameter
@@ -25,6 +26,7 @@ class SuspensionHardening:
     name: ClassVar[str] = "suspension-hardening"
     summary: ClassVar[str] = "The suspension spring stiffens with the motion of the aircraft"
     family: ClassVar[Family] = Family.SUSPENSION
+    turn: ClassVar[Turn] = Turn.IN_THE_RIG
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = "heave rises with level, and third harmonics of a slow sweep; nothing above some hertz"
     confused_with: ClassVar[tuple[str, ...]] = ("suspension-stiffness", "root-friction")

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import Absorber, Element, PointMass
 from vgvt.effects.parameter import parameter
@@ -29,6 +30,7 @@ class SuspensionSurge:
     name: ClassVar[str] = "suspension-surge"
     summary: ClassVar[str] = "The suspension spring has mass and resonates along its length"
     family: ClassVar[Family] = Family.SUSPENSION
+    turn: ClassVar[Turn] = Turn.IN_THE_RIG
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = "lightly damped pole-zero pairs at equal spacing in frequency, in all channels and runs"
     confused_with: ClassVar[tuple[str, ...]] = ("local-absorber", "frame-resonance")

@@ -13,12 +13,14 @@ import numpy as np
 
 import vgvt
 from vgvt.data import Campaign
+from vgvt.effects.registry import available_effects
 from vgvt.files.atomically import replacing
 from vgvt.files.campaign_file import content_hash
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.prediction.local_slopes import Origin
+from vgvt.reconcile.question.effect_code import code_of
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.question.thresholds import Thresholds
@@ -38,19 +40,32 @@ class Begun(NamedTuple):
 
 
 def provenance_of(
-    campaign: Campaign, scenario: Scenario, effects: Iterable[str], thresholds: Thresholds, lines: int
+    campaign: Campaign,
+    scenario: Scenario,
+    effects: Mapping[str, type] | Iterable[str],
+    thresholds: Thresholds,
+    lines: int,
 ) -> dict[str, str]:
-    """What a verdict rests on, by name: hashes of the campaign's samples and of the scenario, version, limits."""
+    """What a verdict rests on, by name: hashes of samples, scenario and effects, the version, and the limits.
+
+    ``effects`` are those that are tried, classes by name; a name alone stands for the installed one.
+    """
+    tried = effects if isinstance(effects, Mapping) else _installed(effects)
     return {
         "campaign": f"{campaign.name} ({content_hash(campaign)[:16]}, band {campaign.band_hz[0]:g} to "
         f"{campaign.band_hz[1]:g} Hz)",
         "scenario": f"{scenario.name} ({hashlib.sha256(to_toml(scenario).encode()).hexdigest()[:16]})",
         "version": vgvt.__version__,
-        "hypotheses": " ".join(sorted(effects)),
+        "hypotheses": f"{' '.join(sorted(tried))} ({code_of(tried, scenario)[:16]})",
         "lines": str(lines),
         "thresholds": f"{thresholds.evidence_nats:g} nats, {thresholds.chi2_per_dof:g} per degree of freedom "
         f"({_hashed(thresholds)}); {thresholds.provenance}",
     }
+
+
+def _installed(names: Iterable[str]) -> dict[str, type]:
+    known = available_effects()
+    return {name: known.get(name, object) for name in names}
 
 
 def _hashed(thresholds: Thresholds) -> str:

@@ -69,7 +69,7 @@ def reconcile(
     limits = limits.at(noise_share(problem.measured, problem.split.train))
     null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
     hypotheses = candidates(problem, effects)
-    origin = provenance_of(campaign, scenario, {h.name for h in hypotheses}, limits, lines)
+    origin = provenance_of(campaign, scenario, {h.name: h.cls for h in hypotheses}, limits, lines)
 
     def searched(start: Fit, file: str, span: tuple[float, float], without: frozenset[str]) -> Attribution:
         asked = [h for h in hypotheses if h.name not in without]

@@ -114,7 +114,8 @@ class Plan:
         position = seat.position_m + np.sum([e.shift_m for e in errors], axis=0)
         return MeasurementPoint(
             labelled.dof,
-            f"misplaced-{node}",
+            # By the point that it sits on, or next to, too: what holds there holds for it.
+            f"misplaced-{node}-at-{seat.site}",
             seat.part,
             position,
             self.parts.carrier(seat.part, position),

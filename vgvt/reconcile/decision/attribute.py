@@ -137,12 +137,11 @@ def _selected(
         confirmed = straightened(confirmed, thresholds.set_nats)
         if confirmed:
             confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
-        confirmed = _taking_it_away(current, confirmed, before)
+        confirmed, best = _taking_it_away(current, confirmed, before, thresholds)
         vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
-        if not confirmed:
+        if best is None:
             break
-        ahead = _first(confirmed)
-        winner, equal = _foretelling(ahead, _equal(ahead, confirmed, thresholds))
+        winner, equal = best
         equal = (*equal, *_ahead_in_all(winner, rivals, confirmed, thresholds))
         equal = (*equal, *plain_likenesses(winner, confirmed, equal, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
@@ -180,19 +179,26 @@ def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds
     return rival.convinces(thresholds) and confirmed_by_held_out(rival.fit, rival.held_out, current, before, thresholds)
 
 
-def _taking_it_away(current: Fit, confirmed: Sequence[Rival], before: Residual) -> list[Rival]:
-    """Of the confirmed, those that may win: not those that leave the residual to the place that explained it before."""
+def _taking_it_away(
+    current: Fit, confirmed: Sequence[Rival], before: Residual, thresholds: Thresholds
+) -> tuple[list[Rival], tuple[Rival, tuple[Rival, ...]] | None]:
+    """The winner of the confirmed with its equals, and those of them that were not refused on the way to it.
+
+    One that would win is refused where it leaves the residual to the place that explained it before.
+    """
     left, place = sorted(confirmed, key=lambda r: -r.gain_nats), None
     while left:
-        missed = left[0].held_out
+        ahead = _first(left)
+        winner, equal = _foretelling(ahead, _equal(ahead, left, thresholds))
+        missed = winner.held_out
         if missed is None or missed <= before.limits.held_out_per_dof or before.held_out_chi2_per_dof is None:
-            break
+            return left, (winner, equal)
         place = localise(current) if place is None else place
-        after, noise = localise(left[0].fit), before.held_out_noise_per_dof or 0.0
+        after, noise = localise(winner.fit), before.held_out_noise_per_dof or 0.0
         if not left_where_it_was(place, after, before.held_out_chi2_per_dof - noise, missed - noise):
-            break
-        left = left[1:]
-    return left
+            return left, (winner, equal)
+        left = [r for r in left if r is not winner]
+    return [], None
 
 
 def _first(confirmed: Sequence[Rival]) -> Rival:
@@ -220,12 +226,11 @@ def _foretelling(ahead: Rival, equal: tuple[Rival, ...]) -> tuple[Rival, tuple[R
 
     Fitted data leave it open: what foretells the others better is the model to go on with.
     """
-    missed = ahead.held_out
-    if len(equal) < 2 or ahead.fit.chi2_per_dof >= BIASED or missed is None:
+    if len(equal) < 2 or ahead.fit.chi2_per_dof >= BIASED or ahead.held_out is None:
         return ahead, equal
 
     def by_all(r: Rival) -> float:
-        return r.gain_nats + held_out_nats(ahead.fit, missed - r.held_out) if r.held_out is not None else -np.inf
+        return r.gain_nats + held_out_nats(ahead.fit, r.fit, ahead.fit) if r.held_out is not None else -np.inf
 
     first = max(equal, key=by_all)
     return first, (first, *(r for r in equal if r is not first))
@@ -246,9 +251,8 @@ def _ahead_in_all(
     if winner.fit.chi2_per_dof >= BIASED or winner.held_out is None:
         return []
     unconfirmed = [r for r in rivals if r.convinces(thresholds) and r not in confirmed and r.name != winner.name]
-    others = [(r, r.held_out) for r in unconfirmed if not implausible(r.fit)]
-    better = [(r, winner.held_out - missed) for r, missed in others if missed is not None]
-    return [r for r, held in better if r.gain_nats + held_out_nats(winner.fit, held) > winner.gain_nats]
+    others = [r for r in unconfirmed if r.held_out is not None and not implausible(r.fit)]
+    return [r for r in others if r.gain_nats + held_out_nats(winner.fit, r.fit, winner.fit) > winner.gain_nats]
 
 
 def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Residual, named: bool) -> list[Hypothesis]:

@@ -68,7 +68,7 @@ def level_nats(found: Fit) -> float:
     """
     problem = found.problem
     measured = problem.measured
-    size = np.sqrt(np.mean(np.abs(measured.force) ** 2, axis=1))
+    size = measured.level_n
     share = (size.min() / size)[:, None]
     quiet = replace(problem, measured=replace(measured, pushed=share * measured.pushed))
     try:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.reconcile.evidence.residual import Residual, independent_values
 from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.shared_noise import apart
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share
 
+ComplexArray = NDArray[np.complex128]
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
 # Standard deviations within which held-out data are not against a name that they cannot tell.
@@ -40,20 +44,20 @@ def confirmed_by_held_out(
     if missed is None or before.held_out_chi2_per_dof is None:
         return False
     excess = before.held_out_chi2_per_dof - (before.held_out_noise_per_dof or 0.0)
-    better = before.held_out_chi2_per_dof - missed
-    if missed > before.limits.held_out_per_dof and better < _MUCH * excess and not takes_enough(found, current, before):
+    if missed > before.limits.held_out_per_dof and not (
+        before.held_out_chi2_per_dof - missed >= _MUCH * excess or takes_enough(found, current, before)
+    ):
         return False
-    held, sigma = found.problem.split.held, found.problem.measured.sigma
     worth = _worth(found)
-    nats = held_out_nats(found, better)
+    nats = held_out_nats(found, found, current)
     if nats > _HELD_OUT_NATS:
         return True
     tolerances_nats = 0.5 * float(current.scores @ current.scores - found.scores @ found.scores)
     if tolerances_nats < thresholds.evidence_nats and worth * _felt(found) > _HELD_OUT_NATS:
         return False
     # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
-    apart = worth * float(np.sum(np.abs((found.foretold - current.foretold) / sigma)[held] ** 2))
-    return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * apart))
+    between = worth * _square_sum(_of_held_out(found.problem, found.foretold - current.foretold))
+    return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * between))
 
 
 def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
@@ -66,8 +70,8 @@ def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
     """
     if found.chi2_per_dof <= before.limits.chi2_per_dof or share_taken(found, current, before) >= _MUCH:
         return True
-    missed = current.chi2 - before.noise_per_dof * current.points
-    if missed > 0 and current.chi2 - found.chi2 >= _MUCH * missed:
+    missed = current.chi2_per_dof - before.noise_per_dof
+    if missed > 0 and current.chi2_per_dof - found.chi2_per_dof >= _MUCH * missed:
         return True
     strained = before.strain_sd > before.limits.strain_sd
     return strained and strain_sd(found) <= (1 - _MOST) * before.strain_sd
@@ -78,32 +82,47 @@ def share_taken(found: Fit, current: Fit, before: Residual) -> float:
 
     ``before`` is what ``current`` leaves. One where nothing was too much.
     """
-    missed = current.chi2 - before.noise_per_dof * current.points
+    missed = (current.chi2_per_dof - before.noise_per_dof) * current.points
+    scores, left = float(current.scores @ current.scores), float(found.scores @ found.scores)
     # Scores that nothing bends have a square of one each at most.
-    bent = max(0.0, float(current.scores @ current.scores) - current.scores.size)
-    return (current.cost - found.cost) / (missed + bent) if missed + bent > 0 else 1.0
+    bent = max(0.0, scores - current.scores.size)
+    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + scores - left
+    return taken / (missed + bent) if missed + bent > 0 else 1.0
 
 
-def held_out_nats(found: Fit, better: float) -> float:
-    """What held-out data say by meeting them so much ``better``, in χ² per degree of freedom, as nats for a fit."""
-    return _worth(found) * int(found.problem.split.held.sum()) * found.problem.measured.frequency_hz.size * better
+def held_out_nats(judge: Fit, found: Fit, without: Fit) -> float:
+    """What held-out data say for ``found`` against ``without``, in nats, each value worth what it is to ``judge``."""
+    return _worth(judge) * (_square_sum(_missed(without)) - _square_sum(_missed(found)))
+
+
+def _missed(found: Fit) -> ComplexArray:
+    """What a fit misses of held-out data."""
+    return _of_held_out(found.problem, found.foretold - found.problem.measured.values)
+
+
+def _of_held_out(problem: Problem, change: ComplexArray) -> ComplexArray:
+    """Held-out rows of changes (C, L) of A/F in standard deviations, what channels of a run share taken out."""
+    measured, held = problem.measured, problem.split.held
+    return apart(measured, held, (change / measured.sigma)[held])
+
+
+def _square_sum(standardised: ComplexArray) -> float:
+    return float(np.sum(np.abs(standardised) ** 2))
 
 
 def _worth(found: Fit) -> float:
     """Independent values that a held-out one is worth: what a fit misses there, and an error of form, are not noise."""
-    problem = found.problem
-    held, sigma = problem.split.held, problem.measured.sigma
-    rho = ((found.foretold - problem.measured.values) / sigma)[held]
-    return min(1.0, independent_values(rho) / (2 * rho.size)) * noise_share(problem.measured, held).worth
+    rho = _missed(found)
+    worth = noise_share(found.problem.measured, found.problem.split.held).worth
+    return min(1.0, independent_values(rho) / (2 * rho.size)) * worth
 
 
 def _felt(found: Fit) -> float:
     """What the last effect, and nothing else, does to the held-out data, in squared standard deviations."""
     problem, last = found.problem, len(found.hypotheses[-1].parameters)
-    held, sigma = problem.split.held, problem.measured.sigma
     rest = found.e[: found.e.size - last]
     try:
         without = anchor(problem, found.u, found.hypotheses[:-1], rest, slopes=False).predict(found.u, rest)
     except NoStructureError:
         return np.inf
-    return float(np.sum(np.abs((found.predicted - without) / sigma)[held] ** 2))
+    return _square_sum(_of_held_out(problem, found.predicted - without))

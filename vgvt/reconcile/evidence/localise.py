@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.mechanics.response import accelerances
+from vgvt.reconcile.prediction.grouping import Group
 from vgvt.reconcile.prediction.surrogate import Anchor, Reduced, anchor
 from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.work.one_thread import one_thread
@@ -79,10 +80,12 @@ class Localisation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Candidate:
+    """A place: rows (n,) over the coordinates of each group of runs, which differ, or a mask (C,) of channels."""
+
     label: str
     kind: str
     position_m: tuple[float, float, float] | None
-    row: Array | None
+    rows: tuple[Array, ...] | None
     mask: NDArray[np.bool_] | None
 
 
@@ -114,8 +117,8 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     ranked = []
     for k, (explained, c, scaled) in enumerate(sorted(found, key=lambda f: -f[0])):
         kind, size, unit, ratio = "", 0.0, "", None
-        if c.row is not None:
-            z = _stiffness(problem, here, c.row, rho, scaled)
+        if c.rows is not None:
+            z = _stiffness(problem, here, c.rows[0], rho, scaled)
             ratio = -z[0] / z[1]
             if k < _TYPED:
                 kind, size, unit = interface_type(2 * np.pi * measured.frequency_hz, *z)
@@ -139,29 +142,27 @@ def _free(rho: ComplexArray, tangent: ComplexArray, scores: Array, direction: Co
 
 
 def _candidates(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[_Candidate]:
-    group = here.assembled[0]
-    s, plan = group.structure, group.plan
+    groups = here.assembled
+    plan = groups[0].plan
     found = []
     for point in plan.grid:
-        k = s.places.index(point.site)
         at = (float(point.position_m[0]), float(point.position_m[1]), float(point.position_m[2]))
-        found.append(_Candidate(f"force at {point.dof}", "structure", at, s.axis[k], None))
-    hook = np.array(plan.scenario.suspension.hook_m)
-    rows, _ = point_rows(s, plan, "body", hook)
-    found.append(_Candidate("force at the hook", "structure", tuple(hook.tolist()), _UP @ rows, None))
+        rows = tuple(g.structure.axis[g.structure.places.index(point.site)] for g in groups)
+        found.append(_Candidate(f"force at {point.dof}", "structure", at, rows, None))
+    hook = plan.scenario.suspension.hook_m
+    rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(hook))[0] for g in groups)
+    found.append(_Candidate("force at the hook", "structure", hook, rows, None))
     # The first six coordinates: translation, then rotation about the body's own x, y and z.
     for axis, name in ((4, "pitch"), (3, "roll")):
-        row = np.zeros(s.drive.size)
-        row[axis] = 1.0
-        found.append(_Candidate(f"{name} moment on the centre body", "structure", None, row, None))
+        rows = tuple(_unit(g.structure.drive.size, axis) for g in groups)
+        found.append(_Candidate(f"{name} moment on the centre body", "structure", None, rows, None))
     for beam, chain in plan.parts.chains.items():
         for kind in ("bending", "torsion"):
-            joints = [f"{link.name}/{kind}" for link in chain.links if f"{link.name}/{kind}" in s.joints]
-            if joints:
-                row = np.zeros(s.drive.size)
-                row[s.joints.index(joints[0])] = 1.0
+            first = [k for g in groups if (k := _first_joint(g, beam, kind)) is not None]
+            if len(first) == len(groups):
+                rows = tuple(_unit(g.structure.drive.size, k) for g, k in zip(groups, first, strict=True))
                 x, y, z = (float(v) for v in chain.table.point_m(0.0))
-                found.append(_Candidate(f"{kind} at the root of {beam}", "structure", (x, y, z), row, None))
+                found.append(_Candidate(f"{kind} at the root of {beam}", "structure", (x, y, z), rows, None))
     channels = problem.measured.channels
     everything = np.ones(len(channels), dtype=bool)
     found.append(_Candidate("force channel", "drive", None, None, everything))
@@ -179,17 +180,30 @@ def _candidates(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
     return found
 
 
+def _unit(size: int, k: int) -> Array:
+    """A row (n,) with a one at an index."""
+    row = np.zeros(size)
+    row[k] = 1.0
+    return row
+
+
+def _first_joint(group: Group, beam: str, kind: str) -> int | None:
+    """The coordinate of a beam's innermost joint of a kind, 'bending' or 'torsion': a soft root is one more."""
+    joints, links = group.structure.joints, group.plan.parts.chains[beam].links
+    return next((joints.index(name) for link in links if (name := f"{link.name}/{kind}") in joints), None)
+
+
 def _answer(
     problem: Problem, here: Anchor, c: _Candidate, predicted: ComplexArray, chain: ComplexArray
 ) -> ComplexArray:
     """What a unit of the candidate does to A/F, (C, L)."""
-    if c.row is None:
+    if c.rows is None:
         assert c.mask is not None
         return np.asarray(predicted * c.mask[:, None])
     out = np.zeros(problem.measured.values.shape, dtype=complex)
     omega = 2 * np.pi * problem.measured.frequency_hz
-    for group in here.groups:
-        out[group.channels] = _pushed(group, c.row, omega)
+    for group, row in zip(here.groups, c.rows, strict=True):
+        out[group.channels] = _pushed(group, row, omega)
     return np.asarray(out * chain)
 
 

@@ -6,6 +6,7 @@ gram half a metre behind the aircraft is an inertia, an absorber far above the b
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.scenario.airframe import Airframe
-from vgvt.scenario.placement import LEAST_BOX_MARGIN_M, aircraft_box_m
+from vgvt.scenario.placement import LEAST_BOX_MARGIN_M, aircraft_box_m, place_problem
+from vgvt.scenario.planform import part_at
 
 if TYPE_CHECKING:
     from vgvt.reconcile.evidence.rivals import Rival
@@ -25,32 +27,68 @@ AXES = {f"{prefix}{axis}_m": k for prefix in ("", "other_") for k, axis in enume
 """What effects call their places, with the axis (0 aft, 1 right)."""
 # The plausible range of a frequency ends at a score of two. Data that say little of it leave it well within.
 _BEYOND = 3.0
-# Of the aircraft's side in that direction: what surfaces and brackets reach beyond its box; and by so many deviations.
-_OFF, _SURE = 0.25, 2.0
+PLACES = (("x_m", "y_m"), ("other_x_m", "other_y_m"))
+# For half a place, of the aircraft's side in its direction: what surfaces and brackets reach beyond its box.
+_OFF = 0.25
+# Standard deviations by which something is surely beyond, and steps to either side in which a place is looked for.
+_SURE, _STEPS = 2.0, 4
 
 
 def implausible(fit: Fit, index: int = -1) -> tuple[str, ...]:
-    """What of a hypothesis of a fit lies surely beyond what there can be, in words; empty where nothing does.
+    """What of a hypothesis of a fit cannot be, in words; empty where nothing is of that kind.
 
-    Places, against the aircraft, and frequencies, against the catalogue's range. How much there is of a thing, how
+    Places that are surely where a scenario may not state them; frequencies, and a place along one axis alone, where
+    they lie surely beyond what is plausible, by the catalogue and the aircraft's box. How much there is of a thing, how
     stiff or how damped it is, is for the data to say.
     """
     index %= len(fit.hypotheses)
-    parameters = fit.hypotheses[index].parameters
+    hypothesis, airframe = fit.hypotheses[index], fit.problem.scenario.airframe
+    parameters = hypothesis.parameters
     start = fit.u.size + sum(len(h.parameters) for h in fit.hypotheses[:index])
     scores, values = np.abs(fit.scores[start : start + len(parameters)]), fit.values(index)
-    sides = {p.name: on_the_aircraft(fit.problem.scenario.airframe, p.name) for p in parameters if p.name in AXES}
+    stated = dict(hypothesis.settings) | {name: value[0] for name, value in values.items()}
+    whole = [pair for pair in PLACES if set(pair) <= set(stated) and not set(pair).isdisjoint(values)]
+    lost = [pair for pair in whole if placed(fit, index, pair) is None]
+    nowhere = tuple(_nowhere(airframe, pair, [stated[name] for name in pair]) for pair in lost)
+    told = {name for pair in whole for name in pair}
+    sides = {p.name: on_the_aircraft(airframe, p.name) for p in parameters if p.name in AXES and p.name not in told}
     off = {name: max(low - values[name][0], values[name][0] - high) for name, (low, high) in sides.items()}
     far = {p.name for p, score in zip(parameters, scores, strict=True) if p.unit == "Hz" and score > _BEYOND}
     asked = [p for p in parameters if off.get(p.name, 0.0) > 0 or (p.name in far and p.neutral is None)]
     if not asked:
-        return ()
+        return nowhere
     wide = honest(fit).values(index)
-    return tuple(
+    return nowhere + tuple(
         _words(p, values[p.name][0], *sides.get(p.name, (p.low, p.high)))
         for p in asked
         if off.get(p.name, np.inf) > _SURE * wide[p.name][1]
     )
+
+
+def placed(fit: Fit, index: int, names: tuple[str, str]) -> tuple[float, float] | None:
+    """Where a scenario may state a place (x, y) of a hypothesis of a fit: there, or where it is likeliest of what may.
+
+    That is within two standard deviations, or nowhere: then None.
+    """
+    airframe, settings = fit.problem.scenario.airframe, fit.hypotheses[index].settings
+    stated = {**settings, **{name: value[0] for name, value in fit.values(index).items()}}
+    point = np.array([float(stated[name]) for name in names])
+    if place_problem(airframe, names, "", point.tolist()) is None:
+        return float(point[0]), float(point[1])
+    wide = honest(fit).values(index)
+    sd = np.array([wide[name][1] if name in wide else 0.0 for name in names])
+    steps = np.linspace(-_SURE, _SURE, 2 * _STEPS + 1)
+    for off in sorted(itertools.product(steps, steps), key=lambda off: off[0] ** 2 + off[1] ** 2):
+        x, y = (point + off * sd).tolist()
+        if place_problem(airframe, names, "", (x, y)) is None:
+            return x, y
+    return None
+
+
+def _nowhere(airframe: Airframe, names: tuple[str, str], point: Sequence[float]) -> str:
+    """That there can be nothing at a point (x, y), in words."""
+    place = " and ".join(f"{name} of {value:.3g} m" for name, value in zip(names, point, strict=True))
+    return f"{place}, farther from {part_at(airframe, point)!r}, the nearest part, than a scenario may say"
 
 
 def on_the_aircraft(airframe: Airframe, name: str) -> tuple[float, float]:

@@ -38,7 +38,7 @@ _TRUE = 0.5
 class Step:
     """Where a step has arrived: scores, the anchor and the prediction (C, L) there, and the damping to go on with.
 
-    ``gain`` is what it took off the cost and ``promised`` what a free step promised to, as shares of the cost.
+    ``gain`` is what it took off the ``cost`` there was and ``promised`` what a free step promised to, as shares of it.
     """
 
     u: Array
@@ -48,6 +48,7 @@ class Step:
     damping: float
     gain: float
     promised: float
+    cost: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +63,7 @@ class _Slopes:
     longest: float
 
     @classmethod
-    def of(cls, here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> _Slopes | None:
+    def of(cls, here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None) -> _Slopes | None:
         """By the slopes of ``here``; None beside a joint whose march runs away."""
         tangent = jacobian(here, u, e, predicted, sigma)
         if not np.isfinite(tangent).all():
@@ -89,7 +90,7 @@ class _Slopes:
 
 
 def taken(
-    here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array, damping: float, rough: bool
+    here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None, damping: float, rough: bool
 ) -> Step | None:
     """One accepted step from u and e with the slopes of ``here``, or None where none is found.
 
@@ -112,7 +113,7 @@ def taken(
             anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
             there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
             gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
-            return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free)
+            return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free, cost)
         if not rough and _misled(here, u, e):
             here = _sloped(here, here, u, e, anew=True)
             slopes = _Slopes.of(here, u, e, predicted, sigma)
@@ -132,7 +133,7 @@ class _Reached:
     cost: float
 
 
-def _reached(here: Anchor, scores: Scores, sigma: Array) -> _Reached | None:
+def _reached(here: Anchor, scores: Scores, sigma: Array | None) -> _Reached | None:
     """What is found at some scores; None where there is no such aircraft."""
     u, e = scores
     try:
@@ -144,7 +145,7 @@ def _reached(here: Anchor, scores: Scores, sigma: Array) -> _Reached | None:
     return _Reached(u, e, there, trial, left) if np.isfinite(left) else None
 
 
-def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array) -> float:
+def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None) -> float:
     """Square sum of misfit and scores."""
     misfit = data_misfit(here.problem, predicted, sigma)
     return float(misfit @ misfit + u @ u + e @ e)

@@ -37,8 +37,9 @@ FORGIVING = ((0.6, 8), (0.15, 8))
 """From the stated values towards what is far from them, sharp resonances too: nothing of it is judged by less."""
 TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
-# Relative to the cost: what a free step promises where the bottom is reached.
-_ENOUGH = 1e-3
+# What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
+# are nearly met, at this much a value. A share of the cost is the more nats the more data there are.
+_ENOUGH, _ENOUGH_NATS, _NEARLY_MET = 1e-3, 0.5, 1.5
 # Relative to the cost: what a step gains where no step leads anywhere any more.
 _NOTHING = 1e-4
 # Standard deviations from where slopes were taken that change nothing.
@@ -54,7 +55,8 @@ class Fit:
     """A fitted model: scores ``u`` (and ``e`` of its hypotheses), prediction (C, L) and the Laplace posterior.
 
     ``tangent`` (2 N, scores) are derivatives of the data misfit; ``covariance`` (scores, scores) that of the
-    scores; ``chi2`` the data's square sum over ``points`` real numbers; ``evidence_nats`` Laplace's log evidence.
+    scores; ``chi2`` the data's square sum over ``points`` real numbers, what channels share taken out;
+    ``evidence_nats`` Laplace's log evidence.
     ``sigma`` (fitted channels, L) is what it was judged by where that is not the data's. ``unseen`` (k, scores) is by
     how much things that the model has no unknown for may have moved its scores (:mod:`vgvt.reconcile.evidence.unseen`).
     ``origin`` is where its slopes in the unknowns were taken, None for the problem's own: evidence hangs on them.
@@ -77,8 +79,11 @@ class Fit:
 
     @property
     def chi2_per_dof(self) -> float:
-        """χ² per fitted real number."""
-        return self.chi2 / self.points
+        """χ² per fitted real number, each channel by itself, as limits and shares of noise have it."""
+        if self.sigma is not None:
+            return self.chi2 / self.points
+        measured, train = self.problem.measured, self.problem.split.train
+        return float(np.mean(np.abs((self.predicted - measured.values)[train] / measured.sigma[train]) ** 2))
 
     @property
     def foretold(self) -> ComplexArray:
@@ -201,9 +206,10 @@ def fit(
     if quiet:
         here, predicted = _anchored(here, problem, u, e)
         if not unheard(here, u, e, predicted):
-            # Something rings there that did not where it began.
-            u, e, here, predicted, converged = _walked(here, u, e, predicted, phases[-1:], progress)
-    return _posterior(here, u, e, predicted, converged, None if judged == 0 else coarse_sigma(problem, judged))
+            # Something rings there that did not where it began: the last stage once more, with slopes of either kind.
+            last = [phase for phase in phases if phase[0] == phases[-1][0]]
+            u, e, here, predicted, converged = _walked(here, u, e, predicted, last, progress)
+    return _posterior(here, u, e, predicted, converged, coarse_sigma(problem, judged))
 
 
 def _walked(
@@ -216,7 +222,7 @@ def _walked(
 ) -> tuple[Array, Array, Anchor, ComplexArray, bool]:
     """Where phases lead from scores u and e: scores, the anchor and prediction there, and whether it is the bottom."""
     problem, hypotheses, structures, passed, converged = here.problem, here.hypotheses, here.structures, 0, False
-    total = sum(n for _, n, _ in phases)
+    total, points = sum(n for _, n, _ in phases), 2 * predicted[problem.split.train].size
     # With the slopes of the stated values first: where these lead far away, they say where to, and not where to stop.
     for coarse, iterations, rough in phases:
         begun, passed = passed, passed + iterations
@@ -238,7 +244,9 @@ def _walked(
                 break
             u, e, here, predicted, damping = step.u, step.e, step.here, step.predicted, step.damping
             # A step held back gains little anywhere: at the bottom not even a free one promises anything.
-            if step.promised < _ENOUGH or (step.gain < _NOTHING and stuck):
+            met = sigma is None and step.cost < _NEARLY_MET * points
+            promises = step.promised * step.cost / 2 >= _ENOUGH_NATS if met else step.promised >= _ENOUGH
+            if not promises or (step.gain < _NOTHING and stuck):
                 converged = True
                 break
             stuck = step.gain < _NOTHING

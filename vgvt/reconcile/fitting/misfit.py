@@ -73,8 +73,10 @@ def _relative_slope(anchored: Anchor, u: Array, e: Array, k: int, chain: Complex
     return 0.0
 
 
-def coarse_sigma(problem: Problem, coarse: float) -> Array:
-    """Standard deviations with a relative error added to every line."""
+def coarse_sigma(problem: Problem, coarse: float) -> Array | None:
+    """Standard deviations with a relative error added to every line; None, the data's own, where there is none."""
+    if coarse == 0:
+        return None
     keep = problem.split.train
     measured = problem.measured
     return np.asarray(np.sqrt(measured.sigma[keep] ** 2 + (coarse * np.abs(measured.values[keep])) ** 2))

@@ -91,9 +91,9 @@ def checks(problem: Problem) -> tuple[Check, ...]:
         Check("weigh an accelerometer with what moves of its cable", 10.0,
               lambda r: np.array([r[0].scenario.accelerometers.mass_kg]), _alike(_BALANCE_KG)),
         Check("split one noise signal between all channels, up to 5 kHz", 15.0,
-              lambda r: _filters(r, wide, (Family.ACQUISITION,)), _calibrated(_SPLIT, gains)),
+              lambda r: _filters(r, wide, (Family.ACQUISITION,), force=True), _calibrated(_SPLIT, gains)),
         Check("put a reference accelerometer beside every sensor and compare the two in the band", 2.0 * points,
-              lambda r: _filters(r, band, tuple(Family)), _calibrated(_REFERENCE, gains)),
+              lambda r: _filters(r, band, tuple(Family), force=False), _calibrated(_REFERENCE, gains)),
     ]  # fmt: skip
     if runs > 1:
         words = "log the temperature of the structure beside the runs, with a thermistor"
@@ -188,17 +188,20 @@ def _calibrated(relative: float, gains: Tolerances) -> Callable[[int], Array]:
     return lambda count: np.asarray(np.kron(np.eye(count // one.size), block), dtype=np.float64)
 
 
-def _filters(runs: Sequence[Seen], frequency_hz: Array, families: tuple[Family, ...]) -> Array:
-    """What filters of some families do to the force and to every response of every run, over one, as real numbers."""
+def _filters(runs: Sequence[Seen], frequency_hz: Array, families: tuple[Family, ...], *, force: bool) -> Array:
+    """What filters of some families do to every response of every run, over one, as real numbers.
+
+    With ``force`` to that channel too, first in every run: no accelerometer shows what the force gauge says.
+    """
     found = []
     for one in runs:
         points = {p.dof.node: p for p in sensor_points(one.scenario)}
-        force = Channel("force", Quantity.EXCITATION_FORCE, ChannelRole.REFERENCE, Dof(0, _UP))
+        gauge = Channel("force", Quantity.EXCITATION_FORCE, ChannelRole.REFERENCE, Dof(0, _UP))
         responses = [
             Channel("response", Quantity.ACCELERATION, ChannelRole.RESPONSE, points[node].dof)
             for node in one.scenario.acquisition.run_nodes[one.run]
         ]
-        for channel in (force, *responses):
+        for channel in (gauge, *responses) if force else responses:
             factor = np.ones(frequency_hz.size, dtype=complex)
             for action, family in zip(one.actions, one.families, strict=True):
                 for change in action.channels if family in families else ():
@@ -260,6 +263,7 @@ def _warming_k(one: Seen) -> float:
 
 
 def _aircraft_kg(one: Seen) -> float:
-    """The airframe with what effects put on it, kg."""
+    """The airframe with what effects put on it, less what of that has no weight, kg."""
     hung = sum(getattr(e, "mass_kg", 0.0) for a in one.actions for e in a.elements if e.owner == "airframe")
-    return float(rigid_body_properties(one.scenario.airframe).mass_kg + hung)
+    weightless = sum(a.weightless_kg for a in one.actions)
+    return float(rigid_body_properties(one.scenario.airframe).mass_kg + hung - weightless)

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from vgvt.effects.added_mass import with_lump
+from vgvt.effects.beams import plain_name
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.holdout import Split
 from vgvt.reconcile.question.problem import Nominal, Problem, nuisances_of
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.reconcile.search.candidates import places
+from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.base import Point
+from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.placement import EDGE_TOLERANCE_M, placement_problems
+from vgvt.scenario.planform import distance_off_m, part_at
 from vgvt.simulation.reduced import Layouts, structure
 
 _DUMMY_KG = 0.05
@@ -53,9 +60,6 @@ def procedures(problem: Problem) -> tuple[Procedure, ...]:
     scenario = problem.scenario
     x, y, z = scenario.shaker.position_m
 
-    def driven(at: tuple[float, float, float]) -> Callable[[Scenario], Scenario]:
-        return lambda s: s.model_copy(update={"shaker": s.shaker.model_copy(update={"position_m": at})})
-
     def sprung(factor: float) -> Callable[[Scenario], Scenario]:
         return lambda s: s.model_copy(
             update={
@@ -68,17 +72,53 @@ def procedures(problem: Problem) -> tuple[Procedure, ...]:
     def loaded(place: tuple[float, float]) -> Callable[[Scenario], Scenario]:
         return lambda s: with_lump(s, "dummy", _DUMMY_KG, place)
 
-    found = []
+    points = [("10 cm further forward", (x - 0.1, y, z))]
     if y != 0:
-        found.append(Procedure("excite at the mirror image of the drive point", driven((x, -y, z)), 20.0))
-        found.append(Procedure("excite on the centre line", driven((x, 0.0, z)), 20.0))
-    found.append(Procedure("excite 10 cm further forward", driven((x - 0.1, y, z)), 20.0))
+        points = [("at the mirror image of the drive point", (x, -y, z)), ("on the centre line", (x, 0.0, z)), *points]
+    found = [
+        Procedure(f"excite {words}", partial(_driven, at=at), 20.0)
+        for words, at in points
+        if _on_the_aircraft(_driven(scenario, at), scenario.shaker.attached_to)
+    ]
     found.append(Procedure("hang it on a spring half as stiff", sprung(0.5), 15.0))
     found.append(Procedure("hang it on a spring twice as stiff", sprung(2.0), 15.0))
     for place in places(problem):
         words = f"tape a dummy mass of {1000 * _DUMMY_KG:.0f} g at x = {place[0]:.2f} m, y = {place[1]:.2f} m"
         found.append(Procedure(words, loaded(place), 5.0))
     return (*found, *_other_runs(problem.measured.runs), *_averages(problem))
+
+
+def _driven(scenario: Scenario, at: Point) -> Scenario:
+    """The scenario with its shaker below another point, fixed to the part that is there."""
+    moved = {"position_m": at, "attached_to": part_at(scenario.airframe, at)}
+    return scenario.model_copy(update={"shaker": scenario.shaker.model_copy(update=moved)})
+
+
+def _on_the_aircraft(scenario: Scenario, before: str) -> bool:
+    """Whether there is something to push on at the drive point, which was on the part ``before``.
+
+    A part without an outline takes every point that no outline holds, however far beside it: off another part, only
+    what is right over it will do.
+    """
+    airframe, shaker = scenario.airframe, scenario.shaker
+    if placement_problems(airframe, None, shaker, None):
+        return False
+    stays = plain_name(shaker.attached_to) == plain_name(before)
+    outlined = distance_off_m(airframe, shaker.attached_to, shaker.position_m) is not None
+    return stays or outlined or _beside_m(airframe, shaker.attached_to, shaker.position_m) <= EDGE_TOLERANCE_M
+
+
+def _beside_m(airframe: Airframe, part: str, at: Point) -> float:
+    """How far a point is from the axis of a beam as seen from above, or from the body's plane of symmetry."""
+    axes = {b.name: np.array(b.stations.position_m)[:, :2] for b in expanded_beams(airframe)}
+    if part not in axes:
+        return abs(at[1] - airframe.body.centre_of_gravity_m[1])
+    start, step = axes[part][:-1], np.diff(axes[part], axis=0)
+    arm = np.array(at[:2]) - start
+    # From above a fin is a point.
+    length = np.maximum((step**2).sum(axis=1), np.finfo(float).tiny)
+    along = np.clip((arm * step).sum(axis=1) / length, 0.0, 1.0)
+    return float(np.linalg.norm(arm - along[:, None] * step, axis=1).min())
 
 
 def _averages(problem: Problem) -> list[Procedure]:
@@ -150,7 +190,7 @@ def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
     measured = replace(
         first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
         sigma=first.sigma[index], variances={name: v[index] for name, v in first.variances.items()},
-        force=first.force[came], pushed=first.pushed[came], level_n=first.level_n[came],
+        force=first.force[came], pushed=first.pushed[came],
         endings=tuple(first.endings[k] for k in came) if first.endings else (),
         lost=None if first.lost is None else first.lost[index],
         of_force=None if first.of_force is None else first.of_force[index],

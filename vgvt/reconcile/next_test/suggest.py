@@ -28,6 +28,8 @@ Nats = Callable[[Fit, Fit], float | None]
 _TELLS = 10.0
 # What leaves no doubt: a test that promises more is not worth more minutes.
 _CERTAIN = 50.0
+# Parameters that say where an effect sits.
+_PLACE = ("x_m", "y_m", "other_x_m", "other_y_m")
 # Tests whose promise is followed to the end by fits; each takes seconds.
 _FOLLOWED = 8
 
@@ -57,15 +59,29 @@ class _Test:
 
     def worth(self, fits: Sequence[Fit], nats: Nats) -> Suggestion | None:
         """What it tells of the pair that it tells least of, whichever is true; None where that cannot be said."""
-        least: tuple[float, tuple[str, str]] | None = None
+        least: tuple[float, Fit, Fit] | None = None
         for one, other in itertools.combinations(fits, 2):
             for true, wrong in ((one, other), (other, one)):
                 told = nats(true, wrong)
                 if told is None:
                     return None
-                names = (one.hypotheses[-1].name, other.hypotheses[-1].name)
-                least = min(least or (told, names), (told, names))
-        return None if least is None else Suggestion(self.words, least[1], least[0], self.minutes)
+                if least is None or told < least[0]:
+                    least = (told, one, other)
+        return None if least is None else Suggestion(self.words, _names(*least[1:]), least[0], self.minutes)
+
+
+def _names(one: Fit, other: Fit) -> tuple[str, str]:
+    """What two fits say: their effects' names, and where these are one, with the settings and place of each."""
+    first, second = one.hypotheses[-1].name, other.hypotheses[-1].name
+    return (first, second) if first != second else (_in_its_place(one), _in_its_place(other))
+
+
+def _in_its_place(fit: Fit) -> str:
+    """The label of a fit's effect; a place that was fitted is told as one that was chosen."""
+    hypothesis, found = fit.hypotheses[-1], fit.values(len(fit.hypotheses) - 1)
+    # Plus nothing, lest the centre line reads -0.
+    place = {name: round(found[name][0], 3) + 0.0 for name in _PLACE if name in found}
+    return replace(hypothesis, settings={**hypothesis.settings, **place}).label
 
 
 @one_thread

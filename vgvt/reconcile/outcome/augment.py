@@ -10,6 +10,7 @@ import numpy as np
 from vgvt.files.atomically import replacing
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.verdict import NamedEffect, Verdict
+from vgvt.reconcile.evidence.plausible import PLACES, placed
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.uncertain import edited
@@ -19,7 +20,10 @@ from vgvt.scenario.write import to_toml
 
 
 def augment(scenario: Scenario, found: Attribution) -> Scenario:
-    """The scenario with its unknowns at their posterior means and the effects of the final fit switched on."""
+    """The scenario with its unknowns at their posterior means and the effects of the final fit switched on.
+
+    A place off the aircraft is stated where it is likeliest on it.
+    """
     final = found.final
     problem = final.problem
     known = problem.unknowns
@@ -27,6 +31,11 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
     tables = list(scenario.effect)
     for k, hypothesis in enumerate(final.hypotheses):
         values = {name: value for name, (value, _, _) in final.values(k).items()}
+        for pair in PLACES:
+            # A place that is not known well may be likeliest off the aircraft, where no command would take it.
+            if set(pair) <= {*hypothesis.settings, *values} and not set(pair).isdisjoint(values):
+                at = placed(final, k, pair)
+                values |= {n: v for n, v in zip(pair, at or (), strict=False) if n in values}
         tables.append(EffectTable(name=hypothesis.name, **{**hypothesis.settings, **values}))
     summary = f"{scenario.summary.rstrip('.')}; reconciled with a measured campaign."
     return calibrated.model_copy(

@@ -218,5 +218,5 @@ def _group(
 
 
 def home(site: str) -> str:
-    """The grid point whose slopes a misplaced sensor borrows."""
-    return site.replace("misplaced-", "node-")
+    """The grid point that a misplaced sensor sits on or next to, of which it borrows slopes: a site's own else."""
+    return site.rpartition("-at-")[2] if site.startswith("misplaced-") else site

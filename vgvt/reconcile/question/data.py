@@ -12,6 +12,7 @@ from vgvt.data import Campaign, Channel, Dof, InputError
 from vgvt.reconcile.mechanics.ending import Ending
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
 from vgvt.reconcile.question.shared_noise import in_phase
+from vgvt.reconcile.question.spectra import Spectra, spectra_of
 from vgvt.reconcile.question.variance import local_rational_noise, quiet_noise, repeat_noise
 from vgvt.signals.local_polynomial import local_polynomial_fit
 from vgvt.signals.usable import UsableRun, usable_runs
@@ -20,11 +21,11 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 LINES = 500
-_TAPER_S = 1.5
-_AT_REST = 0.02
 _WEAK_FORCE = 0.03
 _TOUCHED = 0.01
 _HALF_WIDTH, _ORDER = 8, 2
+# Of its peak: a force acts from when it first reaches this to when it last does.
+_ACTS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,13 +69,21 @@ class Measured:
     resolution_hz: float
     runs: tuple[tuple[int, ...], ...]
     sample_rate_hz: float
-    level_n: Array
     pushed: Array
     remarks: tuple[str, ...] = ()
     harmonics: tuple[Harmonic, ...] = ()
     endings: tuple[Ending, ...] = ()
     lost: NDArray[np.bool_] | None = None
     of_force: ComplexArray | None = None
+
+    @property
+    def level_n(self) -> Array:
+        """Root mean square of the force of every run (R,), N, while it acts: however long it does, a level is one."""
+        found = np.zeros(len(self.pushed))
+        for r, force in enumerate(np.abs(self.pushed)):
+            acts = np.flatnonzero(force >= _ACTS * force.max())
+            found[r] = np.sqrt(np.mean(force[acts[0] : acts[-1] + 1] ** 2))
+        return found
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -122,7 +131,7 @@ def measured_frfs(
     if len(rates) > 1:
         raise InputError(campaign.name, f"runs of different sample rates: {sorted(rates)}", "resample them to one rate")
     rate = rates.pop()
-    spectra, said = _spectra(runs, rate)
+    spectra, said = spectra_of(runs, rate)
     frequency = np.asarray(np.arange(spectra.samples // 2 + 1) * (rate / spectra.samples), dtype=np.float64)
     low, high = band_hz or campaign.band_hz
     usable = _usable_lines(spectra, frequency, (low, high))
@@ -132,11 +141,10 @@ def measured_frfs(
     variances, of_force = _variances(runs, spectra, rows, chosen, rate)
     noise = variances["local rational"]
     force = spectra.force[:, chosen]
-    level = np.sqrt(np.mean(np.abs(force) ** 2, axis=1)) * 2 / spectra.samples
     found = Measured(
         frequency[chosen], channels, values, noise, variances, _sigma(values, noise, floor), force, chosen,
-        rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.mounted) for run in runs), rate, level,
-        spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rows, rate, (low, high)),
+        rate / spectra.samples, tuple(tuple(_dof(c).node for c in run.mounted) for run in runs), rate,
+        spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rate, (low, high)),
         tuple(
             Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) for r, end in enumerate(spectra.ends)
         ), of_force=in_phase(of_force, values),
@@ -168,33 +176,6 @@ def _with_mounted(found: Measured, runs: tuple[UsableRun, ...]) -> Measured:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _End:
-    """The force (N,) of a record as it was, and how many of its last samples are tapered."""
-
-    force: Array
-    tapered: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Spectra:
-    """Whole-record spectra: force (R, K), response (all channels in order, K), what the taper touches (R, K).
-
-    ``pushed`` (R, N) is the force that they are of; ``ends`` are those of the records.
-    """
-
-    force: ComplexArray
-    response: ComplexArray
-    touched: ComplexArray | None
-    pushed: Array
-    ends: tuple[_End, ...]
-
-    @property
-    def samples(self) -> int:
-        """Length of the longest record."""
-        return int(self.pushed.shape[1])
-
-
 def _dof(channel: Channel) -> Dof:
     assert channel.dof is not None, "Channel refuses responses without a DOF"
     return channel.dof
@@ -209,58 +190,14 @@ def _channels(runs: tuple[UsableRun, ...]) -> tuple[tuple[MeasuredChannel, ...],
     return tuple(found), [(channel, i) for i, channel in enumerate(found)]
 
 
-def _spectra(runs: tuple[UsableRun, ...], rate: float) -> tuple[_Spectra, tuple[str, ...]]:
-    samples = max(run.samples for run in runs)
-    force: list[ComplexArray] = []
-    response: list[ComplexArray] = []
-    touched: list[ComplexArray] = []
-    pushed = np.zeros((len(runs), samples))
-    remarks: list[str] = []
-    ends: list[_End] = []
-    for r, run in enumerate(runs):
-        signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
-        signals -= signals.mean(axis=1, keepdims=True)
-        pushed[r, : signals.shape[1]] = signals[0]
-        window = _window(signals, rate)
-        if window is not None:
-            said = f"its last {_TAPER_S:g} s are tapered, which predictions know"
-            remarks.append(f"run {run.run}: the record ends ringing; {said}")
-            ends.append(_End(signals[0], int((window < 1).sum())))
-            touched.append(np.fft.rfft(signals[0] * window * (1 - window), samples))
-            signals = signals * window
-        else:
-            ends.append(_End(signals[0], 0))
-            touched.append(np.zeros(samples // 2 + 1, dtype=complex))
-        spectrum = np.fft.rfft(signals, samples, axis=1)
-        force.append(spectrum[0])
-        response.extend(spectrum[1:])
-    return _Spectra(np.array(force), np.array(response), np.array(touched), pushed, tuple(ends)), tuple(remarks)
-
-
-def _window(signals: Array, rate: float) -> Array | None:
-    """A taper of the end where the record does not end at rest, else None."""
-    tail = signals[:, -max(2, round(0.25 * rate)) :]
-    # Ringing fills few of the tail's frequencies; what fills half of them is noise, and rests as it ever does.
-    power = np.abs(np.fft.rfft(tail * np.hanning(tail.shape[1]), axis=1)) ** 2
-    excess = np.clip(1 - 2 * np.median(power, axis=1) / power.mean(axis=1), 0, None)
-    ringing = np.sqrt(excess * (tail**2).mean(axis=1)) > _AT_REST * np.sqrt((signals**2).mean(axis=1))
-    if not ringing.any():
-        return None
-    count = min(round(_TAPER_S * rate), signals.shape[1] // 4)
-    window = np.ones(signals.shape[1])
-    window[-count:] = 0.5 * (1 + np.cos(np.pi * (np.arange(count) + 0.5) / count))
-    return window
-
-
-def _usable_lines(spectra: _Spectra, frequency: Array, band: tuple[float, float]) -> NDArray[np.intp]:
+def _usable_lines(spectra: Spectra, frequency: Array, band: tuple[float, float]) -> NDArray[np.intp]:
     inside = (frequency >= band[0]) & (frequency <= band[1]) & (frequency > 0)
     force = np.abs(spectra.force)
     loud = (force > _WEAK_FORCE * np.median(force[:, inside], axis=1, keepdims=True)).all(axis=0)
     keep = inside & loud
-    if spectra.touched is not None:
-        clear = (np.abs(spectra.touched) < _TOUCHED * force).all(axis=0)
-        # A noise-like excitation has no line that the end does not touch: then all must do.
-        keep = keep & clear if (keep & clear).sum() > 0.5 * keep.sum() else keep
+    clear = (np.abs(spectra.touched) < _TOUCHED * force).all(axis=0)
+    # A noise-like excitation has no line that the end does not touch: then all must do.
+    keep = keep & clear if (keep & clear).sum() > 0.5 * keep.sum() else keep
     lines = np.flatnonzero(keep)
     if lines.size < 4 * _HALF_WIDTH:
         raise InputError(
@@ -271,7 +208,7 @@ def _usable_lines(spectra: _Spectra, frequency: Array, band: tuple[float, float]
     return lines
 
 
-def _chosen(spectra: _Spectra, usable: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+def _chosen(spectra: Spectra, usable: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """Lines at equal steps of an even share plus how fast the responses change, (lines,)."""
     if usable.size <= count:
         return usable
@@ -289,7 +226,7 @@ def _chosen(spectra: _Spectra, usable: NDArray[np.intp], count: int) -> NDArray[
 
 def _variances(
     runs: tuple[UsableRun, ...],
-    spectra: _Spectra,
+    spectra: Spectra,
     rows: list[tuple[MeasuredChannel, int]],
     chosen: NDArray[np.intp],
     rate: float,
@@ -300,11 +237,12 @@ def _variances(
         mine = [i for c, i in rows if c.run == r]
         if not mine:
             continue
-        force = spectra.force[r]
-        fit = local_polynomial_fit(spectra.response[mine], force[None], chosen, _ORDER, _HALF_WIDTH)
-        power = np.abs(force[chosen]) ** 2
+        force, own = spectra.force[r], spectra.own[r]
+        # White noise has the same power on the lines of a record and between them.
+        at, power = own.nearest(chosen, spectra.samples), np.abs(force[chosen]) ** 2
+        fit = local_polynomial_fit(own.responses, own.force[None], at, _ORDER, _HALF_WIDTH)
         polynomial[mine] = fit.noise_power / power
-        whole, of_force[mine] = local_rational_noise(spectra.response[mine], force, chosen)
+        whole, of_force[mine] = local_rational_noise(own.responses, own.force, at)
         rational[mine] = whole / power
         frequency = chosen * rate / spectra.samples
         base = np.array([quiet_noise(x, rate, frequency) for x in run.response_samples])
@@ -323,18 +261,13 @@ def _variances(
 
 
 def _harmonics(
-    runs: tuple[UsableRun, ...],
-    spectra: _Spectra,
-    rows: list[tuple[MeasuredChannel, int]],
-    rate: float,
-    band: tuple[float, float],
+    runs: tuple[UsableRun, ...], spectra: Spectra, rate: float, band: tuple[float, float]
 ) -> tuple[Harmonic, ...]:
     """Orders 2 and 3 of every run."""
     found: list[Harmonic] = []
-    for r, run in enumerate(runs):
-        mine = [i for c, i in rows if c.run == r]
-        if mine:
-            found += harmonics(spectra.response[mine], spectra.force[r], spectra.samples, rate, band, run.run)
+    for run, own in zip(runs, spectra.own, strict=True):
+        if len(own.responses):
+            found += harmonics(own.responses, own.force, own.samples, rate, band, run.run)
     return tuple(found)
 
 

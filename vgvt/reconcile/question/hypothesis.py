@@ -74,7 +74,10 @@ class Hypothesis:
         return f"{self.name} ({chosen})" if chosen else self.name
 
     def values(self, scores: Array) -> dict[str, float]:
-        """Parameter values at scores (parameters,), kept within half a range beyond what is plausible."""
+        """Parameter values at scores (parameters,), kept within half a range beyond what is plausible.
+
+        And not below what the effect refuses: a fit that leans on that limit has a value there, and a slope inwards.
+        """
         found = {}
         for p, e in zip(self.parameters, scores, strict=True):
             mean, sd = prior(p)
@@ -82,7 +85,8 @@ class Hypothesis:
             low, high = (math.log(p.low), math.log(p.high)) if p.scale == "log" else (p.low, p.high)
             margin = _BEYOND * (high - low)
             value = min(max(value, low - margin), high + margin)
-            found[p.name] = math.exp(value) if p.scale == "log" else value
+            value = math.exp(value) if p.scale == "log" else value
+            found[p.name] = value if p.least is None else max(value, p.least)
         return found
 
     def scores(self, values: Mapping[str, float]) -> Array:
@@ -116,9 +120,12 @@ class Hypothesis:
         return math.expm1(sd * step) / sd if p.scale == "log" else step
 
     def effect(self, values: Mapping[str, float]) -> Effect | None:
-        """The effect itself; None where it refuses the values."""
+        """The effect itself; None where it refuses the values, or a scenario would: below a parameter's least."""
+        chosen = {**self.settings, **values}
+        if any(p.least is not None and chosen.get(p.name, p.least) < p.least for p in parameters_of(self.cls)):
+            return None
         try:
-            made: Effect = self.cls(**{**self.settings, **values})
+            made: Effect = self.cls(**chosen)
         except ValueError:
             return None
         return made

@@ -8,8 +8,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-import numpy as np
-
 from vgvt.data import InputError
 from vgvt.effects.elements import HingedFlap, JointLaw
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -55,7 +53,7 @@ def level_grid(hypothesis: Hypothesis) -> list[dict[str, float]]:
 
 def several_levels(problem: Problem) -> bool:
     """Whether some run shook harder than another, by more than a drive that is left alone."""
-    size = np.sqrt(np.mean(np.abs(problem.measured.force) ** 2, axis=1))
+    size = problem.measured.level_n
     return bool(size.max() > _ANOTHER_LEVEL * size.min())
 
 

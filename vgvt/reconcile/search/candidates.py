@@ -125,25 +125,34 @@ def _variants(problem: Problem, cls: type) -> typing.Iterator[dict[str, Any]]:
         if set(names) <= numbers:
             at = tuple(dict(zip(names, point, strict=True)) for point in points(problem))
             break
-    if {"node", "other_node"} <= set(choices):
-        nodes = choices.pop("node")
-        choices.pop("other_node")
-        pairs = [(a, b) for a, b in itertools.combinations(nodes, 2) if _near(problem, a, b)]
-        for a, b in pairs:
-            yield {"node": a, "other_node": b}
-        return
-    if "shape" in choices and "from_run" in choices:
-        if "channels" in choices:
-            choices["channels"] = tuple(c for c in choices["channels"] if _in_more_runs_than_one(problem, c))
-        steps = [("step", k) for k in choices.pop("from_run")]
-        shapes = [(s, None) for s in choices.pop("shape") if s != "step"]
+    pairs, courses = _pairs(problem, choices), _courses(problem, choices)
+    for pair in pairs:
         for values in itertools.product(*choices.values()):
-            for shape, run in (*shapes, *steps):
-                yield dict(zip(choices, values, strict=True)) | {"shape": shape} | ({"from_run": run} if run else {})
-        return
-    for values in itertools.product(*choices.values()):
-        for place in at:
-            yield dict(zip(choices, values, strict=True)) | place
+            for course, place in itertools.product(courses, at):
+                yield pair | dict(zip(choices, values, strict=True)) | course | place
+
+
+def _pairs(problem: Problem, choices: dict[str, tuple[Any, ...]]) -> list[dict[str, Any]]:
+    """Two nodes that may have been taken for one another, out of ``choices``; one empty choice where there are none."""
+    if not {"node", "other_node"} <= set(choices):
+        return [{}]
+    nodes = choices.pop("node")
+    choices.pop("other_node")
+    return [{"node": a, "other_node": b} for a, b in itertools.combinations(nodes, 2) if _near(problem, a, b)]
+
+
+def _courses(problem: Problem, choices: dict[str, tuple[Any, ...]]) -> list[dict[str, Any]]:
+    """What a change between runs may go like, out of ``choices``: the run counts for a step alone.
+
+    Channels that are left in ``choices`` are those that could change.
+    """
+    if not {"shape", "from_run"} <= set(choices):
+        return [{}]
+    if "channels" in choices:
+        choices["channels"] = tuple(c for c in choices["channels"] if _in_more_runs_than_one(problem, c))
+    runs = choices.pop("from_run")
+    shapes: list[dict[str, Any]] = [{"shape": s} for s in choices.pop("shape") if s != "step"]
+    return [*shapes, *({"shape": "step", "from_run": run} for run in runs)]
 
 
 def _options(problem: Problem, name: str, hint: Any) -> tuple[Any, ...] | None:
