@@ -7,15 +7,14 @@ model says what was measured, not whether it is true, so they need no truth.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vgvt.data import FrequencyResponseSet, FrfFit, InputError, ModalModel, Quantity, synthesise
+from vgvt.data.residual_terms import residual_terms as fitted_residual_terms
 from vgvt_scoreboard.nrmse import fit_percent
 from vgvt_scoreboard.nu_gap import pointwise_nu_gap, winding_turns
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 _MOST_TURNS = 0.5  # beyond it the graphs of the two systems are no longer near, however small their distance
-_TERMS = (0, 2)  # powers of s in an accelerance: heavy and stiff modes outside the band
 
 
 def validate(
@@ -49,17 +48,9 @@ def validate(
     y, frequency = y[:, :, alive], frf.frequency_hz[alive]
     model = synthesise(claim.at(responses), frequency).values[:, [driven.index(r) for r in references]]
     if residual_terms:
-        model = model + _residual_terms(y - model, frequency)
+        model = model + fitted_residual_terms(y - model, frequency)
     systems = y / STANDARD_GRAVITY_M_S2, model / STANDARD_GRAVITY_M_S2
     gap = pointwise_nu_gap(*systems)
     if abs(winding_turns(*systems)) >= _MOST_TURNS:
         gap = np.ones_like(gap)
     return FrfFit(responses, references, fit_percent(y, model), frequency, gap)
-
-
-def _residual_terms(rest: NDArray[np.complex128], frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """Real constant and real s² in what a model leaves over (R, I, F), by least squares."""
-    scaled = frequency_hz / frequency_hz[-1]
-    design = np.stack([scaled**power for power in _TERMS], axis=1)
-    coefficients = np.linalg.lstsq(design, rest.real.reshape(-1, scaled.size).T, rcond=None)[0]
-    return np.asarray((design @ coefficients).T.reshape(rest.shape), dtype=complex)

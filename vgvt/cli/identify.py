@@ -103,7 +103,8 @@ def claimed(method: Identifier, campaign: Campaign, band: tuple[float, float] | 
     from vgvt.identification import run_identifier
 
     band_hz = campaign.band_hz if band is None else band
-    return Claim(identifier=method.name, band_hz=band_hz, model=run_identifier(method, campaign, band_hz))
+    model = run_identifier(method, campaign, band_hz)
+    return Claim(identifier=method.name, band_hz=band_hz, model=model, campaign=campaign.name)
 
 
 def write_claim(path: Path, document: dict[str, Any]) -> None:

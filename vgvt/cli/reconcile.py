@@ -67,19 +67,18 @@ def reconcile(
     any verdict. Without CAMPAIGN, --power says before the test what it could see.
     """
     from vgvt.cli.options import resolved_scenario
+    from vgvt.cli.reconcile_power import power_before_the_test, tell_of_cut
     from vgvt.data import InputError
 
     if not scenario:
         raise InputError("--scenario", "is missing", "write --scenario NAME or --scenario FILE.toml: what is believed")
-    believed = resolved_scenario(scenario, seed, None)
+    believed = resolved_scenario(scenario, seed, None, own_runs=campaign is None)
     effects = undeclared(believed, chosen_effects(only or [], without or []))
     if campaign is None:
         if not power:
             raise InputError(
                 "CAMPAIGN", "is missing", "name what was measured, or add --power to ask what a test could see"
             )
-        from vgvt.cli.reconcile_power import power_before_the_test
-
         return power_before_the_test(believed, effects, out, band, lines, as_json)
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
     from vgvt.cli.soundness import sound_campaign
@@ -87,6 +86,7 @@ def reconcile(
 
     measured = banded(sound_campaign(campaign, leave_out_faulty, still_mounted=True), band)
     check_suitable(measured, believed)
+    tell_of_cut(band, measured.band_hz, measured.name)
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
     folder.prepare()
     fingerprint = fingerprint_of(measured, believed, effects, {"lines": lines, "power": power})

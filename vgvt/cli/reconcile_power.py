@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vgvt.cli.console import progress, show
+from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import document_text, write_document
 
 if TYPE_CHECKING:
@@ -27,8 +27,12 @@ def power_before_the_test(
     from vgvt.reconcile.next_test.before_test import expected_fit
     from vgvt.reconcile.next_test.power import power
     from vgvt.reconcile.outcome.account import power_rows
+    from vgvt.reconcile.question.suitable import check_excitation, within_excited
     from vgvt.reconcile.search.candidates import candidates
 
+    check_excitation(scenario)
+    if band is not None:
+        tell_of_cut(band, within_excited(band, scenario.excitation.band_hz, scenario.name), scenario.name)
     with progress(f"power of {scenario.name}") as report:
         fit = expected_fit(scenario, lines=lines, band_hz=band, progress=lambda f, m: report(_SIMULATED * f, m))
         report(_LINED_UP, "derivatives")
@@ -51,6 +55,12 @@ def power_before_the_test(
 
     show(power_table(rows))
     return 0
+
+
+def tell_of_cut(asked: tuple[float, float] | None, used: tuple[float, float], name: str) -> None:
+    """Log that a band reaches beyond what is excited, where it does."""
+    if asked is not None and asked != used:
+        log(f"--band {asked[0]:g} {asked[1]:g} is cut to {used[0]:g} to {used[1]:g} Hz: {name} excites no more")
 
 
 def confusable(rows: Any) -> list[dict[str, object]]:

@@ -10,16 +10,18 @@ if TYPE_CHECKING:
     from vgvt.view.reconcile_account import PowerRow
 
 _SETS = {"train": "fitted", "held_out": "held out", "held_runs": "  whole runs", "held_channels": "  single channels"}
+# Longer names of parameters fold: beside the longest effect's they would be cut in 80 columns.
+_PARAMETER = 20
 
 
 def error_table(document: Mapping[str, Any]) -> FittedTable:
-    """Error before and after on fitted and held-out data."""
+    """How far predictions are from the data before and after, on fitted and held-out data."""
     from vgvt.view.fitted_table import FittedTable
 
     states = ("before", "after") if document["effects"] else ("before",)
     columns = ["data"]
     for name in states:
-        columns += [f"χ²/dof {name}", f"NRMSE % {name}", f"dB {name}"]
+        columns += [f"χ²/dof {name}", f"NRMSE fit % {name}", f"dB {name}"]
     rows = []
     for key, words in _SETS.items():
         parts = [document[name].get(key) for name in states]
@@ -36,7 +38,7 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
         whole=frozenset(columns),
         expendable=tuple(f"dB {name}" for name in states),
         right=frozenset(columns[1:]),
-        title="error of the predicted responses",
+        title="predicted responses against measured ones; an NRMSE fit of 100 % is perfect",
     )
 
 
@@ -69,15 +71,18 @@ def power_table(rows: Sequence[PowerRow]) -> FittedTable:
 
     cells = []
     for p in rows:
-        sizes = [f"{v:.2g} {p.unit}".rstrip() if math.isfinite(v) else "never" for v in (p.smallest, p.named)]
+        sizes = [f"{v:.2g}" if math.isfinite(v) else "never" for v in (p.smallest, p.named)]
         alike = ", ".join(f"{name} {cosine:.2f}" for name, cosine in p.alike[:3])
         plausible = f"{p.low:g} to {p.high:g}"
-        cells.append((p.effect, p.parameter, *sizes, plausible, "yes" if p.visible else "no", alike))
+        cells.append((p.effect, p.parameter, *sizes, p.unit, plausible, "yes" if p.visible else "no", alike))
+    longest = max((len(p.parameter) for p in rows), default=0)
+    columns = ("effect", "parameter", "just visible", "named from", "unit", "plausible", "visible", "hard to tell from")
     return FittedTable(
-        columns=("effect", "parameter", "just visible", "named from", "plausible", "visible", "hard to tell from"),
+        columns=columns,
         rows=tuple(cells),
-        whole=frozenset(("effect", "parameter", "just visible", "named from", "plausible", "visible")),
-        expendable=("plausible", "parameter"),
+        whole=frozenset(columns) - {"hard to tell from", *(() if longest <= _PARAMETER else ("parameter",))},
+        # Never the parameter: rows of one effect may differ in nothing else, and its name ends in its unit.
+        expendable=("hard to tell from", "plausible", "unit"),
         right=frozenset(("just visible", "named from")),
         title="just visible: five standard deviations beyond the tolerances; named from: 95 of 100",
         caption=f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",

@@ -34,9 +34,13 @@ def score(
 
     claim_path, truth_path = _paths(claim, truth, identifier)
     said = read_claim(claim_path)
-    card = scored(read_truth(truth_path), said, band)
-    fit = fitted(_campaign_of(claim_path), said, band)
+    true, campaign = read_truth(truth_path), _campaign_of(claim_path)
+    card = scored(true, said, band)
+    fit = fitted(campaign, said, band)
+    strangers = _strangers(true, said, campaign)
     if as_json:
+        for line in strangers:
+            log(line)
         write_document(card_document(card, fit))
         return 0
     from vgvt.view import scorecard_table
@@ -44,7 +48,7 @@ def score(
     show(scorecard_table(card))
     if fit is not None:
         log(fit_in_words(fit))
-    for line in card.advice:
+    for line in (*card.advice, *strangers):
         log(line)
     return 0
 
@@ -90,6 +94,20 @@ def fit_in_words(fit: FrfFit) -> str:
         f"below {said['accepted_percent']:g} %; ν-gap at most {said['largest_nu_gap']:.3f} "
         f"(at {said['largest_nu_gap_hz']:.2f} Hz, accelerances in g/N)"
     )
+
+
+def _strangers(truth: Truth, claim: Claim, campaign: Campaign | None) -> tuple[str, ...]:
+    """A line where claim and truth are of different tests: by name, or by points that the truth does not have."""
+    name = claim.campaign or (campaign.name if campaign is not None else "")
+    if name and name != truth.scenario:
+        said = f"careful: the claim is of campaign {name!r}, the truth of scenario {truth.scenario!r}"
+        return (f"{said}; a score says something only against the truth of the same test",)
+    known = {dof.unsigned for modes in truth.as_tested for dof in modes.dofs}
+    unknown = [str(dof) for dof in claim.model.dofs if dof.unsigned not in known]
+    if not unknown:
+        return ()
+    listed = ", ".join(unknown[:6]) + (f" and {len(unknown) - 6} more" if len(unknown) > 6 else "")
+    return (f"careful: the truth knows no {listed}; shapes are compared without, is it the truth of this test?",)
 
 
 def _campaign_of(claim_path: Path) -> Campaign | None:

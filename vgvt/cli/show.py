@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 _ALIKE = 0.8
 """Least MAC of a resonance and a mode that share a name."""
+_NEAR = 1.3
+"""Largest ratio of their frequencies."""
+_SAME_POLE = 1e-3
+"""Relative distance of two poles that are of one mode, whatever the sensors see of its shape."""
 _ASKEW_DEG = 3.0
 """Roll or pitch at rest that a reader is told of in words."""
 
@@ -178,7 +182,11 @@ def _without_limits(modes: ModalModel) -> ModalModel:
 
 
 def _named(coupled: ModalModel, as_tested: ModalModel) -> ModalModel:
-    """Resonances of the rig under the name of the mode as tested that they look like most, no name given twice."""
+    """Resonances of the rig under the name of the mode as tested that they are, no name given twice.
+
+    That is the mode with the same pole, which the shaker does not touch, else the one of like shape and
+    frequency. A sensor on the axis of a torsion sees little of it: shapes alone say too much.
+    """
     import numpy as np
     from scipy.optimize import linear_sum_assignment
 
@@ -186,10 +194,13 @@ def _named(coupled: ModalModel, as_tested: ModalModel) -> ModalModel:
 
     if not len(coupled) or not len(as_tested) or not as_tested.labels:
         return coupled
+    away = np.abs(np.log(coupled.natural_frequency_hz[:, None] / as_tested.natural_frequency_hz))
     mac = modal_assurance(coupled.shapes, as_tested.shapes)
+    likeness = np.where((mac >= _ALIKE) & (away <= np.log(_NEAR)), mac - away, 0.0)
+    likeness += 2.0 * (np.abs(coupled.poles[:, None] / as_tested.poles - 1.0) <= _SAME_POLE)
     labels = [""] * len(coupled)
-    for mine, theirs in zip(*linear_sum_assignment(-np.where(mac >= _ALIKE, mac, 0.0)), strict=True):
-        if mac[mine, theirs] >= _ALIKE:
+    for mine, theirs in zip(*linear_sum_assignment(-likeness), strict=True):
+        if likeness[mine, theirs] > 0:
             labels[mine] = as_tested.labels[theirs]
     return replace(coupled, labels=tuple(labels))
 

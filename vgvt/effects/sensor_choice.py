@@ -19,7 +19,7 @@ def chosen_sensors(
     """The accelerometers of a run (counted from 0) that a choice means, in the order of the channels.
 
     ``choice`` is one of ``CHOICES``. InputError, naming the effect and ``choices``, for anything
-    else, and for a DOF that the test does not measure.
+    else, and for a DOF or a place among the sensors that no run of the test has.
     """
     by_node = {p.dof.node: p for p in sensor_points(scenario)}
     there = tuple(by_node[node] for node in scenario.acquisition.run_nodes[run])
@@ -29,7 +29,15 @@ def chosen_sensors(
         return tuple(p for p in there if p.dof.node % 2 == (choice == "odd"))
     instrument = re.fullmatch(r"sensor-([1-9]\d*)", choice)
     if instrument is not None:
-        return there[int(instrument[1]) - 1 : int(instrument[1])]
+        place, most = int(instrument[1]), max(map(len, scenario.acquisition.run_nodes))
+        # Runs may have different numbers of sensors: what one lacks another may have.
+        if place > most:
+            raise InputError(
+                f"scenario {scenario.name}: effect {effect}",
+                f"{choice}: no run has {place} sensors",
+                f"There {'is sensor-1 alone' if most == 1 else f'are sensor-1 to sensor-{most}'}.",
+            )
+        return there[place - 1 : place]
     wanted = _dof(scenario, choice, effect, choices)
     if wanted not in {p.dof for p in by_node.values()}:
         known = ", ".join(str(p.dof) for p in list(by_node.values())[:30])

@@ -17,11 +17,12 @@ _ADVICE = "write it with: vgvt identify CAMPAIGN --identifier NAME --json > clai
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """What an identifier said about a campaign in a band."""
+    """What an identifier said about a campaign in a band; ``campaign`` is its name, empty where a file does not say."""
 
     identifier: str
     band_hz: tuple[float, float]
     model: ModalModel
+    campaign: str = ""
 
 
 def mode_documents(model: ModalModel) -> list[dict[str, Any]]:
@@ -62,6 +63,7 @@ def claim_document(claim: Claim, candidates: bool = False) -> dict[str, Any]:
     """The document of ``vgvt identify`` and of a file under claims/, with the ``candidates`` when asked for."""
     document: dict[str, Any] = {
         "identifier": claim.identifier,
+        "campaign": claim.campaign or None,
         "band_hz": list(claim.band_hz),
         "outcome": claim.model.outcome.value,
         "method": claim.model.method,
@@ -92,6 +94,7 @@ def read_claim(path: Path) -> Claim:
             identifier=str(_get(document, "identifier")),
             band_hz=_band(_get(document, "band_hz")),
             model=_model(document),
+            campaign=str(document.get("campaign") or ""),
         )
     except _BadKeyError as error:
         raise InputError(f"{path}: {error.key}", error.problem, _ADVICE) from None

@@ -147,11 +147,20 @@ def _column(
     if array.ndim != 2:
         raise InputError(where, f"shape {array.shape} is not samples × channels", "name another variable, or set index")
     count = array.shape[1]
-    if channel.column > count or (records.columns is not None and records.columns != count):
-        wanted = records.columns or channel.column
+    if records.columns is not None and records.columns != count:
         raise InputError(
             where,
-            f"{count} channel{'s' * (count != 1)}, but the sidecar speaks of {wanted} (channel {channel.name!r})",
-            "if samples run along the rows, set channels_are = 'rows'; otherwise correct the channel table",
+            f"{_channels(count)}, but the sidecar speaks of {records.columns} (records.columns)",
+            "if samples run along the rows, set channels_are = 'rows'; otherwise correct columns, or the file",
+        )
+    if channel.column > count:
+        raise InputError(
+            where,
+            f"{_channels(count)}, but channel {channel.name!r} is said to be column {channel.column}",
+            f"write column = 1 to {count} there; if samples run along the rows, set channels_are = 'rows'",
         )
     return np.asarray(array[:, channel.column - 1])
+
+
+def _channels(count: int) -> str:
+    return f"{count} channel{'s' * (count != 1)}"

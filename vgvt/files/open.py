@@ -10,6 +10,8 @@ from vgvt.files.campaign_file import read_campaign
 from vgvt.files.locate import find_dataset
 
 CAMPAIGN_NAME = "campaign.nc"
+_OF_SCENARIOS = frozenset({"extends", "airframe", "suspension", "shaker", "excitation", "acquisition", "effect"})
+_OF_SIDECARS = frozenset({"records", "channel", "run"})
 _SHIPPED = Path(__file__).parent / "measured"
 
 
@@ -55,7 +57,10 @@ def _open_sidecar(path: Path) -> Campaign:
     from vgvt.files.sidecar import Sidecar
     from vgvt.files.strict import load_table
 
-    sidecar = load_table(path, Sidecar)
+    try:
+        sidecar = load_table(path, Sidecar)
+    except InputError as error:
+        raise _not_a_scenario(path, error) from error
     records = sidecar.records
     if records.dataset:
         first = (Path(records.folder) / sidecar.run[0].file).as_posix()
@@ -66,6 +71,23 @@ def _open_sidecar(path: Path) -> Campaign:
             again = f"{error.advice}; `vgvt data get {records.dataset}` fetches it again"
             raise InputError(error.where, error.problem, again) from error
     return read_measured(sidecar, path.parent / records.folder)
+
+
+def _not_a_scenario(path: Path, error: InputError) -> InputError:
+    """The same mistake, unless the file describes no records at all but an aircraft and its test."""
+    import tomllib
+
+    try:
+        keys = set(tomllib.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return error
+    if not keys & _OF_SCENARIOS or keys & _OF_SIDECARS:
+        return error
+    return InputError(
+        str(path),
+        "this is a scenario, not measured records",
+        f"simulate it: vgvt run {path}; then give the run folder, or the campaign.nc in it",
+    )
 
 
 def _listed() -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -36,22 +37,91 @@ def load_table(path: Path, model: type[_T]) -> _T:
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        lines = [_explain(model, detail["loc"], detail["type"], detail["msg"]) for detail in error.errors()]
+        found = [_explain(model, dict(detail)) for detail in error.errors(include_url=False)]
+        lines = list({told[0]: told for told in reversed(found)}.values())[::-1]
         where, problem, advice = lines[0]
         rest = "".join(f"\n  also {w}: {p}; {a}" if a else f"\n  also {w}: {p}" for w, p, a in lines[1:6])
         more = f"\n  and {len(lines) - 6} more" if len(lines) > 6 else ""
         raise InputError(f"{path}, {where}", problem, advice + rest + more) from error
 
 
-def _explain(model: type[Table], location: tuple[Any, ...], kind: str, message: str) -> tuple[str, str, str]:
-    where = _key_path(location)
+def _explain(model: type[Table], detail: Mapping[str, Any]) -> tuple[str, str, str]:
+    location, kind, value = detail["loc"], detail["type"], detail["input"]
+    # Not keys: which of several types was tried, and the entry that a list lacks.
+    if location and (location[-1] in ("int", "str") or (kind == "missing" and isinstance(location[-1], int))):
+        location, kind = location[:-1], "too_short" if kind == "missing" else "union"
+    where, key = _key_path(location), str(location[-1]) if location else ""
     if kind == "extra_forbidden":
         known = _keys_at(model, location[:-1])
-        return where, "unknown key", choose_one_of(str(location[-1]), known) if known else "leave it out"
+        return where, "unknown key", choose_one_of(key, known) if known else "leave it out"
     if kind == "missing":
-        return where, "is missing", f"write {location[-1]} = ..."
-    problem, _, advice = message.removeprefix("Value error, ").partition("; ")
-    return where, problem, advice
+        return where, "is missing", f"write {key} = ..."
+    if kind == "value_error":
+        problem, _, advice = detail["msg"].removeprefix("Value error, ").partition("; ")
+        return where, problem, advice
+    wrong, form = _wrong(kind, value, detail.get("ctx", {}))
+    meaning = _meaning_at(model, location)
+    named = next((step for step in reversed(location) if isinstance(step, str)), key)
+    return where, wrong, f"write {named} = {form}" + (f" ({meaning})" if meaning else "")
+
+
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_FORMS = {
+    "string_type": ("text in quotes", '"..."'),
+    "float_type": ("a number", "1.5, without quotes"),
+    "float_parsing": ("a number", "1.5, without quotes"),
+    "finite_number": ("an ordinary number", "1.5"),
+    "int_type": ("a whole number", "2, without quotes"),
+    "int_parsing": ("a whole number", "2, without quotes"),
+    "int_from_float": ("a whole number", "2"),
+    "tuple_type": ("a list", "[...], in brackets"),
+    "too_long": ("a list with fewer entries", "[...]"),
+    "too_short": ("a list with more entries", "[...]"),
+    "union": ("a whole number, or text in quotes", "2"),
+    "model_type": ("a table", "{ ... }, or its keys under a heading in brackets"),
+    "dict_type": ("a table", "{ ... }, or its keys under a heading in brackets"),
+}
+
+
+def _wrong(kind: str, value: Any, limits: Mapping[str, Any]) -> tuple[str, str]:
+    """What was given against what may be, and its form."""
+    if kind in _BOUNDS:
+        limit, words = _BOUNDS[kind]
+        return (
+            f"{_given(value)} was given, it must be {words} {limits[limit]:g}",
+            f"a number, {words} {limits[limit]:g}",
+        )
+    if kind in ("literal_error", "enum"):
+        return f"{_given(value)} is none of the choices", str(limits["expected"])
+    if kind == "string_pattern_mismatch":
+        return f"{_given(value)} does not have the form of this key", f'"...", as in {limits["pattern"]}'
+    words, form = _FORMS.get(kind, ("of the kind that belongs here", "..."))
+    return f"{_given(value)} was given, it must be {words}", form
+
+
+def _given(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "a table"
+    text = f'"{value}"' if isinstance(value, str) else str(list(value) if isinstance(value, tuple) else value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _meaning_at(model: type[Table], location: tuple[Any, ...]) -> str:
+    """What the key at a place means, where its table says so."""
+    steps = [step for step in location if isinstance(step, str)]
+    for end in range(len(steps), 0, -1):
+        table = _table_at(model, tuple(steps[: end - 1]))
+        if table is not None and steps[end - 1] in table.model_fields:
+            said = (table.model_fields[steps[end - 1]].description or "").rstrip(".")
+            return said[:1].lower() + said[1:]
+    return ""
 
 
 def _key_path(location: tuple[Any, ...]) -> str:
@@ -64,12 +134,17 @@ def _key_path(location: tuple[Any, ...]) -> str:
 
 def _keys_at(model: type[Table], location: tuple[Any, ...]) -> tuple[str, ...]:
     """The keys of the table at a place in the model; empty where that is no table."""
+    table = _table_at(model, location)
+    return tuple(table.model_fields) if table is not None else ()
+
+
+def _table_at(model: type[Table], location: tuple[Any, ...]) -> type[Table] | None:
     table: Any = model
     for step in location:
         if isinstance(step, int):
             continue
         if not (isinstance(table, type) and issubclass(table, Table)) or step not in table.model_fields:
-            return ()
+            return None
         annotation = table.model_fields[step].annotation
         table = next((a for a in (annotation, *getattr(annotation, "__args__", ())) if isinstance(a, type)), None)
-    return tuple(table.model_fields) if isinstance(table, type) and issubclass(table, Table) else ()
+    return table if isinstance(table, type) and issubclass(table, Table) else None

@@ -71,9 +71,7 @@ def make_identifier(name: str, **settings: Any) -> Identifier:
     """
     cls = _named(name)
     if cls is None:
-        raise InputError(
-            f"identifier {name!r}", "no such identifier", _did_you_mean(name, list(available_identifiers()))
-        )
+        raise InputError(f"identifier {name!r}", "no such identifier", _advice(name))
     missing = missing_requirements(cls)
     if missing:
         lacking = ", ".join(r.module for r in missing)
@@ -124,6 +122,16 @@ def _load(point: EntryPoint) -> type | None:
         why = "it is not a dataclass with a method identify(campaign, band_hz)"
     warnings.warn(f"identifier plugin {point.name!r} ({point.value}) is left out: {why}", PluginWarning, stacklevel=4)
     return None
+
+
+def _advice(name: str) -> str:
+    """What to write instead of a name that there is not; ``era:order=16`` is how a bench names its entries."""
+    known = list(available_identifiers())
+    method, colon, settings = name.partition(":")
+    if colon and method in known:
+        apart = " ".join(f"--setting {pair.strip()}" for pair in settings.split(",") if "=" in pair)
+        return f"settings come on their own: --identifier {method} {apart or '--setting KEY=VALUE'}"
+    return _did_you_mean(name, known)
 
 
 def _did_you_mean(word: str, known: list[str]) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Dof, FrequencyResponseSet, ModalModel, Quantity, Scorecard, auto_mac, modal_assurance, synthesise
+from vgvt.data.residual_terms import residual_terms
 from vgvt.view.decimation import break_wraps, peak_keeping_index, resonance_grid
 from vgvt.view.labels import lane_labels
 from vgvt.view.theme import MAC_SCALE, MEASURED_COLOUR, TRUTH_COLOUR, Style, style_of, template
@@ -111,7 +112,7 @@ def _sigma_curves(
             grid = resonance_grid(claim, band_hz)
             model = _seen_by(claim, frf)
             if model is not None:
-                fit = synthesise(model, grid, frf.quantity).sigma()
+                fit = _as_judged(model, grid, frf).sigma()
                 _curve(figure, grid, fit, f"{_plain(name)}, fit", style.colour, style.dash, row=2, width=1.4)
         if len(inside):
             level = np.exp(np.interp(inside.natural_frequency_hz, frf.frequency_hz, np.log(np.maximum(sigma, 1e-300))))
@@ -137,7 +138,10 @@ def frf_figure(
     band_hz: tuple[float, float] | None = None,
     points: int = 900,
 ) -> Figure:
-    """Magnitude and phase of one FRF, measured and as synthesised from every claim that has residues there."""
+    """Magnitude and phase of one FRF, measured and as every claim that has residues there is judged by it.
+
+    Of accelerances that is with a mass and a stiffness line, fitted to what was measured in the band.
+    """
     from plotly.subplots import make_subplots
 
     band_hz = band_hz or (float(frf.frequency_hz[0]), float(frf.frequency_hz[-1]))
@@ -151,7 +155,7 @@ def frf_figure(
         model = _seen_by(claim, frf, (response,), (reference,))
         if model is not None:
             grid = resonance_grid(model, band_hz, points=max(points // 3, 60))
-            fit = synthesise(model, grid, frf.quantity).values[0, 0]
+            fit = _as_judged(model, grid, frf).values[0, 0]
             _bode(figure, grid, fit, _plain(name), style_of(k))
     name, unit = _UNITS.get(frf.quantity, ("response", ""))
     magnitude = np.abs(values)
@@ -249,6 +253,23 @@ def _seen_by(
     assert seen.residues is not None
     columns = [claim.references.index(r) for r in references]
     return replace(seen, references=references, residues=seen.residues[:, :, columns])
+
+
+def _as_judged(model: ModalModel, grid_hz: NDArray[np.float64], frf: FrequencyResponseSet) -> FrequencyResponseSet:
+    """The FRFs of a model over a grid, of accelerances with the residual terms that the fit in per cent is of."""
+    from dataclasses import replace
+
+    drawn = synthesise(model, grid_hz, frf.quantity)
+    if frf.quantity is not Quantity.ACCELERATION:
+        return drawn
+    rows = [frf.responses.index(d) for d in model.dofs]
+    columns = [frf.references.index(d) for d in model.references]
+    rest = frf.values[np.ix_(rows, columns)] - synthesise(model, frf.frequency_hz).values
+    alive = np.isfinite(rest).all(axis=(0, 1))
+    if int(alive.sum()) < 2:
+        return drawn
+    terms = residual_terms(rest[:, :, alive], frf.frequency_hz[alive], grid_hz)
+    return replace(drawn, values=drawn.values + terms)
 
 
 def _false_frequencies(scorecards: Mapping[str, Scorecard] | None, name: str) -> frozenset[float]:

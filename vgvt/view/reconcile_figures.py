@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,14 +17,20 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 _CELLS = 60
+_LABEL_WIDTH = 22
+"""Characters of a line of a candidate's name: on a telephone its bar needs the room."""
+_OVER_BARS = "#1b1f24"
 _ROW_PX = 15
 _SCALE = [[0.0, "#f4f7fb"], [0.25, "#fbe3c8"], [0.5, "#f2a766"], [0.75, "#c9511f"], [1.0, "#5c1a0b"]]
 _STANDING = {
     "named": (TRUTH_COLOUR, "named"),
     "lead": (TRUTH_COLOUR, "comes nearest: a lead and no name"),
     "equivalent": ("#56B4E9", "equivalent: explains the data as well"),
-    "refused by held-out data": ("#D55E00", "refused: held-out data, or the place that is left, speak against it"),
-    "no plausible thing": ("#D55E00", "no plausible thing: off the aircraft, or of a frequency that it does not have"),
+    "refused by held-out data": ("#D55E00", "refused: held-out data, or the place<br>that is left, speak against it"),
+    "no plausible thing": (
+        "#D55E00",
+        "no plausible thing: off the aircraft, or<br>of a frequency that it does not have",
+    ),
     "beaten": (MEASURED_COLOUR, "beaten"),
     "too little evidence": ("#c3c8cf", "too little evidence"),
 }
@@ -34,9 +41,10 @@ def residual_map_figure(account: Account) -> Figure:
     """χ² per degree of freedom over frequency and channels, before and (where an effect was named) after."""
     from plotly.subplots import make_subplots
 
-    states = [("before: calibrated, without another effect", account.before)]
+    # Words that fit over a map of a hundred pixels, as beside each other on a telephone.
+    states = [("before", account.before)]
     if account.changed:
-        states.append(("after: with what was named", account.after))
+        states.append(("after", account.after))
     figure = make_subplots(
         rows=1,
         cols=len(states),
@@ -65,7 +73,11 @@ def residual_map_figure(account: Account) -> Figure:
             },
             row=1, col=k + 1,
         )  # fmt: skip
-    figure.update_xaxes(title_text="frequency, Hz", showgrid=False, showline=False)
+    figure.update_xaxes(showgrid=False, showline=False)
+    figure.add_annotation(
+        text="frequency, Hz", x=0.5, y=0, xref="paper", yref="paper", yshift=-24, yanchor="top", showarrow=False,
+        font={"size": 13},
+    )  # fmt: skip
     figure.update_yaxes(autorange="reversed", showgrid=False, showline=False, ticks="", dtick=1)
     figure.update_layout(template=template(), height=max(_ROW_PX * len(names), 150) + 110, margin={"t": 34, "b": 54})
     return figure
@@ -88,32 +100,50 @@ def evidence_figure(rows: tuple[CandidateRow, ...], needed_nats: float, most: in
     shown = sorted(rows, key=lambda r: -r.gain_nats)[:most]
     # A bar of a thousand nats must not hide one of ten: the axis is linear up to one, logarithmic beyond.
     length = [np.sign(r.gain_nats) * np.log10(1 + abs(r.gain_nats)) for r in shown]
-    names = _distinct([_plain(r.label) for r in shown])
+    labels = _distinct([r.label for r in shown])
+    names, wrapped = [_plain(n) for n in labels], [wrap(n, _LABEL_WIDTH, break_on_hyphens=False) for n in labels]
     figure = go.Figure()
     for standing, (colour, words) in _STANDING.items():
         mine = [k for k, r in enumerate(shown) if r.standing == standing]
         if mine:
             figure.add_bar(
                 y=[names[k] for k in mine], x=[length[k] for k in mine], orientation="h", name=words,
-                marker={"color": colour}, text=[f"{shown[k].gain_nats:.1f}" for k in mine], textposition="outside",
-                cliponaxis=False, hovertemplate="%{y}: %{text} nats<extra></extra>",
+                marker={"color": colour}, text=[f"{shown[k].gain_nats:.1f}" for k in mine], textposition="none",
+                hovertemplate="%{y}: %{text} nats<extra></extra>",
             )  # fmt: skip
     marks = [np.sign(r.lasting_nats) * np.log10(1 + abs(r.lasting_nats)) for r in shown]
     figure.add_scatter(
         y=names, x=marks, mode="markers", name="where errors of the model last",
-        marker={"symbol": "line-ns-open", "size": 16, "color": MEASURED_COLOUR, "line": {"width": 2}},
+        marker={"symbol": "diamond", "size": 10, "color": "#ffffff", "line": {"color": _OVER_BARS, "width": 1.6}},
         text=[f"{r.lasting_nats:.1f}" for r in shown], hovertemplate="%{y}: %{text} nats<extra></extra>",
     )  # fmt: skip
-    figure.add_vline(x=float(np.log10(1 + needed_nats)), line={"color": MEASURED_COLOUR, "dash": "dash", "width": 1.5})
-    powers = [t for t in (1, 10, 100, 1000, 10000, 100000) if np.log10(1 + t) <= max(length) + 1]
+    needed = float(np.log10(1 + needed_nats))
+    for name, row, end in zip(names, shown, np.maximum(length, marks), strict=True):
+        # Beyond the mark and the dashed line too, which would cover it.
+        figure.add_annotation(
+            text=f"{row.gain_nats:.{0 if row.gain_nats >= 1000 else 1}f}", x=max(float(end), needed), y=name,
+            xanchor="left", xshift=8, showarrow=False,
+        )  # fmt: skip
+    # Dark on white, so that it is seen on paper and bars of any colour.
+    for line in ({"color": "#ffffff", "width": 3.5}, {"color": _OVER_BARS, "width": 1.8, "dash": "dash"}):
+        figure.add_vline(x=needed, line=line)
+    longest = max(1.0, needed, *length, *marks)
+    powers = [t for t in (1, 10, 100, 1000, 10000, 100000) if np.log10(1 + t) <= longest]
+    # As many as a telephone has room for.
+    powers = powers[1::2] if len(powers) > 4 else powers[1:] if len(powers) > 2 else powers
     ticks = [*(-t for t in powers), 0, *powers]
     figure.update_xaxes(
-        title_text="gain of evidence on the fitted data, nats",
+        title_text="gain of evidence, nats",
         tickvals=[np.sign(t) * np.log10(1 + abs(t)) for t in ticks],
-        ticktext=[f"{t:g}" for t in ticks], range=[1.25 * min(0.0, *length, *marks), 1.18 * max(max(length), 1.0)],
+        ticktext=[f"{t:g}" if abs(t) < 1000 else f"{t // 1000:g}k" for t in ticks], tickangle=0,
+        range=[1.25 * min(0.0, *length, *marks), 1.4 * longest],
     )  # fmt: skip
-    figure.update_yaxes(categoryorder="array", categoryarray=names, autorange="reversed", showgrid=False, ticks="")
-    figure.update_layout(template=template(), height=26 * len(shown) + 130, bargap=0.25, showlegend=True)
+    figure.update_yaxes(
+        categoryorder="array", categoryarray=names, autorange="reversed", showgrid=False, ticks="", tickvals=names,
+        ticktext=["<br>".join(_plain(line) for line in lines) for lines in wrapped],
+    )  # fmt: skip
+    row_px = 10 + 16 * max(len(lines) for lines in wrapped)
+    figure.update_layout(template=template(), height=row_px * len(shown) + 150, bargap=0.25, showlegend=True)
     return figure
 
 
@@ -179,10 +209,13 @@ def overlay_figure(account: Account, channel: int) -> Figure:
 
 
 def posterior_figure(account: Account) -> Figure | None:
-    """Every calibrated quantity in standard deviations of what the scenario states, with its own; None without any."""
+    """Calibrated quantities in standard deviations of what the scenario states, with their own; None without any.
+
+    One that the scenario states no tolerance of is left to the table: it has no such standard deviation.
+    """
     from plotly import graph_objects as go
 
-    rows = [r for r in account.posterior if abs(r.score) > 0.5 or r.score_std < 0.5]
+    rows = [r for r in account.posterior if r.tolerance and (abs(r.score) > 0.5 or r.score_std < 0.5)]
     if not rows:
         return None
     names = [_plain(r.words) for r in rows]
@@ -190,7 +223,7 @@ def posterior_figure(account: Account) -> Figure | None:
     figure.add_vrect(x0=-1, x1=1, fillcolor="rgba(128,136,148,0.16)", line_width=0, layer="below")
     for at in (-3, 3):
         figure.add_vline(x=at, line={"color": POSITIVE_COLOUR, "dash": "dash", "width": 1.2})
-    beyond = [r.tolerance and abs(r.score) > 3 for r in rows]
+    beyond = [abs(r.score) > 3 for r in rows]
     figure.add_scatter(
         x=[r.score for r in rows], y=names, mode="markers", showlegend=False,
         error_x={

@@ -276,7 +276,7 @@ def posterior_table(account: Account) -> str:
             escaped(r.stated),
             escaped(r.change),
             escaped(r.calibrated),
-            f"{r.score:+.2f} ± {r.score_std:.2f}",
+            f"{r.score:+.2f} ± {r.score_std:.2f}" if r.tolerance else "no tolerance stated",
         )
         for r in account.posterior
     ]

@@ -85,6 +85,8 @@ def _sigma_section(
     text = "The largest singular value of all frequency responses: every mode that the test can see makes a peak."
     if true_hz:
         text += " Dashed vertical lines are the true modes; a cross is a claim that belongs to none."
+    if frf is not None and any(claim.residues is not None for claim in claims.values()):
+        text += " A fit is the claimed modes with residual terms for those outside the band."
     return f'<p class="note">{text}</p>{figure_element("sigma-data", "Sigma plot")}'
 
 
@@ -192,8 +194,14 @@ def _frf_section(
         f'<option value="{k}"{" selected" if k == first else ""}>{escaped(response)} / {escaped(reference)}</option>'
         for k, (response, reference) in enumerate(pairs)
     )
+    note = (
+        "Each claim is drawn as its fit is judged: its modes, with a mass and a stiffness line (residual terms) fitted "
+        "to what was measured, for the modes outside the band."
+    )
+    words = f'<p class="note">{note}</p>' if any(claim.residues is not None for claim in claims.values()) else ""
     return (
-        f'<div class="controls"><label>response / reference <select id="frf-select">{options}</select></label></div>'
+        f'{words}<div class="controls"><label>response / reference <select id="frf-select">{options}</select></label>'
+        "</div>"
         '<div class="figure" id="frf-figure" role="figure" aria-label="Frequency response"></div>'
     )
 

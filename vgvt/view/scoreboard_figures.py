@@ -82,28 +82,64 @@ def front_figure(table: pandas.DataFrame) -> Figure | None:
     """Median seconds an identification against the median error over bound, one point per entry."""
     from plotly import graph_objects as go
 
-    figure, places = go.Figure(), _places(table)
+    places, points = _places(table), []
     for entry, part in table.groupby("entry", sort=True):
         found = _found(part)
         ratio = np.abs(_float(found["claimed_hz"] - found["true_hz"]) / _float(found["frequency_bound_hz"]))
         ratio = ratio[np.isfinite(ratio)]
         seconds = _float(part.drop_duplicates(["scenario", "seed_number"])["wall_s"])
         seconds = seconds[np.isfinite(seconds)]
-        if ratio.size and seconds.size:
-            figure.add_scatter(
-                x=[float(np.median(seconds))],
-                y=[float(np.median(ratio))],
-                text=[str(entry)],
-                mode="markers+text",
-                textposition="top center",
-                name=str(entry),
-                marker=_marker(places[entry]),
-                showlegend=False,
-                hovertemplate="%{text}: %{x:.2f} s, %{y:.2f} times the bound<extra></extra>",
-            )
-    if not figure.data:
+        # Neither has a place on a logarithmic axis.
+        if ratio.size and seconds.size and np.median(ratio) > 0 and np.median(seconds) > 0:
+            points.append((str(entry), places[entry], float(np.median(seconds)), float(np.median(ratio))))
+    if not points:
         return None
-    return _laid_out(figure, "median time, s", "median error over bound", log=True)
+    names, numbers, x, y = zip(*points, strict=True)
+    across, up = _log_axis(x), _log_axis(y)
+    figure = go.Figure()
+    for name, number, seconds_each, over_bound in zip(names, numbers, x, y, strict=True):
+        figure.add_scatter(
+            x=[seconds_each],
+            y=[over_bound],
+            text=[name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…"],
+            mode="markers+text",
+            textposition=f"top {_inward(seconds_each, across['range'])}",
+            cliponaxis=False,
+            name=name,
+            marker=_marker(number),
+            showlegend=False,
+            customdata=[name],
+            hovertemplate="%{customdata}: %{x:.2f} s, %{y:.2f} times the bound<extra></extra>",
+        )
+    laid_out = _laid_out(figure, "median time, s", "median error over bound", log=True)
+    laid_out.update_xaxes(**across)
+    laid_out.update_yaxes(**up)
+    return laid_out
+
+
+_LONGEST = 28
+"""Characters of a name written beside a point; hovering tells all of a longer one."""
+
+
+def _log_axis(values: tuple[float, ...]) -> dict[str, Any]:
+    """A logarithmic axis between round numbers with room around the values: 1, 2, 5, or powers of ten over many."""
+    low, high = np.log10(min(values)) - 0.08, np.log10(max(values)) + 0.08
+    steps = np.log10([1.0, 2.0, 5.0]) if high - low <= 3 else np.zeros(1)
+    ticks = np.unique((np.arange(np.floor(low) - 1, np.ceil(high) + 2)[:, None] + steps).ravel())
+    ticks = ticks[np.searchsorted(ticks, low, side="right") - 1 : np.searchsorted(ticks, high) + 1]
+    numbers = [float(f"{10**t:.3g}") for t in ticks]
+    return {
+        "range": [float(ticks[0]), float(ticks[-1])],
+        "tickvals": numbers,
+        "ticktext": [f"{n:g}" for n in numbers],
+        "dtick": None,
+    }
+
+
+def _inward(value: float, log_range: list[float]) -> str:
+    """Which way a label grows so that it stays in the chart: away from the nearer side."""
+    share = (np.log10(value) - log_range[0]) / (log_range[1] - log_range[0])
+    return "right" if share < 0.34 else "left" if share > 0.66 else "center"
 
 
 _HOVER = "%{text}<br>bound %{x:.2e} Hz, error %{y:.2e} Hz<extra></extra>"

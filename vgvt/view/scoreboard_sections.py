@@ -23,7 +23,8 @@ def matrix_section(table: pandas.DataFrame) -> str:
         rows.append(f'<tr><th class="words" scope="row">{escaped(entry)}</th>{"".join(cells)}</tr>')
     note = (
         "Modes found of those that the test reaches, per campaign; ✕ false ones; ÷ the root-mean-square ratio of "
-        "frequency error to Cramér–Rao bound (1 is the limit)."
+        "frequency error to Cramér–Rao bound (1 is the limit, more is worse). The colour tells of the modes alone: "
+        "all found, with false ones, or some missed."
     )
     campaigns = table.drop_duplicates(["scenario", "seed_number"]).shape[0]
     return (
@@ -47,7 +48,7 @@ def _matrix_cell(part: pandas.DataFrame, scenario: str, entry: str) -> str:
     ratio_text = f"<br>÷ {_ratio(ratio)}" if np.isfinite(ratio) else ""
     failed_text = f"<br>{failed} failed" if failed else ""
     count = f"{_number(found / campaigns)} of {_number((found + missed) / campaigns)}"
-    return f'<td class="{kind}"><a {where}>{count}</a>{false_text}{ratio_text}{failed_text}</td>'
+    return f'<td><a class="{kind}" {where}>{count}</a>{false_text}{ratio_text}{failed_text}</td>'
 
 
 def scenario_section(scenario: str, part: pandas.DataFrame) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.question.data import measured_frfs
 from vgvt.reconcile.question.problem import problem_of
+from vgvt.reconcile.question.suitable import check_excitation, within_excited
 from vgvt.scenario.model import Scenario
 from vgvt.simulation import simulate
 
@@ -26,7 +27,11 @@ def expected_fit(
     """The scenario as stated against its own campaign by the linear engine, noise included: where ``power`` can stand.
 
     Nothing is fitted. ``floor`` is the relative model-form error (default: the scenario's tolerance).
+    InputError for a hammer, several shakers and a band that is not excited, as with a campaign.
     """
+    check_excitation(scenario)
+    if band_hz is not None:
+        band_hz = within_excited(band_hz, scenario.excitation.band_hz, scenario.name)
     campaign = simulate(scenario, engine="linear", progress=progress).campaign
     measured = measured_frfs(
         campaign, lines=lines, floor=scenario.tolerances.model_form if floor is None else floor, band_hz=band_hz

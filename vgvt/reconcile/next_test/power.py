@@ -91,8 +91,8 @@ def power(
                 lasting = alike.deviations(slope)
                 smallest, named = _sizes(
                     hypothesis, p, needed, None if square is None else square[0],
-                    (np.sqrt(worth) * length, length, length * np.sqrt(worth + (1 - worth) * given**2)),
-                    (lasting, lasting, lasting),
+                    (length * np.sqrt(worth + (1 - worth) * given**2), length),
+                    (lasting, lasting),
                 )  # fmt: skip
             if not np.isfinite(smallest):
                 seen = None
@@ -105,22 +105,22 @@ def power(
 
 
 def _sizes(
-    hypothesis: Hypothesis, p: Parameter, needed: float, step: float | None, *views: tuple[float, float, float]
+    hypothesis: Hypothesis, p: Parameter, needed: float, step: float | None, *views: tuple[float, float]
 ) -> tuple[float, float]:
     """The sizes that are just visible and that get a name, by the view of the data that sees least.
 
-    A view are deviations per unit of size (per ``step`` squared of what grows with its square): those that show, those
-    where every line counts whole, and those that give a name.
+    A view are deviations per unit of size (per ``step`` squared of what grows with its square): those that show, which
+    are those that give a name, and those where every line counts whole.
     """
     grows = 1 if step is None else 2
     sizes = []
-    for shown, raw, told in views:
+    for shown, raw in views:
         smallest = float((_SIGMA / shown) ** (1 / grows) * (step or 1.0)) if shown > 0 else float("inf")
         if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
             # What leaves A/F alone but for round-off: no score is known of such a size.
             return float("inf"), float("inf")
         more = nameable_ratio(
-            hypothesis, p, smallest, deviations=_SIGMA * told / shown, raw=_SIGMA * raw / shown,
+            hypothesis, p, smallest, deviations=_SIGMA, raw=_SIGMA * raw / shown,
             threshold_nats=needed, power=grows,
         )  # fmt: skip
         sizes.append((smallest, smallest * more))

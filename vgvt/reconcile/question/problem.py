@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
+import zipfile
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -259,10 +260,9 @@ def _slopes(
     folder = cache or Path(tempfile.gettempdir()) / "vgvt-reconcile"
     text = "\n".join((_VERSION, to_toml(start.model_copy(update={"seed": 0})), *nominal.joints))
     file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
-    if file.is_file():
-        with np.load(file, allow_pickle=False) as stored:
-            if all(name in stored for name in MATRICES):
-                return {name: stored[name] for name in MATRICES}
+    kept = _kept(file)
+    if kept is not None:
+        return kept
     found: dict[str, list[Array]] = {name: [] for name in MATRICES}
     for unknown in known:
         sides = []
@@ -276,3 +276,14 @@ def _slopes(
     with replacing(file) as part, part.open("wb") as stream:
         np.savez(stream, **slopes)  # type: ignore[arg-type]
     return slopes
+
+
+def _kept(file: Path) -> dict[str, Array] | None:
+    """The slopes that a file holds; None without one, and for one that is incomplete or no such file."""
+    try:
+        # Opened here: of a file that it cannot read np.load leaves the handle open.
+        with file.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+            return {name: stored[name] for name in MATRICES}
+    # A full disk or a copy that was broken off leaves any of these behind; they are computed again.
+    except (zipfile.BadZipFile, EOFError, ValueError, OSError, KeyError):
+        return None

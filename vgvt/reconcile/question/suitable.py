@@ -14,7 +14,8 @@ _DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
 
 def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
     """InputError unless points, directions, drive point and kind of excitation of both are the same."""
-    _check_excitation(campaign, scenario)
+    check_excitation(scenario)
+    _check_forces(campaign)
     _check_points(campaign, scenario)
     _check_drive(campaign, scenario)
 
@@ -25,26 +26,34 @@ def banded(campaign: Campaign, band_hz: tuple[float, float] | None) -> Campaign:
 
     if band_hz is None:
         return campaign
+    return replace(campaign, band_hz=within_excited(band_hz, campaign.band_hz, campaign.name))
+
+
+def within_excited(band_hz: tuple[float, float], excited_hz: tuple[float, float], name: str) -> tuple[float, float]:
+    """A band cut to the one that ``name`` excites; InputError for no band, and where they share nothing."""
     low, high = band_hz
     if not 0 <= low < high:
         raise InputError("--band", f"{low:g} {high:g} is not a band", "write LOW and HIGH in Hz")
-    excited = campaign.band_hz
-    if high <= excited[0] or low >= excited[1]:
+    if high <= excited_hz[0] or low >= excited_hz[1]:
         raise InputError(
             "--band",
-            f"{low:g} to {high:g} Hz lies outside the {excited[0]:g} to {excited[1]:g} Hz that {campaign.name} excites",
-            f"write a band within {excited[0]:g} and {excited[1]:g}",
+            f"{low:g} to {high:g} Hz lies outside the {excited_hz[0]:g} to {excited_hz[1]:g} Hz that {name} excites",
+            f"write a band within {excited_hz[0]:g} and {excited_hz[1]:g}",
         )
-    return replace(campaign, band_hz=(max(low, excited[0]), min(high, excited[1])))
+    return max(low, excited_hz[0]), min(high, excited_hz[1])
 
 
-def _check_excitation(campaign: Campaign, scenario: Scenario) -> None:
+def check_excitation(scenario: Scenario) -> None:
+    """InputError for a scenario of a hammer or several shakers."""
     if scenario.further_shaker or scenario.excitation.kind == "impact":
         raise InputError(
             f"scenario {scenario.name}",
             "has several shakers or a hammer, and reconcile takes one shaker at a fixed point",
             "write a scenario with a single [shaker], and give the runs that it drove",
         )
+
+
+def _check_forces(campaign: Campaign) -> None:
     references = set(campaign.reference_dofs)
     if not references:
         raise InputError(

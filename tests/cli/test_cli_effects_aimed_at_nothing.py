@@ -1,0 +1,40 @@
+"""A scenario whose effect acts on a sensor or a run that it does not have is no test to simulate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+HEAD = 'extends = "quick"\nname = "aimed"\nsummary = "Quick with an effect of nothing."\n\n[[effect]]\n'
+LATE = 'name = "payload-change"\nmass_kg = 0.1\nfrom_run = 5\n'
+
+
+def written(folder: Path, effect: str) -> Path:
+    path = folder / "aimed.toml"
+    path.write_text(HEAD + effect, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("effect", "words"),
+    [
+        (LATE, "effect[0].from_run: payload-change: from_run = 5, but there is 1 run"),
+        ('name = "channel-gain"\ngain_error = 0.1\nchannels = "sensor-99"\n', "channel-gain: sensor-99: no run has 99"),
+        ('name = "channel-delay"\ndelay_s = 1e-4\nchannels = "sensor-21"\n', "There are sensor-1 to sensor-20."),
+    ],
+)
+def test_it_is_refused_and_leaves_nothing_behind(vgvt, tmp_path: Path, effect: str, words: str) -> None:
+    result = vgvt("simulate", written(tmp_path, effect), "--out", "made")
+    assert result.status == 2
+    assert words in result.err
+    assert not (tmp_path / "made").exists()
+
+
+def test_a_campaign_brings_its_own_runs(vgvt, tmp_path: Path) -> None:
+    """The scenario's own count only where they are the test's: before it is made."""
+    path = written(tmp_path, LATE)
+    before = vgvt("reconcile", "--power", "--scenario", path)
+    assert (before.status, "from_run = 5" in before.err) == (2, True)
+    of_a_campaign = vgvt("reconcile", "nowhere.nc", "--scenario", path)
+    assert (of_a_campaign.status, "from_run" in of_a_campaign.err) == (2, False)

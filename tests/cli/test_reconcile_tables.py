@@ -1,0 +1,66 @@
+"""Tables of ``vgvt reconcile`` in a terminal: what tells rows apart stays, and no heading says the opposite."""
+
+from __future__ import annotations
+
+import pytest
+from rich.console import Console
+
+from vgvt.cli.reconcile_tables import error_table, power_table
+from vgvt.effects.parameter import parameters_of
+from vgvt.effects.registry import available_effects
+from vgvt.view.reconcile_account import PowerRow
+
+_ALIKE = (("drive-point-offset", 0.99), ("stinger-moment", 0.97), ("sensor-position-error", 0.91))
+
+
+def lines_of(table: object, width: int) -> list[str]:
+    console = Console(width=width, no_color=True)
+    with console.capture() as capture:
+        console.print(table)
+    return capture.get().splitlines()
+
+
+def row(effect: str, parameter: str, unit: str) -> PowerRow:
+    return PowerRow(effect, effect, parameter, unit, 0.00123, 0.00456, -0.02, 0.02, _ALIKE)
+
+
+@pytest.mark.parametrize("width", [80, 100, 120, 140])
+def test_parameters_of_one_effect_can_be_told_apart(width: int) -> None:
+    names = ("compliance_m_per_n", "loss_factor", "frequency_hz")
+    longest = row("amplitude-dependent-damping", "growth_per_rtkg_m", "1/(kg^0.5 m)")
+    found = lines_of(power_table((*(row("mount-compliance", name, "m/N") for name in names), longest)), width)
+    text = "\n".join(found)
+    for name in (*names, "growth_per_rtkg_m"):
+        assert sum(name in line for line in found) == 1
+    assert max(map(len, found)) <= width
+    assert text.count("0.0012") == text.count("0.0046") == 4
+    assert text.count("m/N") == (3 if width >= 100 else 0)
+
+
+def test_what_is_alike_goes_first_and_then_what_is_plausible() -> None:
+    table = power_table([row("hook-offset", name, "m") for name in ("dx_m", "dy_m")])
+    heads = {width: "".join(lines_of(table, width)[1:5]) for width in (120, 100, 60)}
+    assert ["hard to tell from" in heads[w] for w in (120, 100, 60)] == [True, False, False]
+    assert ["plausible" in heads[w] for w in (120, 100, 60)] == [True, True, False]
+    assert all("parameter" in head and "unit" in head for head in heads.values())
+
+
+@pytest.mark.parametrize("width", [80, 100, 120])
+def test_the_whole_catalogue_loses_no_size_and_no_answer(width: int) -> None:
+    rows = [
+        row(name, p.name, p.unit)
+        for name, cls in available_effects().items()
+        for p in parameters_of(cls)
+        if p.neutral is not None
+    ]
+    found = "\n".join(lines_of(power_table(rows), width))
+    for cell in ("0.0012", "0.0046", " yes "):
+        assert found.count(cell) == len(rows)
+
+
+def test_the_fit_is_not_headed_as_an_error() -> None:
+    merit = {"chi2_per_dof": 1.0, "nrmse_percent": 99.34, "mean_abs_db": 0.1}
+    state = {"train": merit, "held_out": merit}
+    found = "\n".join(lines_of(error_table({"effects": (), "before": state}), 120))
+    assert "NRMSE fit % before" in found and "99.34" in found
+    assert "error" not in found

@@ -1,0 +1,73 @@
+"""An effect of a sensor or a run that a test does not have is refused, and not simulated as nothing."""
+
+from __future__ import annotations
+
+import pytest
+from effect_rig import FORE, TIP, WING, effect_rig, having
+from small_rig import revised
+
+from vgvt.data import InputError
+from vgvt.effects import make_effect
+from vgvt.effects.conformance import with_effect
+from vgvt.effects.places import require_in_the_runs
+from vgvt.effects.sensor_choice import chosen_channels
+from vgvt.scenario import Scenario, bundled_scenarios, load_scenario, spoiled_scenarios
+from vgvt.simulation.assembly import plans
+
+
+@pytest.fixture(scope="module")
+def roving() -> Scenario:
+    """A run of two sensors and one of a single one."""
+    return revised(effect_rig(), acquisition={"runs": ((WING, TIP), (FORE,))})
+
+
+@pytest.mark.parametrize(
+    ("effect", "settings"),
+    [
+        ("channel-gain", {"gain_error": 0.1, "channels": "sensor-3"}),
+        ("channel-delay", {"delay_s": 1e-4, "channels": "sensor-99"}),
+        ("sensor-tilt", {"angle_rad": 0.1, "sensors": "sensor-3"}),
+    ],
+)
+def test_a_sensor_that_no_run_has_is_refused(roving: Scenario, effect: str, settings: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=rf"effect {effect}: sensor-\d+: no run has \d+ sensors") as refused:
+        plans(having(roving, effect, **settings))
+    assert "sensor-1 to sensor-2" in refused.value.advice
+
+
+def test_a_sensor_that_one_run_lacks_is_nothing_in_that_run(roving: Scenario) -> None:
+    assert [len(chosen_channels(roving, run, "sensor-2", "test")) for run in (0, 1)] == [1, 0]
+
+
+@pytest.mark.parametrize("name", (*bundled_scenarios(), *spoiled_scenarios()))
+def test_all_that_is_bundled_begins_in_its_runs(name: str) -> None:
+    require_in_the_runs(load_scenario(name))
+
+
+@pytest.mark.parametrize(
+    ("runs", "words", "advice"),
+    [
+        (1, "there is 1 run", "more runs, or leave"),
+        (2, "there are 2 runs", "Write 2,"),
+        (4, "there are 4 runs", "Write 2 to 4,"),
+    ],
+)
+def test_a_change_after_the_last_run_is_refused(runs: int, words: str, advice: str) -> None:
+    scenario = revised(load_scenario("quick"), acquisition={"runs": ((1, 2),) * runs})
+    late = make_effect("payload-change", "test", mass_kg=0.1, from_run=5)
+    with pytest.raises(
+        InputError, match=rf"effect\[0\]\.from_run: payload-change: from_run = 5, but {words}"
+    ) as refused:
+        require_in_the_runs(with_effect(scenario, late))
+    assert advice in refused.value.advice
+
+
+def test_repeats_are_runs_and_a_drift_has_no_first_run() -> None:
+    scenario = revised(load_scenario("quick"), acquisition={"runs": ((1, 2),), "repeats": 3})
+    require_in_the_runs(with_effect(scenario, make_effect("re-hang", "test", shift_x_m=0.01, from_run=3)))
+    for shape in ("linear", "exponential"):
+        drift = make_effect("gain-drift", "test", drift=0.1, shape=shape, from_run=9)
+        require_in_the_runs(with_effect(scenario, drift))
+    with pytest.raises(InputError, match="are 3 runs"):
+        step = make_effect("gain-drift", "test", drift=0.1, shape="step", from_run=4)
+        require_in_the_runs(with_effect(scenario, step))

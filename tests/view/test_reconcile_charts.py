@@ -1,0 +1,97 @@
+"""The charts of a reconciliation on a telephone, and what is drawn over bars of any colour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vgvt.view.reconcile_account import CandidateRow
+from vgvt.view.reconcile_figures import evidence_figure, residual_map_figure
+from vgvt.view.theme import MEASURED_COLOUR
+
+LONG = "hum-filter (mains_hz = 50, channels = odd)"
+ROWS = (
+    CandidateRow(1, LONG, 179363.0, 239405.0, 13849.0, 53.9, 0.57, "named"),
+    CandidateRow(1, "hum-filter (mains_hz = 60, channels = odd)", 178813.4, 238405.0, 13783.0, 53.9, 0.75, "beaten"),
+    CandidateRow(1, "added-mass <x>", 4.0, 20.0, 5.0, 12.0, 13.0, "too little evidence"),
+)
+NEEDED = 6.0
+
+
+@dataclass(frozen=True)
+class _State:
+    predicted: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Channel:
+    label: str
+    held: str = ""
+
+
+@dataclass(frozen=True)
+class _Account:
+    """What the map reads of an account."""
+
+    frequency_hz: np.ndarray
+    measured: np.ndarray
+    sigma: np.ndarray
+    before: _State
+    after: _State
+    channels: tuple[_Channel, ...]
+    changed: bool
+
+
+def map_of(changed: bool):
+    measured = np.ones((2, 40), dtype=complex)
+    return residual_map_figure(
+        _Account(
+            np.linspace(3.0, 35.0, 40), measured, np.full((2, 40), 0.1), _State(1.5 * measured), _State(measured),
+            (_Channel("run 1, 1+Z"), _Channel("run 1, 2+Z")), changed,
+        )
+    )  # fmt: skip
+
+
+def test_words_over_the_maps_fit_over_a_hundred_pixels_and_the_axis_is_named_once() -> None:
+    """At 13 pixels a letter is about 7 wide; two maps beside each other on a telephone have 90 each."""
+    for changed in (True, False):
+        figure = map_of(changed)
+        texts = [note.text for note in figure.layout.annotations]
+        assert texts == ["before", *(["after"] if changed else []), "frequency, Hz"]
+        assert not any(figure.layout[axis].title.text for axis in ("xaxis", "xaxis2") if axis in figure.layout)
+
+
+def test_the_mark_and_the_limit_have_no_bars_colour() -> None:
+    figure = evidence_figure(ROWS, NEEDED)
+    assert figure is not None
+    *bars, marks = figure.data
+    colours = {bar.marker.color for bar in bars}
+    assert MEASURED_COLOUR in colours
+    assert marks.marker.color not in colours and marks.marker.line.color not in colours
+    under, over = figure.layout.shapes
+    assert {under.line.color, over.line.color}.isdisjoint(colours)
+    assert under.line.width > over.line.width and over.line.dash == "dash"
+    assert under.x0 == over.x0 == np.log10(1 + NEEDED)
+
+
+def test_names_are_of_short_lines_and_ticks_of_few_letters() -> None:
+    figure = evidence_figure(ROWS, NEEDED)
+    assert figure is not None
+    shown = dict(zip(figure.layout.yaxis.tickvals, figure.layout.yaxis.ticktext, strict=True))
+    assert shown[LONG].replace("<br>", " ") == LONG
+    lines = [line for text in shown.values() for line in text.replace("&lt;", "<").replace("&gt;", ">").split("<br>")]
+    assert max(map(len, lines)) <= 24
+    assert "added-mass &lt;x&gt;" in shown.values(), "text is no markup"
+    assert set(shown) == {name for bar in figure.data[:-1] for name in bar.y}
+    inside = [t for v, t in zip(figure.layout.xaxis.tickvals, figure.layout.xaxis.ticktext, strict=True) if v >= 0]
+    assert inside == ["0", "10", "1k", "100k"]
+    assert len(figure.layout.xaxis.title.text) < 26
+
+
+def test_the_number_of_a_bar_stands_clear_of_its_mark_and_of_the_limit() -> None:
+    figure = evidence_figure(ROWS, NEEDED)
+    assert figure is not None
+    numbers = {note.y: (note.text, note.x) for note in figure.layout.annotations}
+    assert numbers[LONG] == ("179363", np.log10(1 + 179363.0))
+    assert numbers["added-mass &lt;x&gt;"] == ("4.0", np.log10(1 + NEEDED))
