@@ -14,7 +14,8 @@ from vgvt.view.reconcile_account import Account, PowerRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
 
 _MAP = (
-    "Square error over its variance, averaged in each cell: 1 (pale) is what noise and the model's floor explain. "
+    "Square error over its variance, averaged in each cell, of the calibrated scenario before an effect is added and "
+    "after: 1 (pale) is what noise and the model's floor explain. "
     "A stripe down all channels is a mode that is missing or misplaced; a row is one sensor; a block of rows one run."
 )
 _PLACES = (
