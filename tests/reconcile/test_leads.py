@@ -15,6 +15,7 @@ from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, shares, strange_names, telling, why_no_name
 from vgvt.reconcile.decision.verdict import leads_of, named_effects
+from vgvt.reconcile.question.thresholds import Limits
 
 THRESHOLDS: Any = SimpleNamespace()
 
@@ -40,7 +41,7 @@ def left(held_out: float | None, adequate: bool = False, strain: float = 0.0) ->
     """What a fit leaves, of which noise leaves 0.7 and a campaign without an effect at most 1, leaning by at most 4."""
     return SimpleNamespace(
         held_out_chi2_per_dof=held_out, held_out_noise_per_dof=0.7, noise_per_dof=0.7, adequate=adequate,
-        strain_sd=strain, limits=SimpleNamespace(held_out_per_dof=1.0, chi2_per_dof=1.0, strain_sd=4.0),
+        strain_sd=strain, limits=Limits(1.0, 1.0, 1.0, 4.0),
     )  # fmt: skip
 
 

@@ -285,3 +285,11 @@ def test_of_what_fitted_data_cannot_tell_the_one_goes_first_that_foretells_the_o
     winner, equal = rounds._foretelling(ahead, (ahead, other))
     assert winner.name == first
     assert equal[0] is winner and set(map(id, equal)) == {id(ahead), id(other)}
+
+
+@pytest.mark.parametrize("vain", [True, False])
+def test_no_third_name_is_looked_for_where_two_took_too_little(monkeypatch: pytest.MonkeyPatch, vain: bool) -> None:
+    a_round(monkeypatch, a_fit(0.9), a_fit(0.7))
+    monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
+    monkeypatch.setattr(rounds, "hopeless", lambda names, most, *given: vain and (names, most) == (2, 3))
+    assert len(rounds.attribute(a_fit(1.0), (), THRESHOLDS, most=3).rounds) == (2 if vain else 3)

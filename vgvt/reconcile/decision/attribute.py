@@ -10,6 +10,7 @@ import numpy as np
 
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.backward import needed, nowhere, without_last
+from vgvt.reconcile.decision.hopeless import hopeless
 from vgvt.reconcile.decision.in_its_place import reconsidered
 from vgvt.reconcile.decision.last_steps import ended
 from vgvt.reconcile.decision.place_control import controlled
@@ -109,6 +110,8 @@ def _selected(
         left = [h for h in hypotheses if h.name not in {r.winner.name for r in rounds}]
         straight, bent = linear_first(current.problem, left)
         before = residual(current, thresholds)
+        if hopeless(k, most, current, start, before, residual(start, thresholds)):
+            break
         here = part(tell, _CHOSEN * k / most, _CHOSEN * (k + 1) / most)
         rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
         if k == 0 and rivals:

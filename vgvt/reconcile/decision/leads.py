@@ -13,14 +13,11 @@ from dataclasses import replace
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.doubts import strained_too_much
-from vgvt.reconcile.evidence.confirmation import share_taken
+from vgvt.reconcile.evidence.confirmation import shares_taken
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.strain import strain_sd
-from vgvt.reconcile.question.thresholds import Limits, Thresholds
-
-FAR_OFF = 4.0
-"""More than this many times what campaigns leave in which nothing is missing, and a model is none of the data."""
+from vgvt.reconcile.question.thresholds import FAR_OFF, Thresholds
 
 
 def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
@@ -46,16 +43,11 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
             last_rivals=dropped[0].rivals, vetoed=(*(r.winner for r in dropped), *found.vetoed),
         )  # fmt: skip
     enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
-    far = far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof, after.limits)
+    far = after.limits.far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof)
     leant = leant_on_more(after.strain_sd, found.null_residual)
     if after.adequate or (min(shares(found)) >= enough and not far and not leant):
         return found
     return demoted(found)
-
-
-def far_off(fitted: float, held_out: float | None, limits: Limits) -> bool:
-    """Whether χ² per degree of freedom is far beyond the limits: of several wrong models one is always the best."""
-    return fitted > FAR_OFF * limits.chi2_per_dof or (held_out or 0.0) > FAR_OFF * limits.held_out_per_dof
 
 
 def leant_on_more(strain: float, without: Residual) -> bool:
@@ -72,7 +64,7 @@ def why_no_name(found: Attribution) -> str:
     strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
     if strange:
         return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"
-    if led and far_off(led.chi2_per_dof, led.held_out_chi2_per_dof, found.null_residual.limits):
+    if led and found.null_residual.limits.far_off(led.chi2_per_dof, led.held_out_chi2_per_dof):
         return f"what leaves more than {FAR_OFF:.0f} times what may be left is a lead, however much it takes"
     if led and leant_on_more(strain := strain_sd(led), found.null_residual):
         return (
@@ -122,10 +114,4 @@ def shares(found: Attribution) -> tuple[float, float]:
 
     The second is 1 where held-out data are met, or nothing is held out.
     """
-    before, after = found.null_residual, found.final_residual
-    fitted = share_taken(found.final, found.null, before)
-    left, was = after.held_out_chi2_per_dof, before.held_out_chi2_per_dof
-    if left is None or was is None or left <= after.limits.held_out_per_dof:
-        return fitted, 1.0
-    excess = was - (before.held_out_noise_per_dof or 0.0)
-    return fitted, (was - left) / excess if excess > 0 else 0.0
+    return shares_taken(found.final, found.null, found.final_residual, found.null_residual)

@@ -90,6 +90,19 @@ def share_taken(found: Fit, current: Fit, before: Residual) -> float:
     return taken / (missed + bent) if missed + bent > 0 else 1.0
 
 
+def shares_taken(found: Fit, current: Fit, after: Residual, before: Residual) -> tuple[float, float]:
+    """What a fit takes of what was too much in ``current``: as in :func:`share_taken`, and of held-out data.
+
+    ``after`` and ``before`` are what the two leave. The second is 1 where held-out data are met, or none are held out.
+    """
+    fitted = share_taken(found, current, before)
+    left, was = after.held_out_chi2_per_dof, before.held_out_chi2_per_dof
+    if left is None or was is None or left <= after.limits.held_out_per_dof:
+        return fitted, 1.0
+    excess = was - (before.held_out_noise_per_dof or 0.0)
+    return fitted, (was - left) / excess if excess > 0 else 0.0
+
+
 def held_out_nats(judge: Fit, found: Fit, without: Fit) -> float:
     """What held-out data say for ``found`` against ``without``, in nats, each value worth what it is to ``judge``."""
     return _worth(judge) * (_square_sum(_missed(without)) - _square_sum(_missed(found)))

@@ -17,6 +17,8 @@ SMOOTHED = 5
 """Neighbouring lines whose sum is the smooth part of a residual."""
 PLACEBO_FLOOR = 0.004
 """Relative model-form floor that limits refer to."""
+FAR_OFF = 4.0
+"""More than this many times what campaigns leave in which nothing is missing, and a model is none of the data."""
 _STORED = Path(__file__).with_name("thresholds.toml")
 # How well a line's noise is known on average, and the normal deviate that 98 of 100 stay below.
 _NOISE_KNOWN, _DEVIATE = 0.1, 2.054
@@ -65,6 +67,10 @@ class Limits:
     smooth_per_dof: float
     held_out_per_dof: float
     strain_sd: float
+
+    def far_off(self, fitted: float, held_out: float | None) -> bool:
+        """Whether χ² per degree of freedom is far beyond: of several wrong models one is always the best."""
+        return fitted > FAR_OFF * self.chi2_per_dof or (held_out or 0.0) > FAR_OFF * self.held_out_per_dof
 
 
 @dataclass(frozen=True, slots=True)
