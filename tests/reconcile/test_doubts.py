@@ -172,3 +172,20 @@ def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     said = reasons.reasons_of(kind, about, SimpleNamespace(set_nats=5.0, evidence_nats=9.0), None)  # type: ignore[arg-type]
     assert ("With it 2.3 is left" in said) == told
     assert any("needs a second level" in words for words in said)
+
+
+def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reasons, "implausible", lambda fit: ())
+    monkeypatch.setattr(reasons, "why_no_name", lambda found: "too little")
+
+    def rival(name: str) -> Any:
+        return SimpleNamespace(
+            name=name, hypothesis=SimpleNamespace(label=name), gain_nats=40.0, fit=None, held_out=2.0
+        )
+
+    led: Any = SimpleNamespace(
+        null=SimpleNamespace(converged=True), vetoed=(rival("soft root"), rival("cable")),
+        leads=(SimpleNamespace(winner=rival("soft root"), held_out_before=3.0),),
+    )  # fmt: skip
+    refused = [words for words in reasons._of_the_unknown(led) if "speak against it" in words]
+    assert [words.split(" would")[0] for words in refused] == ["cable"]

@@ -129,6 +129,7 @@ def _of_the_unknown(found: Attribution) -> list[str]:
     said.append(
         "No plausible effect of the catalogue explains it with enough evidence, and holds on data that no fit has seen"
     )
+    nearest = {a.winner.name for a in found.leads}
     if found.leads:
         labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
         said.append(
@@ -139,7 +140,8 @@ def _of_the_unknown(found: Attribution) -> list[str]:
         f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
         "explains with it, or another place where it does as well, speak against it"
         for r in found.vetoed[:_TOLD]
-        if not implausible(r.fit)
+        # Of a lead, another variant may have been refused: that says nothing against it.
+        if r.name not in nearest and not implausible(r.fit)
     ]
     return said
 
