@@ -11,32 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coarse_beam import BEAM, written
 
 from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, Quantity, Record
 from vgvt.scenario.points import sensor_points
 from vgvt.view.reconcile_account import Account, ChannelRow, EffectRow, ModelState, SuggestionRow
 
-BEAM = """
-extends = "teaching-beam"
-name = "coarse-beam"
-summary = "A coarse beam in four runs of two sensors."
-
-[[airframe.beam]]
-name = "beam"
-cells = 4
-
-[tolerances]
-segments = 0
-
-[acquisition]
-sample_rate_hz = 100.0
-runs = [[1, 2], [3, 4], [5, 6], [7, 8]]
-
-[excitation]
-start_hz = 2.0
-stop_hz = 25.0
-duration_s = 20.0
-"""
 MERIT = {"chi2_per_dof": 1.0, "nrmse_percent": 99.0, "mean_abs_db": 0.01, "frac": 0.999}
 
 
@@ -65,14 +45,6 @@ def measured(
         ]
         runs.append(Record(run + 1, 100.0, tuple(channels), generator.normal(size=(3, 3000))))
     return Campaign("beam", geometry, tuple(runs), (2.0, 25.0))
-
-
-def written(folder: Path, campaign: Campaign) -> Path:
-    from vgvt.files import write_campaign
-
-    path = folder / "measured.nc"
-    write_campaign(path, campaign)
-    return path
 
 
 def moved(node: int, by: tuple[float, float, float]) -> Callable[[Geometry], Geometry]:

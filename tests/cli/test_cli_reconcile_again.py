@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
+from coarse_beam import BEAM, written
 
 from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
 from vgvt.data import Campaign, InputError
@@ -15,27 +16,6 @@ from vgvt.effects import Action, parameter
 from vgvt.scenario import load_scenario
 from vgvt.scenario.points import sensor_points
 
-BEAM = """
-extends = "teaching-beam"
-name = "coarse-beam"
-summary = "A coarse beam in four runs of two sensors."
-
-[[airframe.beam]]
-name = "beam"
-cells = 4
-
-[tolerances]
-segments = 0
-
-[acquisition]
-sample_rate_hz = 100.0
-runs = [[1, 2], [3, 4], [5, 6], [7, 8]]
-
-[excitation]
-start_hz = 2.0
-stop_hz = 25.0
-duration_s = 20.0
-"""
 GAIN = '[[effect]]\nname = "channel-gain"\ngain_error = 0.10\nchannels = "sensor-2"\n'
 
 
@@ -52,14 +32,6 @@ def measured(beam: Path) -> Campaign:
     from vgvt.simulation import simulated_campaign
 
     return simulated_campaign(load_scenario(str(beam)), engine="linear")
-
-
-def written(folder: Path, campaign: Campaign) -> Path:
-    from vgvt.files import write_campaign
-
-    path = folder / "measured.nc"
-    write_campaign(path, campaign)
-    return path
 
 
 @pytest.fixture
