@@ -10,6 +10,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from vgvt.data import InputError
+from vgvt.data.given import BOUNDS, bound, shown
 from vgvt.data.suggestion import choose_one_of
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -65,12 +66,6 @@ def _explain(model: type[Table], detail: Mapping[str, Any]) -> tuple[str, str, s
     return where, wrong, f"write {named} = {form}" + (f" ({meaning})" if meaning else "")
 
 
-_BOUNDS = {
-    "greater_than": ("gt", "more than"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "less than"),
-    "less_than_equal": ("le", "at most"),
-}
 _FORMS = {
     "string_type": ("text in quotes", '"..."'),
     "float_type": ("a number", "1.5, without quotes"),
@@ -90,27 +85,15 @@ _FORMS = {
 
 def _wrong(kind: str, value: Any, limits: Mapping[str, Any]) -> tuple[str, str]:
     """What was given against what may be, and its form."""
-    if kind in _BOUNDS:
-        limit, words = _BOUNDS[kind]
-        return (
-            f"{_given(value)} was given, it must be {words} {limits[limit]:g}",
-            f"a number, {words} {limits[limit]:g}",
-        )
+    if kind in BOUNDS:
+        limit = bound(kind, limits)
+        return f"{shown(value)} was given, it must be {limit}", f"a number, {limit}"
     if kind in ("literal_error", "enum"):
-        return f"{_given(value)} is none of the choices", str(limits["expected"])
+        return f"{shown(value)} is none of the choices", str(limits["expected"])
     if kind == "string_pattern_mismatch":
-        return f"{_given(value)} does not have the form of this key", f'"...", as in {limits["pattern"]}'
+        return f"{shown(value)} does not have the form of this key", f'"...", as in {limits["pattern"]}'
     words, form = _FORMS.get(kind, ("of the kind that belongs here", "..."))
-    return f"{_given(value)} was given, it must be {words}", form
-
-
-def _given(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, dict):
-        return "a table"
-    text = f'"{value}"' if isinstance(value, str) else str(list(value) if isinstance(value, tuple) else value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return f"{shown(value)} was given, it must be {words}", form
 
 
 def _meaning_at(model: type[Table], location: tuple[Any, ...]) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from vgvt.data.given import BOUNDS, bound, shown
 from vgvt.scenario.base import MisfitError, Table
 from vgvt.scenario.vocabulary import TOP, fixed_length, guess, inner_table, meaning_of, table_at
 
@@ -65,14 +66,7 @@ def _explained(detail: Mapping[str, Any]) -> Problem:
     return Problem(key, _what_is_wrong(kind, value, limits), _write(table, key))
 
 
-_BOUNDS = {
-    "greater_than": ("gt", "more than"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "less than"),
-    "less_than_equal": ("le", "at most"),
-    "too_short": ("min_length", "at least"),
-    "too_long": ("max_length", "at most"),
-}
+_LENGTHS = {"too_short": ("min_length", "at least"), "too_long": ("max_length", "at most")}
 
 _EXPECTED = {
     "finite_number": "an ordinary number",
@@ -88,19 +82,19 @@ _EXPECTED = {
 
 
 def _what_is_wrong(kind: str, value: Any, limits: Mapping[str, Any]) -> str:
-    if kind in _BOUNDS:
-        limit, words = _BOUNDS[kind]
-        if "actual_length" in limits:
-            return f"has {limits['actual_length']} entries, but needs {words} {limits[limit]}"
-        return f"is {_shown(value)}, but must be {words} {limits[limit]:g}"
+    if kind in BOUNDS:
+        return f"is {shown(value)}, but must be {bound(kind, limits)}"
+    if kind in _LENGTHS:
+        limit, words = _LENGTHS[kind]
+        return f"has {limits['actual_length']} entries, but needs {words} {limits[limit]}"
     if kind == "literal_error":
-        return f"is {_shown(value)}, but must be {limits['expected']}"
-    return f"is {_shown(value)}, but must be {_EXPECTED.get(kind, 'of another kind')}"
+        return f"is {shown(value)}, but must be {limits['expected']}"
+    return f"is {shown(value)}, but must be {_EXPECTED.get(kind, 'of another kind')}"
 
 
 def _wrong_count(table: type[Table] | None, name: str, value: Any) -> str:
     count = fixed_length(table.model_fields[name].annotation) if table else None
-    return f"is {_shown(value)}, but must have exactly {count} entries"
+    return f"is {shown(value)}, but must have exactly {count} entries"
 
 
 def _table_of(key: Key) -> type[Table] | None:
@@ -129,16 +123,3 @@ def _write(table: type[Table] | None, key: Key) -> str:
     meaning = meaning_of(table, name)
     form = f"the table {_heading(key)}" if inner_table(field.annotation) is not None else f"{name} = …"
     return f"Write {form}" + (f": {meaning}." if meaning else ".")
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return f'"{value}"' if len(value) <= 40 else f'"{value[:37]}…"'
-    if isinstance(value, (list, tuple)):
-        inside = ", ".join(_shown(v) for v in value[:4])
-        return f"[{inside}{', …' if len(value) > 4 else ''}]"
-    if isinstance(value, dict):
-        return "a table"
-    return str(value)
