@@ -139,3 +139,15 @@ def test_what_shows_by_round_off_alone_never_shows(tmp_path: Path) -> None:
     assert not any(p.alike for p in never)
     assert all(p.document()["smallest"] is None is p.document()["named"] for p in never)
     assert sometimes.smallest < sometimes.named < math.inf
+
+
+def test_what_gets_a_name_is_more_than_shows_by_whatever_tolerances_give(tmp_path: Path) -> None:
+    """A gain that the tolerances imitate in part: five deviations are 12.5 nats, and chance and a name take theirs."""
+    case = problem(tmp_path, 1)
+    stated = fit(case, (), np.zeros(case.size), NOTHING, ())
+    limits = replace(stored_thresholds(), evidence_form_nats=0.0)
+    known = available_effects()
+    tried = [Hypothesis(known["channel-gain"], {"channels": "force"}), Hypothesis(known["drive-point-offset"])]
+    deviations = 1.645 + math.sqrt(1.645**2 + 2 * limits.evidence_nats)
+    for found in power(stated, tried, thresholds=limits):
+        assert found.named > deviations / 5 * found.smallest
