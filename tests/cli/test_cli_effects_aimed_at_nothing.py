@@ -31,6 +31,43 @@ def test_it_is_refused_and_leaves_nothing_behind(vgvt, tmp_path: Path, effect: s
     assert not (tmp_path / "made").exists()
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("simulate",),
+        ("show", "--no-picture"),
+        ("plan",),
+        ("bench", "--identifier", "quadrature"),
+        ("sweep", "--set", "seed=1,2", "--identifier", "quadrature"),
+        ("reconcile", "--power", "--scenario"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("effect", "place"),
+    [
+        (LATE, "effect[0].from_run: payload-change: from_run = 5"),
+        ('name = "payload-change"\nmass = 0.1\n', "effect[0].mass: effect 'payload-change' has no such parameter"),
+        ('name = "added-mass"\nmass_kg = 0.1\nx_m = 9.0\ny_m = 0.0\n', "effect[0].x_m: effect added-mass at (9, 0)"),
+        ('name = "channel-gain"\ngain_error = 0.1\nchannels = "sensor-99"\n', "effect channel-gain: sensor-99"),
+    ],
+)
+def test_every_command_refuses_it_and_names_the_file(
+    vgvt, tmp_path: Path, command: tuple[str, ...], effect: str, place: str
+) -> None:
+    path = written(tmp_path, effect)
+    result = vgvt(*command, path)
+    assert (result.status, result.out) == (2, "")
+    assert f"{path}: {place}" in result.err
+
+
+def test_an_inherited_effect_is_the_mistake_of_the_file_that_has_it(vgvt, tmp_path: Path) -> None:
+    parent, child = written(tmp_path, LATE), tmp_path / "child.toml"
+    child.write_text(f'extends = "{parent.name}"\nname = "child"\nsummary = "Nothing of its own."\n', encoding="utf-8")
+    result = vgvt("show", child, "--no-picture")
+    assert result.status == 2
+    assert f"{parent}: effect[0].from_run" in result.err
+
+
 def test_a_campaign_brings_its_own_runs(vgvt, tmp_path: Path) -> None:
     """The scenario's own count only where they are the test's: before it is made."""
     path = written(tmp_path, LATE)

@@ -111,9 +111,9 @@ def _plan(
 ) -> BenchPlan:
     from vgvt.bench.bench import BenchPlan, entries_of
     from vgvt.bench.umpire import Limits
+    from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
     from vgvt.identification import available_identifiers, make_identifier
-    from vgvt.scenario import load_scenario
     from vgvt.scenario.library import bundled_scenarios
 
     if engine not in ("linear", "mujoco", "own"):
@@ -122,7 +122,7 @@ def _plan(
     for entry in entries:
         make_identifier(entry.identifier, **dict(entry.settings))  # a misspelt name costs no time
     return BenchPlan(
-        scenarios=tuple(load_scenario(name) for name in scenarios or bundled_scenarios()),
+        scenarios=tuple(described_scenario(name) for name in scenarios or bundled_scenarios()),
         seeds=seeds,
         entries=entries,
         limits=Limits(time_limit_s, memory_limit_mib),

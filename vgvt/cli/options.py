@@ -33,18 +33,11 @@ CampaignArgument = Annotated[
 
 
 def resolved_scenario(name: str, seed: int | None, engine: str | None, *, own_runs: bool = True) -> Scenario:
-    """The scenario with the command line's seed and engine put in.
-
-    Without ``own_runs`` a campaign's runs take the place of the scenario's, and its effects may begin in any of them.
-    """
+    """The scenario with the command line's seed and engine put in; ``own_runs`` as in :func:`described_scenario`."""
+    from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
-    from vgvt.effects.places import require_in_the_runs, require_on_aircraft
-    from vgvt.scenario import load_scenario
 
-    scenario = load_scenario(name)
-    require_on_aircraft(scenario)
-    if own_runs:
-        require_in_the_runs(scenario)
+    scenario = described_scenario(name, own_runs=own_runs)
     changes: dict[str, Any] = {}
     if seed is not None:
         changes["seed"] = seed

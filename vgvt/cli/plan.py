@@ -76,13 +76,13 @@ def plan(
     Candidates are compared by Fisher information, without simulating them; the best is then simulated
     beside the scenario as it is. Writes the plan as a scenario, a drawing and a test card.
     """
+    from vgvt.cli.described import described_scenario
     from vgvt.identification import make_identifier
     from vgvt.planning.budget import Budget
     from vgvt.planning.informed import INFORMED
     from vgvt.planning.planner import Order, checked_free, plan_test
-    from vgvt.scenario import load_scenario
 
-    described = load_scenario(scenario)
+    described = described_scenario(scenario)
     if identifier != INFORMED:
         make_identifier(identifier)  # a misspelt name costs no time
     order = Order(

@@ -50,14 +50,12 @@ def show_scenario(
     as_json: JsonOption = False,
 ) -> int:
     """Show a scenario's rig: a picture, mass properties, modes and the rig's own resonances."""
+    from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
-    from vgvt.effects.places import require_on_aircraft
-    from vgvt.scenario import load_scenario
 
     if no_picture and (out is not None or mode is not None):
         raise InputError("--no-picture", "leaves nothing for --out and --mode to do", "leave out one or the other")
-    loaded = load_scenario(scenario)
-    require_on_aircraft(loaded)
+    loaded = described_scenario(scenario)
     picture = None if no_picture else _picture_path(out, loaded.name)
     _choose_renderer()
     from vgvt.simulation import truth_of

@@ -94,17 +94,18 @@ def sweep(
 
 
 def _variants(name: str, settings: list[str], design: str, samples: int, seed: int) -> tuple[Variant, ...]:
+    from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
-    from vgvt.effects.registry import effects_of
-    from vgvt.scenario import load_scenario
+    from vgvt.effects.places import require_in_the_runs, require_on_aircraft
     from vgvt.scenario.sweeps import DESIGNS, Axis, sweep
 
     if design not in DESIGNS:
         raise InputError("--design", f"there is no design {design!r}", f"write {', '.join(DESIGNS)}")
     axes = [Axis.parse(text) for text in settings]
-    variants = sweep(load_scenario(name), axes, design, samples, seed)  # checked above
+    variants = sweep(described_scenario(name), axes, design, samples, seed)  # checked above
     for variant in variants:
-        effects_of(variant.scenario)  # a misspelt parameter of an effect costs no time
+        require_on_aircraft(variant.scenario)  # a misspelt parameter of an effect costs no time
+        require_in_the_runs(variant.scenario)
     return variants
 
 

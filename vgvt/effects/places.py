@@ -1,10 +1,15 @@
-"""Do a scenario's effects mean a place on its aircraft, and a run that it has? An effect itself asks for neither."""
+"""Do a scenario's effects mean a place on its aircraft, and runs and sensors that its test has?
+
+An effect is told of neither before it acts: who is given a scenario asks, before any time is spent on it.
+"""
 
 from __future__ import annotations
 
 from vgvt.data import InputError
+from vgvt.effects.acting import acted
 from vgvt.effects.protocol import Effect
 from vgvt.effects.registry import effects_of
+from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.placement import place_problem
 
@@ -28,12 +33,14 @@ def require_on_aircraft(scenario: Scenario) -> None:
 
 
 def require_in_the_runs(scenario: Scenario) -> None:
-    """InputError for an effect that begins after the scenario's last run: it would be simulated as nothing.
+    """InputError for an effect that the scenario's runs cannot have.
 
-    Not asked where a campaign brings its own runs, nor where effects are fitted: procedures may repeat fewer runs.
+    That is one that begins after the last of them, which would be simulated as nothing, and one that refuses to act: on
+    a sensor that no run has, or on the shaker of a hammer test. Not asked where a campaign brings its own runs, nor
+    where effects are fitted: procedures may repeat fewer runs.
     """
-    runs = len(scenario.acquisition.run_nodes)
-    for i, effect in enumerate(effects_of(scenario)):
+    runs, effects = len(scenario.acquisition.run_nodes), effects_of(scenario)
+    for i, effect in enumerate(effects):
         first = _begins_in(effect)
         if first is None or first <= runs:
             continue
@@ -44,6 +51,8 @@ def require_in_the_runs(scenario: Scenario) -> None:
             if runs > 1
             else "Give acquisition.runs more runs, or leave the effect out.",
         )
+    for run in range(runs):
+        acted(effects, scenario, run, act_on)
 
 
 def _begins_in(effect: Effect) -> int | None:

@@ -1,0 +1,56 @@
+"""The scenario that a command is given, with effects that its test can have: a mistake in one costs no time."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from vgvt.data import InputError
+    from vgvt.scenario.model import Scenario
+
+
+def described_scenario(name: str, *, own_runs: bool = True) -> Scenario:
+    """The scenario of a bundled name or a file; InputError names the file of a mistake, in its effects as well.
+
+    Without ``own_runs`` a campaign's runs take the place of the scenario's, and its effects may begin in any of them.
+    """
+    from vgvt.data import InputError
+    from vgvt.effects.places import require_in_the_runs, require_on_aircraft
+    from vgvt.scenario import load_scenario
+    from vgvt.scenario.load import scenario_path
+
+    scenario = load_scenario(name)
+    try:
+        require_on_aircraft(scenario)
+        if own_runs:
+            require_in_the_runs(scenario)
+    except InputError as error:
+        raise _in_its_file(error, scenario, scenario_path(name)) from error
+    return scenario
+
+
+def _in_its_file(error: InputError, scenario: Scenario, path: Path) -> InputError:
+    """What an effect says of the scenario that it was handed, said of the file that wrote the effect's table."""
+    from vgvt.data import InputError
+    from vgvt.scenario.inheritance import read_source
+
+    handed = f"scenario {scenario.name}: "
+    if not error.where.startswith(handed):
+        return error
+    place = error.where.removeprefix(handed)
+    index = _table_of(place, scenario)
+    key = ("effect",) if index is None else ("effect", index)
+    return InputError(f"{read_source(path).file_of(key)}: {place}", error.problem, error.advice)
+
+
+def _table_of(place: str, scenario: Scenario) -> int | None:
+    """Which ``[[effect]]`` a place means, by its index or by the effect's name; None where it is none of them."""
+    found = re.match(r"effect(?:\[(\d+)\]| ([\w-]+))", place)
+    if found is None:
+        return None
+    if found[1] is not None:
+        return int(found[1])
+    return next((i for i, table in enumerate(scenario.effect) if table.name == found[2]), None)
