@@ -10,11 +10,16 @@ from scipy.optimize import brentq
 from uniform_beams import CLAMPED_FREE, UniformBeam, cantilever, virtual_test
 
 from vgvt.data import InputError
+from vgvt.effects import make_effect
+from vgvt.effects.entrained_air import chord_m
 from vgvt.effects.root_compliance import beam_compliance
 from vgvt.scenario import Scenario
+from vgvt.scenario.axis import beam_axis
+from vgvt.scenario.mirror import expanded_beams
 from vgvt.simulation import truth_of
-from vgvt.simulation.assembly import bare_rig, hung_rig, plans
+from vgvt.simulation.assembly import bare_rig, hung_rig, plans, rigid_body
 from vgvt.simulation.linear import linearise
+from vgvt.simulation.reduced import structure
 
 
 @pytest.fixture(scope="module")
@@ -229,6 +234,37 @@ def test_entrained_air_lowers_bending_by_its_mass_and_damps_by_its_drag() -> Non
     frequency, damping = mode(moving, "1st bending")
     expected = drag * chord / (2 * (beam.mass_kg_per_m + air) * 2 * np.pi * frequency)
     assert damping - mode(still, "1st bending")[1] == pytest.approx(expected, rel=0.02)
+
+
+def test_entrained_air_has_inertia_and_no_weight(hati: Scenario) -> None:
+    """A swept wing's air lies aft of its axis: as long as it had weight it tipped the hung aircraft by 7 degrees."""
+    airy = with_effect(hati, "entrained-air", mass_fraction=1.0, drag_n_s_per_m3=0.0)
+    still, moving = (plans(scenario)[0] for scenario in (hati, airy))
+    at_rest = [structure(layout, layout.grid).equilibrium for layout in (still, moving)]
+    np.testing.assert_allclose(at_rest[1], at_rest[0], atol=1e-9)
+    weighed = [rigid_body(bare_rig(layout)) for layout in (still, moving)]
+    assert weighed[1].mass_kg == pytest.approx(weighed[0].mass_kg, abs=1e-12)
+    # Lifted as a whole it is heavier by the quarter disc of every chord, of both wings.
+    lifted = [structure(layout, layout.grid).mass[2, 2] for layout in (still, moving)]
+    wings = [b for b in expanded_beams(hati.airframe) if b.stations.forward_edge_m]
+    squares = sum(float(np.trapezoid(chord_m(b.stations) ** 2, beam_axis(b).arc_length_m)) for b in wings)
+    assert len(wings) == 2
+    assert lifted[1] - lifted[0] == pytest.approx(0.25 * np.pi * 1.225 * squares, rel=1e-6)
+
+
+def test_air_that_is_stated_and_air_that_is_missing_add_up(hati: Scenario) -> None:
+    half = with_effect(hati, "entrained-air", mass_fraction=0.5, drag_n_s_per_m3=0.0)
+    stated = make_effect("entrained-air", "test", mass_fraction=0.5, drag_n_s_per_m3=0.0).act(hati, 0).scenario
+    assert stated is not None
+    whole = with_effect(hati, "entrained-air", mass_fraction=1.0, drag_n_s_per_m3=0.0)
+    twice = with_effect(stated, "entrained-air", mass_fraction=0.5, drag_n_s_per_m3=0.0)
+    of = [
+        truth_of(scenario).as_tested[0].band(3.0, 55.0).natural_frequency_hz
+        for scenario in (half, stated, whole, twice)
+    ]
+    np.testing.assert_allclose(of[0], of[1], rtol=1e-12)
+    np.testing.assert_allclose(of[2], of[3], rtol=1e-9)
+    assert np.abs(of[2] / of[0] - 1).max() > 1e-3
 
 
 def test_entrained_air_needs_a_chord(hati: Scenario) -> None:

@@ -19,7 +19,6 @@ from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.thresholds import stored_thresholds
 from vgvt.scenario import load_scenario
-from vgvt.scenario.mass import rigid_body_properties
 
 # The package's lazy name of the same spelling is the function.
 
@@ -89,15 +88,13 @@ def test_what_an_absorber_weighs_is_on_the_scale_and_what_the_spring_weighs_is_n
 
 @pytest.mark.parametrize(("name", "beam"), [("hati-unsymmetric", ""), ("garteur-sm-ag19", "wing")])
 def test_air_hangs_on_no_scale(name: str, beam: str) -> None:
-    """It is in the section tables, and moves with the wing; but it has no weight."""
-    scenario, carried_along = load_scenario(name), available_effects()["entrained-air"]
-    air = carried_along(mass_fraction=1.0, beam=beam)
+    """It moves with the wing; but it has no weight."""
+    scenario = load_scenario(name)
+    air = available_effects()["entrained-air"](mass_fraction=1.0, beam=beam)
     plain, moved = (seen(scenario, effects)[0] for effects in ([], [air]))
-    carried = [rigid_body_properties(s.scenario.airframe).mass_kg for s in (plain, moved)]
-    assert carried[1] - carried[0] > 0.01
-    assert _aircraft_kg(moved) == pytest.approx(_aircraft_kg(plain), abs=1e-9)
-    dragged = carried_along(mass_fraction=0.0, drag_n_s_per_m3=1.0, beam=beam)
-    assert dragged.act(scenario, 0).weightless_kg == 0
+    tables = [b.stations.air_kg_per_m for b in moved.scenario.airframe.beam if beam in ("", b.name)]
+    assert tables and all(table is not None and max(table) > 0.01 for table in tables)
+    assert _aircraft_kg(moved) == _aircraft_kg(plain)
 
 
 def test_a_scale_tells_air_from_a_mass_and_not_from_a_damper(case: Problem) -> None:

@@ -20,11 +20,9 @@ class Turn(IntEnum):
     """It adds to, or scales, what is stated."""
     IN_THE_RIG = 1
     """It is a part of the rig as it is then: the surges of a spring that is softer than stated, hung elsewhere."""
-    BESIDE_SECTIONS = 2
-    """It joins sections that others may have moved: the air around a wing has no part in where its structure weighs."""
-    AT_ROOTS = 3
+    AT_ROOTS = 2
     """It is a share of what a beam is then: a soft root by the compliance of the beam."""
-    IN_JOINTS = 4
+    IN_JOINTS = 3
     """It gives a law to a joint that is there, or is made by then."""
 
 

@@ -51,8 +51,7 @@ class Action:
     ``scenario`` None leaves it as it was. ``command(command_v (N,), time_s (N,)) -> (N,)``
     changes the command on its way to the amplifier; the recorded drive channel stays as sent.
     ``warming_k`` is what a thermometer beside the aircraft shows above its reading before the campaign, in K; what
-    the warmth does to the aircraft is in the other fields. ``weightless_kg`` is what of the mass in ``scenario`` moves
-    with the aircraft and hangs on no scale under it.
+    the warmth does to the aircraft is in the other fields.
     """
 
     scenario: Scenario | None = None
@@ -61,7 +60,6 @@ class Action:
     channels: tuple[ChannelFilter | ChannelTransform, ...] = ()
     points: tuple[PointError, ...] = ()
     warming_k: float = 0.0
-    weightless_kg: float = 0.0
 
     def same_rig(self, other: Action) -> bool:
         """Whether another action makes the same of aircraft, rig and sensors' places; channels aside."""

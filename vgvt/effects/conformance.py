@@ -164,7 +164,7 @@ def _facts(action: Action) -> list[Any]:
     time_s = np.arange(256) / _RATE_HZ
     signal = np.sin(40 * time_s) + 0.3 * np.cos(230 * time_s)
     facts: list[Any] = [action.scenario is None or to_toml(action.scenario), *action.elements, *action.points]
-    facts += [action.warming_k, action.weightless_kg]
+    facts.append(action.warming_k)
     if action.command is not None:
         facts.append(_unchanged(signal, lambda x: action.command(x, time_s) if action.command else x))
     for change in action.channels:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
-from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.beams import chosen_beams, copies_of, with_beams, with_columns
 from vgvt.effects.elements import Element, GroundSpring, Vector
@@ -23,21 +22,20 @@ from vgvt.scenario.model import Scenario
 
 AIR_KG_PER_M3 = 1.225
 """Standard atmosphere at sea level."""
+_AIR = ("air_kg_per_m", "air_offset_m", "air_pitch_inertia_kg_m")
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class EntrainedAir:
     """A flat plate of chord c moves ¼πρc² of air a length at its mid-chord, with ρπc⁴/128 of pitch inertia.
 
-    It is added to the section tables: exact for motion out of the plane; in the plane, which
-    is rigid here, it weighs a few grams too much. It has weight, too, which real air has not: as that is aft of a swept
-    wing's axis it tips hung Hati by 7 degrees of pitch. Drag is a dashpot for each area of wing.
+    It is inertia without weight beside the section tables: exact for motion out of the plane; in the plane, which is
+    rigid here, there are a few grams too much of it. Drag is a dashpot for each area of wing.
     """
 
     name: ClassVar[str] = "entrained-air"
     summary: ClassVar[str] = "The wing carries air along: added mass and drag"
     family: ClassVar[Family] = Family.AIRFRAME
-    turn: ClassVar[Turn] = Turn.BESIDE_SECTIONS
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = "all bending frequencies 1 to 4 % low and low modes better damped than high ones"
     confused_with: ClassVar[tuple[str, ...]] = ("added-mass", "suspension-damping", "nonproportional-damper")
@@ -78,25 +76,18 @@ class EntrainedAir:
         dashpots = tuple(e for b in beams for e in self._dashpots(b)) if self.drag_n_s_per_m3 > 0 else ()
         if self.mass_fraction == 0:
             return Action(elements=dashpots)
-        # The tables hold the air as any mass; what lies between two stations of theirs is straight.
-        air = sum(float(np.trapezoid(self._air_kg_per_m(b.stations), beam_axis(b).arc_length_m)) for b in beams)
-        return Action(with_beams(scenario, edged, self._with_air), dashpots, weightless_kg=air)
-
-    def _air_kg_per_m(self, stations: Stations) -> NDArray[np.float64]:
-        return np.asarray(self.mass_fraction * 0.25 * math.pi * AIR_KG_PER_M3 * chord_m(stations) ** 2)
+        return Action(with_beams(scenario, edged, self._with_air), dashpots)
 
     def _with_air(self, beam: Beam) -> Beam:
-        stations = beam.stations
+        stations, density = beam.stations, self.mass_fraction * math.pi * AIR_KG_PER_M3
         chord, middle = chord_m(stations), mid_chord_m(stations)
-        air = self._air_kg_per_m(stations)
-        turning = self.mass_fraction * math.pi * AIR_KG_PER_M3 * chord**4 / 128
-        mass, pitch = np.array(stations.mass_kg_per_m), np.array(stations.pitch_inertia_kg_m)
-        offset = np.array(stations.cg_offset_m or (0.0,) * len(mass))
-        together = (mass * offset + air * middle) / (mass + air)
-        steiner = mass * (offset - together) ** 2 + air * (middle - together) ** 2
-        return with_columns(
-            beam, mass_kg_per_m=mass + air, cg_offset_m=together, pitch_inertia_kg_m=pitch + turning + steiner
-        )
+        plate, turning = density * chord**2 / 4, density * chord**4 / 128
+        stated, offset, pitch = (_column(stations, name) for name in _AIR)
+        air = stated + plate
+        # Where there is none at all its centre is anywhere.
+        together = np.divide(stated * offset + plate * middle, air, out=middle.copy(), where=air > 0)
+        steiner = stated * (offset - together) ** 2 + plate * (middle - together) ** 2
+        return with_columns(beam, **dict(zip(_AIR, (air, together, pitch + turning + steiner), strict=True)))
 
     def _dashpots(self, beam: Beam) -> list[Element]:
         """One a cell, at its middle, with the area of the cell."""
@@ -126,9 +117,13 @@ def mid_chord_m(stations: Stations) -> NDArray[np.float64]:
     return (aft - forward) / 2
 
 
+def _column(stations: Stations, name: str) -> NDArray[np.float64]:
+    values = getattr(stations, name)
+    return np.zeros(len(stations.position_m)) if values is None else np.array(values)
+
+
 def _edges(stations: Stations) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    none = (0.0,) * len(stations.position_m)
-    return np.array(stations.forward_edge_m or none), np.array(stations.aft_edge_m or none)
+    return _column(stations, "forward_edge_m"), _column(stations, "aft_edge_m")
 
 
 def _has_edges(stations: Stations) -> bool:

@@ -52,6 +52,12 @@ class Stations(Table):
     """Leading edge ahead of the elastic axis, at right angles to it; for drawings and point checks."""
     aft_edge_m: tuple[NonNegative, ...] | None = None
     """Trailing edge behind the elastic axis, at right angles to it."""
+    air_kg_per_m: tuple[NonNegative, ...] | None = None
+    """Air that the section moves with it, per length of the axis: inertia without weight."""
+    air_offset_m: tuple[Finite, ...] | None = None
+    """Centre of that air aft of the elastic axis, at right angles to it."""
+    air_pitch_inertia_kg_m: tuple[NonNegative, ...] | None = None
+    """Inertia of that air per length about its centre and an axis along the beam."""
 
     @model_validator(mode="after")
     def _columns_of_equal_length(self) -> Self:

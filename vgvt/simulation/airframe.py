@@ -6,6 +6,9 @@ yaw stiffness has a joint to act on and mass and stiffness matrices refer to
 plain coordinates. (The pitch axis would lock at 90 degrees; a hung aircraft
 stays within a few.)
 
+Air that a surface moves with it has inertia and no weight: a body of its own on
+each link, without a joint, whose weight MuJoCo takes back.
+
 A centre body with a carry-through spring is two halves that pitch against each
 other about the line through the roots of its beams; the right one has the six
 joints, and each has half of the mass and inertia at the common centre of gravity.
@@ -22,11 +25,12 @@ from numpy.typing import NDArray
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
 from vgvt.simulation.chain import Chain, Hinge, Link, cut
-from vgvt.simulation.inertia import MassMoments, lump
+from vgvt.simulation.inertia import NOTHING, MassMoments, lump
 
 ROOT = "body"
 LEFT_HALF = "body-left"
 CARRY_THROUGH = "carry-through"
+_AIR = "air-"
 ROOT_JOINTS = ("slide-x", "slide-y", "slide-z", "yaw", "pitch", "roll")
 _IN_THE_PLANE_M = 1e-6
 _ROOT_AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0))
@@ -133,7 +137,8 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
             body = bodies[parent].add_body(name=link.name, pos=link.position_m - parts.origin_m[parent])
             _add_hinges(body, link)
             bodies[link.name], parent = body, link.name
-    _set_inertials(bodies, moments, parts)
+    _set_inertials({body: (moments[name], parts.origin_m[name]) for name, body in bodies.items()})
+    _add_air(bodies, parts)
     return spec
 
 
@@ -166,6 +171,18 @@ def _moments(parts: AirframeParts) -> dict[str, MassMoments]:
     return moments
 
 
+def _add_air(bodies: dict[str, mujoco.MjsBody], parts: AirframeParts) -> None:
+    """Fix to every body the air that it moves."""
+    moved = {link.name: link.air for chain in parts.chains.values() for link in chain.links}
+    for chain in parts.chains.values():
+        holder = parts.holder(chain)
+        moved[holder] = moved.get(holder, NOTHING) + chain.stub_air
+    carried = {name: air for name, air in moved.items() if air.mass_kg > 0}
+    if carried:
+        added = {name: bodies[name].add_body(name=f"{_AIR}{name}", gravcomp=1.0) for name in carried}
+        _set_inertials({added[name]: (air, parts.origin_m[name]) for name, air in carried.items()})
+
+
 def _parents_first(parts: AirframeParts) -> list[Chain]:
     """Chains in an order in which the parent's bodies exist before the child's; ValueError for a loop."""
     waiting, placed = list(parts.chains.values()), [ROOT]
@@ -190,18 +207,19 @@ def _add_hinges(body: mujoco.MjsBody, link: Link) -> None:
         )
 
 
-def _set_inertials(bodies: dict[str, mujoco.MjsBody], moments: dict[str, MassMoments], parts: AirframeParts) -> None:
-    rigid = [moments[name].rigid_body() for name in bodies]
+def _set_inertials(bodies: dict[mujoco.MjsBody, tuple[MassMoments, NDArray[np.float64]]]) -> None:
+    """Give bodies their mass moments, of frames at an origin (3,) in aircraft axes."""
+    rigid = [moments.rigid_body() for moments, _ in bodies.values()]
     principal, axes = np.linalg.eigh(np.array([r.inertia_kg_m2 for r in rigid]))
     # A flat body sits on the edge of the triangle inequality, which rounding may cross: lift it back.
     principal[:, 0] = np.maximum(principal[:, 0], (principal[:, 2] - principal[:, 1]) * (1 + 1e-12))
     principal[:, 0] = np.maximum(principal[:, 0], 1e-12 * principal[:, 2])
     axes[np.linalg.det(axes) < 0, :, 0] *= -1
     quaternion = np.zeros(4)
-    for (name, body), r, inertia, turn in zip(bodies.items(), rigid, principal, axes, strict=True):
+    for (body, (_, origin_m)), r, inertia, turn in zip(bodies.items(), rigid, principal, axes, strict=True):
         mujoco.mju_mat2Quat(quaternion, turn.ravel())
         body.explicitinertial = True
         body.mass = r.mass_kg
-        body.ipos = r.centre_of_gravity_m - parts.origin_m[name]
+        body.ipos = r.centre_of_gravity_m - origin_m
         body.iquat = quaternion
         body.inertia = inertia

@@ -253,14 +253,14 @@ def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float
 
 
 def rigid_body(rig: Rig) -> RigidBodyProperties:
-    """Mass, centre of gravity and inertia of everything that hangs on the centre body, from the compiled model."""
+    """Mass, centre of gravity and inertia of what has weight on the centre body, and it, from the compiled model."""
     data = mujoco.MjData(rig.model)
     data.qpos[:] = rig.qpos
     mujoco.mj_kinematics(rig.model, data)
     root = rig.model.body(ROOT).id
     total = NOTHING
     for body in range(rig.model.nbody):
-        if rig.model.body_rootid[body] == root:
+        if rig.model.body_rootid[body] == root and rig.model.body_gravcomp[body] == 0.0:
             axes = data.ximat[body].reshape(3, 3)
             inertia = axes @ np.diag(rig.model.body_inertia[body]) @ axes.T
             total += lump(float(rig.model.body_mass[body]), data.xipos[body].copy(), inertia)

@@ -32,7 +32,7 @@ class Link:
     """A rigid link, the hinges at its inner end (position (3,)) and the mass between this end and the next.
 
     It starts at ``start_arc_m`` and has the twist of the beam at ``twist_arc_m``,
-    the outer edge of its cell.
+    the outer edge of its cell. ``air`` is what it moves of that, without its weight.
     """
 
     name: str
@@ -41,17 +41,19 @@ class Link:
     twist_arc_m: float
     hinges: tuple[Hinge, ...]
     moments: MassMoments
+    air: MassMoments = NOTHING
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """The links of one beam from root to tip, and the stub that moves with the parent."""
+    """The links of one beam from root to tip, and the stub that moves with the parent, with its air."""
 
     name: str
     parent: str
     table: StationTable
     links: tuple[Link, ...]
     stub: MassMoments
+    stub_air: MassMoments = NOTHING
 
     def link_at(self, arc_m: float) -> Link | None:
         """The link that carries the point at an arc length; None on the stub."""
@@ -76,18 +78,20 @@ def cut(beam: Beam) -> Chain:
     table = StationTable.of(beam)
     edges = np.linspace(0.0, table.length_m, beam.cells + 1)
     arcs = table.compliances("bending_stiffness_n_m2", edges)[1]
-    stub, *pieces = table.moments(np.array([0.0, *arcs, table.length_m]))
+    ends = np.array([0.0, *arcs, table.length_m])
+    stub, *pieces = table.moments(ends)
+    stub_air, *airs = table.air_moments(ends) or (NOTHING,) * (len(pieces) + 1)
     hinges = _cell_hinges(table, arcs, edges)
     positions = table.point_m(arcs)
     links = [
-        Link(f"{beam.name}-{i + 1:02d}", positions[i], float(arcs[i]), float(edges[i + 1]), hinges[i], piece)
-        for i, piece in enumerate(pieces)
+        Link(f"{beam.name}-{i + 1:02d}", positions[i], float(arcs[i]), float(edges[i + 1]), hinges[i], piece, air)
+        for i, (piece, air) in enumerate(zip(pieces, airs, strict=True))
     ]
     root = _root_hinges(table)
     if root:
-        links.insert(0, Link(f"{beam.name}-root", table.point_m(0.0), 0.0, 0.0, root, stub))
-        stub = NOTHING
-    return Chain(beam.name, beam.parent, table, tuple(links), stub)
+        links.insert(0, Link(f"{beam.name}-root", table.point_m(0.0), 0.0, 0.0, root, stub, stub_air))
+        stub = stub_air = NOTHING
+    return Chain(beam.name, beam.parent, table, tuple(links), stub, stub_air)
 
 
 def _cell_hinges(

@@ -73,11 +73,21 @@ class StationTable:
         A section is thin: its mass lies along the chord, so the inertia about
         the normal equals the pitch inertia and that about the chord is zero.
         """
+        return self._moments(edges_m, "mass_kg_per_m", "cg_offset_m", "pitch_inertia_kg_m")
+
+    def air_moments(self, edges_m: NDArray[np.float64]) -> tuple[MassMoments, ...]:
+        """The same of the air that the pieces move with them; none where the table has none."""
+        if not any(self.beam.stations.air_kg_per_m or ()):
+            return ()
+        return self._moments(edges_m, "air_kg_per_m", "air_offset_m", "air_pitch_inertia_kg_m")
+
+    def _moments(
+        self, edges_m: NDArray[np.float64], mass_name: str, offset: str, pitch_name: str
+    ) -> tuple[MassMoments, ...]:
         arc, weight, first = self._gauss(edges_m)
-        mass = weight * self.column("mass_kg_per_m", arc)
-        pitch = weight * self.column("pitch_inertia_kg_m", arc)
+        mass, pitch = weight * self.column(mass_name, arc), weight * self.column(pitch_name, arc)
         aft = self.axis.aft[self._segment(arc)]
-        centre = self.point_m(arc) + self.column("cg_offset_m", arc)[:, None] * aft
+        centre = self.point_m(arc) + self.column(offset, arc)[:, None] * aft
         moment = mass[:, None] * centre
         second = moment[:, :, None] * centre[:, None, :] + (pitch[:, None] * aft)[:, :, None] * aft[:, None, :]
         pieces = (np.add.reduceat(values, first) for values in (mass, moment, second))

@@ -263,7 +263,6 @@ def _warming_k(one: Seen) -> float:
 
 
 def _aircraft_kg(one: Seen) -> float:
-    """The airframe with what effects put on it, less what of that has no weight, kg."""
+    """The airframe with what effects put on it, kg; the air that it moves has no weight."""
     hung = sum(getattr(e, "mass_kg", 0.0) for a in one.actions for e in a.elements if e.owner == "airframe")
-    weightless = sum(a.weightless_kg for a in one.actions)
-    return float(rigid_body_properties(one.scenario.airframe).mass_kg + hung - weightless)
+    return float(rigid_body_properties(one.scenario.airframe).mass_kg + hung)
