@@ -112,6 +112,30 @@ def test_clipping_and_missing_samples_are_noted(bench: Path, volts: np.ndarray) 
     assert np.isnan(record.samples[2, 20:25]).all()
 
 
+def test_the_lowest_whole_number_is_full_scale(bench: Path, edited: Edit) -> None:
+    edited("range_v = 10.0", "range_v = 32768.0")
+    samples = np.ones((500, 3), dtype=np.int16)
+    samples[7, 1] = -32768
+    assert replace_run(bench, data=samples, t=TIME).runs[0].overloaded == ("acc1",)
+
+
+def test_the_range_of_a_voltage_that_is_recorded_in_millivolts(bench: Path, edited: Edit) -> None:
+    edited(
+        'quantity = "acceleration"\nrole = "response"\ndirection = "+Z"\nsensitivity = "10 mV/g"\ngain = 100.0',
+        'quantity = "voltage"\nrole = "drive"\nunit = "mV"',
+    )
+    edited("acc1 = 1, ", "")
+    edited("acc1 = 3, ", "")
+    for highest, clipped in ((9_999.0, ()), (10_001.0, ("acc1",))):
+        samples = np.ones((500, 3))
+        samples[7, 1] = highest
+        assert replace_run(bench, data=samples, t=TIME).runs[0].overloaded == clipped
+
+
+def test_a_force_may_be_measured_where_a_sensor_sits(edited: Edit) -> None:
+    assert [str(d) for d in open_campaign(edited("acc2 = 2", "acc2 = 100")).response_dofs][:2] == ["1+Z", "100+Z"]
+
+
 def replace_run(bench: Path, **variables: object) -> Campaign:
     """Open the campaign with other content in run1.mat."""
     scipy.io.savemat(bench.parent / "raw/run1.mat", variables)
@@ -207,6 +231,14 @@ def test_a_hash_is_checked(edited: Edit, bench: Path, volts: np.ndarray) -> None
         ("column = 1", "column = 0", r"channel\[1\]\.column"),
         ("[records]", "[records", "not valid TOML"),
         ('quantity = "force"', 'quantity = "Force"', "'Force' is not a quantity"),
+        ("column = 3", "column = 2", r"channels 'acc1' and 'acc2' are both column 2 of 'data'\n.*correct the column"),
+        ('"4-Z"', '"3-Z"', r"run 2: acc1 and acc2 are both responses at 3\+Z"),
+        ("acc2 = 2", "acc2 = 1", r"run 1: acc1 and acc2 are both responses at 1\+Z"),
+        (
+            'sensitivity = "10 mV/g"\ngain = 100.0',
+            'unit = "g"',
+            r"channel\[2\]: range_v is in volts, but unit = 'g' .*\n.*leave range_v out",
+        ),
     ],
 )
 def test_a_mistake_in_the_sidecar_is_told_with_its_place(edited: Edit, old: str, new: str, message: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from vgvt.data import Dof, InputError, ModalModel, Outcome, RigidBodyProperties, Truth
-from vgvt.files.truth import read_truth, write_truth
+from vgvt.files.truth import content_hash, read_truth, write_truth
 
 
 def model(modes: int, seed: int, **more: object) -> ModalModel:
@@ -82,6 +83,71 @@ def test_damage_is_told(truth: Truth, tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:5000])
     with pytest.raises(InputError, match="damaged"):
         read_truth(path)
+
+
+def test_a_sensor_that_was_turned_on_disk_is_recognised(truth: Truth, tmp_path: Path) -> None:
+    path = tmp_path / "truth.nc"
+    write_truth(path, truth)
+    whole = path.read_bytes()
+    assert b'"1+Z"' in whole
+    path.write_bytes(whole.replace(b'"1+Z"', b'"1-Z"'))
+    with pytest.raises(InputError, match="does not match its SHA-256"):
+        read_truth(path)
+
+
+def test_the_hash_depends_on_everything_that_a_truth_says(truth: Truth) -> None:
+    rich, body = truth.as_tested[0], truth.rigid_body
+    models = [
+        replace(rich, **{name: np.nextafter(getattr(rich, name).real, 99.0) + 0 * getattr(rich, name)})
+        for name in ("damping_ratio", "shapes", "natural_frequency_std_hz", "modal_mass_kg", "residues")
+    ]
+    models += [replace(rich, dofs=rich.dofs[::-1]), replace(rich, references=(Dof.from_label("100-Z"),))]
+    models += [replace(rich, labels=("",) * 4), replace(rich, flags=((),) * 4), replace(rich, method="", advice=("b",))]
+    models += [replace(rich, settings={"engine": "mujoco"}), replace(rich, modal_mass_kg=None)]
+    changed = [replace(truth, as_tested=(model, truth.as_tested[1])) for model in models]
+    changed += [replace(truth, scenario="other"), replace(truth, runs=(1, 4)), replace(truth, bare=rich)]
+    changed += [
+        replace(truth, rigid_body=replace(body, mass_kg=6.3)),
+        replace(truth, rigid_body=replace(body, inertia_kg_m2=2 * body.inertia_kg_m2)),
+        replace(truth, rigid_body=replace(body, centre_of_gravity_m=np.zeros(3))),
+    ]
+    assert len({content_hash(t) for t in (truth, *changed)}) == len(changed) + 1
+    assert content_hash(replace(truth)) == content_hash(truth)
+
+
+def test_files_from_before_truths_had_hashes_are_read(truth: Truth, tmp_path: Path) -> None:
+    path = tmp_path / "truth.nc"
+    write_truth(path, truth)
+    with h5py.File(path, "r+") as file:
+        del file.attrs["content_sha256"]
+    with pytest.raises(InputError, match="'content_sha256' is missing"):
+        read_truth(path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = 1
+    assert content_hash(read_truth(path)) == content_hash(truth)
+
+
+@pytest.mark.parametrize("name", ["dofs", "flags", "settings", "labels"])
+def test_words_of_the_wrong_kind_are_damage(truth: Truth, tmp_path: Path, name: str) -> None:
+    path = tmp_path / "truth.nc"
+    write_truth(path, truth)
+    with h5py.File(path, "r+") as file:
+        file["bare"].attrs[name] = "[[3]]"
+    with pytest.raises(InputError, match=r"damaged|SHA-256"):
+        read_truth(path)
+
+
+def test_a_damaged_dimension_is_damage(truth: Truth, tmp_path: Path) -> None:
+    """h5py then finds an object without a name."""
+    path = tmp_path / "truth.nc"
+    write_truth(path, truth)
+    whole = path.read_bytes()
+    places = [match.start() for match in re.finditer(b"This is a netCDF dimension", whole)]
+    assert len(places) > 5
+    for at in places:
+        path.write_bytes(whole[:at] + b"t" + whole[at + 1 :])
+        with pytest.raises(InputError, match="damaged"):
+            read_truth(path)
 
 
 def test_a_campaign_is_no_truth(campaign, tmp_path: Path) -> None:

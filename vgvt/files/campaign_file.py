@@ -65,11 +65,12 @@ def read_campaign(path: str | Path) -> Campaign:
     check_format(path, root, FORMAT, FORMAT_VERSION)
     try:
         campaign = _campaign(path, root)
+        found = content_hash(campaign)
     except InputError:
         raise
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
         raise InputError(str(path), f"damaged: {error}", "copy or make the file again") from error
-    if content_hash(campaign) != field(path, root, "content_sha256"):
+    if found != str(field(path, root, "content_sha256")):
         raise InputError(
             str(path),
             "the content does not match its SHA-256: the file was changed or damaged after it was written",

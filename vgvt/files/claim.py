@@ -11,6 +11,19 @@ import numpy as np
 
 from vgvt.data import Dof, InputError, ModalModel, Outcome, PoleCandidate
 from vgvt.files.claim_residues import read_residues, residue_document
+from vgvt.files.claim_values import (
+    BadKeyError,
+    band,
+    check_once,
+    damping_ratio,
+    degree_of_freedom,
+    number,
+    number_or_nan,
+    settings,
+    text,
+    texts,
+    value_of,
+)
 
 _ADVICE = "write it with: vgvt identify CAMPAIGN --identifier NAME --json > claim.json"
 
@@ -80,51 +93,56 @@ def claim_document(claim: Claim, candidates: bool = False) -> dict[str, Any]:
 def read_claim(path: Path) -> Claim:
     """Read a claim; InputError names the file and the key that is wrong."""
     try:
+        document = _document(path)
+        return Claim(
+            identifier=text(document, "identifier", needed=True),
+            band_hz=band(value_of(document, "band_hz")),
+            model=_model(document),
+            campaign=text(document, "campaign"),
+        )
+    except InputError:
+        raise
+    except BadKeyError as error:
+        raise InputError(f"{path}: {error.key}", error.problem, _ADVICE) from None
+    except RecursionError:
+        raise InputError(str(path), "its lists are nested too deeply for a claim", _ADVICE) from None
+    except ValueError as error:
+        raise InputError(str(path), str(error), _ADVICE) from None
+
+
+def _document(path: Path) -> dict[str, Any]:
+    try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(str(path), "there is no such file", _ADVICE) from None
     except IsADirectoryError:
         raise InputError(str(path), "this is a folder, not a claim", _ADVICE) from None
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read: {error.strerror or error}", "check its permissions") from error
+    except ValueError as error:
+        # Undecodable bytes, text that is no JSON, and numbers of thousands of digits.
         raise InputError(str(path), f"not a JSON document ({error})", _ADVICE) from None
     if not isinstance(document, dict):
         raise InputError(str(path), "a claim is a JSON object", _ADVICE)
-    try:
-        return Claim(
-            identifier=str(_get(document, "identifier")),
-            band_hz=_band(_get(document, "band_hz")),
-            model=_model(document),
-            campaign=str(document.get("campaign") or ""),
-        )
-    except _BadKeyError as error:
-        raise InputError(f"{path}: {error.key}", error.problem, _ADVICE) from None
-    except ValueError as error:
-        raise InputError(str(path), str(error), _ADVICE) from None
-
-
-class _BadKeyError(Exception):
-    def __init__(self, key: str, problem: str) -> None:
-        self.key = key
-        self.problem = problem
-        super().__init__(key)
+    return document
 
 
 def _model(document: dict[str, Any]) -> ModalModel:
     outcome = str(document.get("outcome", Outcome.FOUND.value))
     if outcome not in {o.value for o in Outcome}:
-        raise _BadKeyError("outcome", f"{outcome!r} is none of {', '.join(o.value for o in Outcome)}")
-    modes = _get(document, "modes")
+        raise BadKeyError("outcome", f"{outcome!r} is none of {', '.join(o.value for o in Outcome)}")
+    modes = value_of(document, "modes")
     if not isinstance(modes, list):
-        raise _BadKeyError("modes", "expected a list of modes")
+        raise BadKeyError("modes", "expected a list of modes")
     rows = [_Mode.read(mode, f"modes[{k}]") for k, mode in enumerate(modes)]
     dofs = rows[0].dofs if rows else ()
     for k, row in enumerate(rows):
         if row.dofs != dofs:
-            raise _BadKeyError(f"modes[{k}].shape", "its DOFs differ from those of modes[0]")
+            raise BadKeyError(f"modes[{k}].shape", "its DOFs differ from those of modes[0]")
     try:
         references, residues = read_residues(document.get("residues"), len(rows), len(dofs))
     except ValueError as error:
-        raise _BadKeyError("residues", str(error)) from None
+        raise BadKeyError("residues", str(error)) from None
     return ModalModel(
         natural_frequency_hz=np.array([row.frequency_hz for row in rows]),
         damping_ratio=np.array([row.damping_ratio for row in rows]),
@@ -136,27 +154,35 @@ def _model(document: dict[str, Any]) -> ModalModel:
         residues=residues,
         labels=tuple(row.label for row in rows),
         flags=tuple(row.flags for row in rows),
-        method=str(document.get("method", "")),
+        method=text(document, "method"),
         outcome=Outcome(outcome),
-        advice=tuple(str(text) for text in document.get("advice", ())),
-        settings={str(key): str(value) for key, value in document.get("settings", {}).items()},
+        advice=texts(document, "advice"),
+        settings=settings(document),
         candidates=_candidates(document),
     )
 
 
 def _candidates(document: dict[str, Any]) -> tuple[PoleCandidate, ...]:
-    rows = document.get("candidates", [])
+    rows = document.get("candidates")
+    if rows is None:
+        return ()
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise _BadKeyError("candidates", "expected a list of poles")
-    return tuple(
-        PoleCandidate(
-            frequency_hz=_number(row, "frequency_hz", f"candidates[{k}]"),
-            damping_ratio=_number(row, "damping_ratio", f"candidates[{k}]"),
-            order=int(_number(row, "order", f"candidates[{k}]")),
-            kept=bool(_get(row, "kept", f"candidates[{k}]")),
-            reason=str(row.get("reason") or ""),
-        )
-        for k, row in enumerate(rows)
+        raise BadKeyError("candidates", "expected a list of poles")
+    return tuple(_candidate(row, f"candidates[{k}]") for k, row in enumerate(rows))
+
+
+def _candidate(row: dict[str, Any], where: str) -> PoleCandidate:
+    order, kept = number(row, "order", where, 0), value_of(row, "kept", where)
+    if not order.is_integer():
+        raise BadKeyError(f"{where}.order", f"expected a whole number, got {order:g}")
+    if not isinstance(kept, bool):
+        raise BadKeyError(f"{where}.kept", "expected true or false")
+    return PoleCandidate(
+        frequency_hz=number(row, "frequency_hz", where),
+        damping_ratio=number(row, "damping_ratio", where),
+        order=int(order),
+        kept=kept,
+        reason=text(row, "reason", where),
     )
 
 
@@ -174,51 +200,22 @@ class _Mode:
     @classmethod
     def read(cls, mode: Any, where: str) -> _Mode:
         if not isinstance(mode, dict):
-            raise _BadKeyError(where, "expected an object")
-        points = _get(mode, "shape", where)
+            raise BadKeyError(where, "expected an object")
+        points = value_of(mode, "shape", where)
         if not isinstance(points, list) or not all(isinstance(point, dict) for point in points):
-            raise _BadKeyError(f"{where}.shape", 'expected a list of {"dof", "real", "imag"}')
+            raise BadKeyError(f"{where}.shape", 'expected a list of {"dof", "real", "imag"}')
+        dofs = tuple(degree_of_freedom(point, f"{where}.shape[{i}]") for i, point in enumerate(points))
+        check_once(dofs, f"{where}.shape")
         return cls(
-            frequency_hz=_number(mode, "frequency_hz", where),
-            frequency_std_hz=_number_or_nan(mode, "frequency_std_hz", where),
-            damping_ratio=_number_or_nan(mode, "damping_ratio", where),
-            damping_ratio_std=_number_or_nan(mode, "damping_ratio_std", where),
-            dofs=tuple(_dof(point, f"{where}.shape[{i}]") for i, point in enumerate(points)),
+            frequency_hz=number(mode, "frequency_hz", where, 0),
+            frequency_std_hz=number_or_nan(mode, "frequency_std_hz", where, 0),
+            damping_ratio=damping_ratio(mode, where),
+            damping_ratio_std=number_or_nan(mode, "damping_ratio_std", where, 0),
+            dofs=dofs,
             shape=tuple(
-                complex(_number(point, "real", f"{where}.shape[{i}]"), _number(point, "imag", f"{where}.shape[{i}]"))
+                complex(number(point, "real", f"{where}.shape[{i}]"), number(point, "imag", f"{where}.shape[{i}]"))
                 for i, point in enumerate(points)
             ),
-            label=str(mode.get("label") or ""),
-            flags=tuple(str(flag) for flag in mode.get("flags") or ()),
+            label=text(mode, "label", where),
+            flags=texts(mode, "flags", where),
         )
-
-
-def _get(document: dict[str, Any], key: str, where: str = "") -> Any:
-    if key not in document:
-        raise _BadKeyError(f"{where}.{key}" if where else key, "this key is missing")
-    return document[key]
-
-
-def _dof(point: dict[str, Any], where: str) -> Dof:
-    try:
-        return Dof.from_label(str(_get(point, "dof", where)))
-    except ValueError as error:
-        raise _BadKeyError(f"{where}.dof", str(error)) from None
-
-
-def _number(document: dict[str, Any], key: str, where: str) -> float:
-    value = _get(document, key, where)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
-        raise _BadKeyError(f"{where}.{key}", f"expected a number, got {value!r}")
-    return float(value)
-
-
-def _number_or_nan(document: dict[str, Any], key: str, where: str) -> float:
-    return float("nan") if document.get(key) is None else _number(document, key, where)
-
-
-def _band(value: Any) -> tuple[float, float]:
-    numbers = isinstance(value, list) and len(value) == 2 and all(isinstance(v, (int, float)) for v in value)
-    if not numbers or not 0 <= value[0] < value[1]:
-        raise _BadKeyError("band_hz", f"expected [low, high] with 0 <= low < high, got {value!r}")
-    return (float(value[0]), float(value[1]))

@@ -30,11 +30,13 @@ def read_residues(
     if not isinstance(document, dict) or not isinstance(document.get("references"), list):
         raise ValueError("expected references, real_m_per_n_s and imag_m_per_n_s")
     references = tuple(Dof.from_label(str(label)) for label in document["references"])
+    if len({reference.unsigned for reference in references}) < len(references):
+        raise ValueError("a reference is listed twice; opposite directions are one DOF")
     parts = []
     for key in ("real_m_per_n_s", "imag_m_per_n_s"):
         try:
             part = np.array(document.get(key), dtype=float).reshape(modes, dofs, len(references))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             shape = f"{modes} modes x {dofs} DOFs x {len(references)} references"
             raise ValueError(f"{key} is no list of numbers of {shape}") from None
         parts.append(part)

@@ -11,12 +11,22 @@ from numpy.typing import NDArray
 from vgvt.data import InputError
 
 
+def check_delimiter(delimiter: str) -> None:
+    """ValueError, with what to write, unless columns can be told apart by it: one character, or '' for white space."""
+    if len(delimiter) > 1 or delimiter in ("#", "\n", "\r"):
+        raise ValueError(
+            f"{delimiter!r} cannot stand between columns; write one character, like ',' or ';', "
+            "\"\\t\" (in double quotes) for a tab, or '' for white space"
+        )
+
+
 def read_delimited(path: Path, delimiter: str = ",", skip_rows: int = 0) -> NDArray[np.float64]:
     """The table (rows, columns) of a text file; InputError when missing, ragged or not numeric.
 
-    Lines that start with # are left out; ``delimiter`` '' means white space.
+    What follows a # is left out; ``delimiter`` is one character, '' means white space.
     """
     try:
+        check_delimiter(delimiter)
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message=".*input contained no data.*", category=UserWarning)
             table = np.loadtxt(path, delimiter=delimiter or None, skiprows=skip_rows, ndmin=2, encoding="utf-8")

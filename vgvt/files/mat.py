@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -38,13 +36,11 @@ def read_mat(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
 
 def _read_version_5(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
     import scipy.io
-    from scipy.io.matlab import MatReadError
 
-    damage = (MatReadError, OSError, ValueError, TypeError, KeyError, IndexError, NotImplementedError)
     try:
         content = scipy.io.loadmat(path, variable_names=list(names), appendmat=False)
         known = [entry[0] for entry in scipy.io.whosmat(path, appendmat=False)] if set(names) - set(content) else []
-    except (*damage, zlib.error, struct.error, EOFError, OverflowError) as error:
+    except Exception as error:  # What scipy raises of a damaged file has no common kind.
         raise InputError(
             str(path),
             f"truncated or damaged ({error})",
@@ -66,7 +62,9 @@ def _read_hdf5(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
                     raise _missing(path, name, [k for k in file if not k.startswith("#")])
             # HDF5 holds MATLAB's column-major arrays with their axes reversed.
             return {name: _numeric(path, name, np.asarray(file[name]).T) for name in names}
-    except (OSError, KeyError, RuntimeError) as error:
+    except InputError:
+        raise
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, OverflowError, MemoryError) as error:
         raise InputError(str(path), f"truncated or damaged ({error})", "copy or download the file again") from error
 
 

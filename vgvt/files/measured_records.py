@@ -14,8 +14,7 @@ from vgvt.files.manifest import file_sha256
 from vgvt.files.mat import read_mat
 from vgvt.files.npz import read_npz
 from vgvt.files.sidecar import ChannelRow, RunRow, Sidecar
-
-_RATE_TOLERANCE = 1e-3
+from vgvt.files.time_axis import check_time_axis, time_of_run
 
 
 def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
@@ -23,14 +22,16 @@ def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
 
     Samples come out in SI, aircraft axes. InputError names the file, and the
     run and channel where it can: missing or damaged file, wrong hash, missing variable,
-    too few columns, no samples, a time axis that contradicts the sample rate.
+    too few columns, no samples, a time axis that contradicts the sample rate or the number of samples.
     """
     runs: list[Record] = []
     arrays: dict[str, NDArray[Any]] = {}
+    hashes: dict[str, str] = {}
     read = ""
     for run in sidecar.run:
+        _check_file(sidecar, run, folder / run.file, hashes)
         if run.file != read:
-            arrays, read = _read_file(sidecar, run, folder / run.file), run.file
+            arrays, read = _read_arrays(sidecar, folder / run.file), run.file
         runs.append(_record(sidecar, run, arrays, folder / run.file))
     notes = dict(sidecar.notes)
     notes |= {"summary": sidecar.summary} if sidecar.summary else {}
@@ -49,24 +50,22 @@ def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
     )
 
 
-def _read_file(sidecar: Sidecar, run: RunRow, path: Path) -> dict[str, NDArray[Any]]:
-    """Every array of a file that the sidecar speaks of, once its hash is checked."""
-    records = sidecar.records
+def _check_file(sidecar: Sidecar, run: RunRow, path: Path, hashes: dict[str, str]) -> None:
+    """InputError unless the file of a run is there and is the one described; ``hashes`` keeps those of files met."""
     if not path.is_file():
         fetch = f"fetch it with `vgvt data get {sidecar.name}`, or " if sidecar.source else ""
         raise InputError(str(path), f"no such file (run {run.run})", f"{fetch}check records.folder and run.file")
-    if run.sha256 is not None and file_sha256(path) != run.sha256:
-        # A truncated file is the likelier cause, and its reader says so better than a hash does.
-        _read_arrays(sidecar, path)
+    if run.sha256 is None:
+        return
+    if run.file not in hashes:
+        hashes[run.file] = file_sha256(path)
+    if hashes[run.file] != run.sha256:
         raise InputError(
             str(path),
-            f"not the file that the sidecar describes: its SHA-256 is not {run.sha256[:12]}... (run {run.run})",
+            f"truncated or damaged, or not the file that the sidecar describes: {path.stat().st_size} bytes whose "
+            f"SHA-256 is not {run.sha256[:12]}... (run {run.run})",
             "copy or download it again; if you changed it on purpose, leave sha256 out of the sidecar",
         )
-    arrays = _read_arrays(sidecar, path)
-    if records.time_s:
-        _check_rate(path, run, np.ravel(arrays[records.time_s]), run.sample_rate_hz or records.sample_rate_hz)
-    return arrays
 
 
 def _read_arrays(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]]:
@@ -78,18 +77,6 @@ def _read_arrays(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]]:
     return read_mat(path, wanted) if records.format == "mat" else read_npz(path, wanted)
 
 
-def _check_rate(path: Path, run: RunRow, time_s: NDArray[Any], sample_rate_hz: float) -> None:
-    if time_s.size < 2:
-        raise InputError(str(path), f"run {run.run}: the time axis has {time_s.size} entries", "record again")
-    found = (time_s.size - 1) / (float(time_s[-1]) - float(time_s[0]) or np.nan)
-    if not abs(found - sample_rate_hz) <= _RATE_TOLERANCE * sample_rate_hz:
-        raise InputError(
-            f"{path}, run {run.run}",
-            f"the time axis says {found:.6g} Hz, the sidecar says {sample_rate_hz:.6g} Hz",
-            "correct sample_rate_hz, or leave time_s out where the time axis is known to be wrong",
-        )
-
-
 def _record(sidecar: Sidecar, run: RunRow, arrays: dict[str, NDArray[Any]], path: Path) -> Record:
     columns = [_column(sidecar, run, channel, arrays, path) for channel in sidecar.channel]
     lengths = {c.name: len(x) for c, x in zip(sidecar.channel, columns, strict=True)}
@@ -98,6 +85,10 @@ def _record(sidecar: Sidecar, run: RunRow, arrays: dict[str, NDArray[Any]], path
         raise InputError(where, f"the channels differ in length: {lengths}", "give channels of one recording")
     if not columns[0].size:
         raise InputError(where, "the record has no samples", "leave this run out, or find its data")
+    sample_rate_hz = run.sample_rate_hz or sidecar.records.sample_rate_hz
+    if sidecar.records.time_s:
+        time_s = time_of_run(arrays[sidecar.records.time_s], run.index, where)
+        check_time_axis(time_s, columns[0].size, sample_rate_hz, where)
     double = any(x.dtype.itemsize > 4 or x.dtype.kind != "f" for x in columns)
     samples = np.empty((len(columns), columns[0].size), dtype=np.float64 if double else np.float32)
     clipped, notes = [], list(run.notes)
@@ -106,16 +97,21 @@ def _record(sidecar: Sidecar, run: RunRow, arrays: dict[str, NDArray[Any]], path
         bad = int(np.count_nonzero(~np.isfinite(column)))
         if bad:
             notes.append(f"{channel.name}: {bad} of {column.size} samples are not finite")
-        if channel.range_v is not None and float(np.nanmax(np.abs(column), initial=0.0)) >= channel.range_v:
+        if channel.range_v is not None and _largest(column) * channel.v_per_sample >= channel.range_v:
             clipped.append(channel.name)
     return Record(
         run=run.run,
-        sample_rate_hz=run.sample_rate_hz or sidecar.records.sample_rate_hz,
+        sample_rate_hz=sample_rate_hz,
         channels=tuple(_channel(sidecar, run, channel) for channel in sidecar.channel),
         samples=samples,
         overloaded=tuple(clipped),
         notes=tuple(notes),
     )
+
+
+def _largest(column: NDArray[Any]) -> float:
+    """The largest size of a column's numbers; numpy's own abs leaves the lowest whole number of a type negative."""
+    return max(float(np.nanmax(column, initial=0)), -float(np.nanmin(column, initial=0)))
 
 
 def _channel(sidecar: Sidecar, run: RunRow, row: ChannelRow) -> Channel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,27 @@ def modal_dataset(model: ModalModel) -> xarray.Dataset:
         "outcome": model.outcome.value,
     }
     return xarray.Dataset(arrays, attrs=labels | {name: json.dumps(getattr(model, name)) for name in _TEXTS})
+
+
+def model_hash(model: ModalModel) -> str:
+    """SHA-256 over every label and number of a modal model, the same however it is stored."""
+    digest = sha256()
+    facts: list[Any] = [[d.label for d in model.dofs], [d.label for d in model.references]]
+    facts += [
+        model.method,
+        model.outcome.value,
+        model.labels,
+        model.flags,
+        model.advice,
+        sorted(model.settings.items()),
+    ]
+    digest.update(json.dumps(facts).encode())
+    for name in _ARRAYS:
+        array = getattr(model, name)
+        if array is not None:
+            digest.update(json.dumps([name, array.shape]).encode())
+            digest.update(np.ascontiguousarray(array, dtype="<c16" if np.iscomplexobj(array) else "<f8").data)
+    return digest.hexdigest()
 
 
 def modal_model(path: Path, dataset: xarray.Dataset, group: str) -> ModalModel:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import xarray
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+# Of a damaged file h5py finds names that are not there and types that numpy does not know.
+_DAMAGE = (OSError, KeyError, ValueError, RuntimeError, AttributeError, TypeError, IndexError, MemoryError)
 _CHUNK_BYTES = 1 << 20
 _OVERHEAD_BYTES = 1 << 15  # of a group: its header and attributes
 
@@ -43,7 +45,7 @@ def read_group(path: Path, group: str = "/") -> xarray.Dataset:
     try:
         with xarray.open_dataset(path, group=group, engine="h5netcdf", decode_cf=False, cache=False) as dataset:
             return dataset.load()
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
+    except _DAMAGE as error:
         raise InputError(str(path), f"damaged: {_first_line(error)}", "copy or make the file again") from error
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from vgvt.data import ChannelRole, Direction, Dof, Quantity
+from vgvt.files.delimited_text import check_delimiter
 from vgvt.files.strict import Finite, Positive, Table
 from vgvt.files.units import LENGTHS_M, QUANTITIES, Sensitivity, unit_in_si
 
@@ -54,9 +55,15 @@ class Records(Table):
     columns: int | None = Field(default=None, ge=1)
     """How many channels a file must hold; left out, any number that covers the channel table."""
     time_s: str = ""
-    """A variable that holds the time axis; it is compared with sample_rate_hz."""
+    """A variable that holds the time axis; it is compared with sample_rate_hz and the number of samples."""
     delimiter: str = ","
     skip_rows: int = Field(default=0, ge=0)
+
+    @field_validator("delimiter")
+    @classmethod
+    def _one_character(cls, value: str) -> str:
+        check_delimiter(value)
+        return value
 
     @model_validator(mode="after")
     def _time_needs_names(self) -> Self:
@@ -139,7 +146,7 @@ class ChannelRow(Table):
     unit: str | None = None
     """The unit of the samples where the file holds physical units already."""
     range_v: Positive | None = None
-    """Full scale of the converter; samples that reach it are reported as clipped."""
+    """Full scale of the converter; samples that reach it are reported as clipped. For files that hold volts."""
     dof: str | None = None
     """Node and direction in aircraft axes, like '100+Z', of a sensor that stays."""
     direction: str | None = None
@@ -160,6 +167,11 @@ class ChannelRow(Table):
                 "like sensitivity = '10 mV/g' or unit = 'N'"
             )
         _ = self.v_per_si, self.si_per_sample
+        if self.range_v is not None and self.unit is not None and self.kind is not Quantity.GENERAL:
+            raise ValueError(
+                f"range_v is in volts, but unit = {self.unit!r} says that the file holds none; leave range_v out, or "
+                "give the sensitivity in place of unit where the file does hold volts"
+            )
         if self.role is ChannelRole.DRIVE:
             return self
         if (self.dof is None) == (self.direction is None):
@@ -189,6 +201,11 @@ class ChannelRow(Table):
     def si_per_sample(self) -> float:
         """Factor from the numbers in the file to SI."""
         return 1 / self.v_per_si if self.unit is None else unit_in_si(self.kind, self.unit)
+
+    @property
+    def v_per_sample(self) -> float:
+        """Volts per number in the file, where it holds volts."""
+        return 1.0 if self.unit is None else self.si_per_sample
 
 
 class RunRow(Table):
@@ -234,9 +251,22 @@ class Sidecar(Table):
         for channel in self.channel:
             if self.records.format != "csv" and not (channel.variable or self.records.samples):
                 raise ValueError(f"channel {channel.name!r} has no variable; name it there or as records.samples")
+        self._check_columns()
         for run in self.run:
             self._check_run(run)
         return self
+
+    def _check_columns(self) -> None:
+        taken: dict[tuple[str, int], str] = {}
+        for channel in self.channel:
+            place = ("" if self.records.format == "csv" else channel.variable or self.records.samples, channel.column)
+            if place in taken:
+                of = f" of {place[0]!r}" if place[0] else ""
+                raise ValueError(
+                    f"channels {taken[place]!r} and {channel.name!r} are both column {channel.column}{of}; "
+                    "correct the column of one, or its variable"
+                )
+            taken[place] = channel.name
 
     def _check_run(self, run: RunRow) -> None:
         moving = {c.name for c in self.channel if c.direction is not None}
@@ -245,11 +275,21 @@ class Sidecar(Table):
             raise ValueError(f"run {run.run}: nodes names {unknown}; the channels that move are {sorted(moving)}")
         if unplaced:
             raise ValueError(f"run {run.run}: no node for {', '.join(unplaced)}; add nodes = {{ {unplaced[0]} = 1 }}")
+        taken: dict[tuple[ChannelRole, Dof], str] = {}
         for channel in self.channel:
             dof = self.dof(channel, run)
-            if dof is not None and dof.node not in self.nodes.node:
+            if dof is None:
+                continue
+            if dof.node not in self.nodes.node:
                 raise ValueError(
                     f"run {run.run}: {channel.name} is at node {dof.node}, which has no position; add it to [nodes]"
+                )
+            # Opposite directions are one degree of freedom, with its sign changed.
+            other = taken.setdefault((channel.role, dof.unsigned), channel.name)
+            if other != channel.name:
+                raise ValueError(
+                    f"run {run.run}: {other} and {channel.name} are both {channel.role.value}s at {dof.unsigned}, and "
+                    "their average would be taken; correct the node or direction of one, or leave a channel out"
                 )
 
     def dof(self, channel: ChannelRow, run: RunRow) -> Dof | None:
