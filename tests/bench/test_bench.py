@@ -69,6 +69,16 @@ def test_a_claim_with_residues_is_held_against_the_measured_responses(light_scen
     assert 0 < gaps.pop() < 0.5
 
 
+@pytest.mark.parametrize("amplitude_v", [None, 0.01])
+def test_two_scenarios_of_one_name_are_refused(light_scenario, amplitude_v) -> None:
+    """Their campaigns have the same seeds and the same key in the table: they would be merged."""
+    quieter = light_scenario.excitation.model_copy(update={"amplitude_v": amplitude_v})
+    other = light_scenario.model_copy(update={"excitation": quieter} if amplitude_v else {})
+    with pytest.raises(InputError, match="2 scenarios of this bench are called so") as refusal:
+        BenchPlan((light_scenario, other), 1, (Entry("quadrature"),), Limits())
+    assert "'quick'" in refusal.value.where
+
+
 def test_seeds_derive_from_names() -> None:
     seeds = {derived_seed(base, name, k) for base in (0, 1) for name in ("quick", "bff") for k in range(3)}
     assert len(seeds) == 12

@@ -6,7 +6,9 @@ import numpy as np
 import pandas
 import pytest
 
+from vgvt.bench.entry import Entry
 from vgvt.bench.guard import compare, digest, read_baseline, write_baseline
+from vgvt.bench.rows import failure_row
 from vgvt.bench.table import table_of
 from vgvt.data import InputError
 
@@ -79,6 +81,53 @@ def test_a_mode_lost_in_half_of_the_seeds_is_worse() -> None:
     missed = comparison[comparison["measure"] == "missed"]
     assert set(missed["verdict"]) == {"worse"}
     assert missed["after"].iloc[0] == pytest.approx(0.5)
+
+
+def crashed(table: pandas.DataFrame, seeds: set[int], reason: str = "crashed: KeyError: 'x'") -> pandas.DataFrame:
+    """The table with the first entry of the first scenario failed on some seeds, as the bench writes it."""
+    hit = (table["scenario"] == "a") & (table["entry"] == "era") & table["seed_number"].isin(seeds)
+    heads = table[hit].drop_duplicates("seed_number").to_dict("records")
+    rows = [
+        failure_row({k: row[k] for k in ("scenario", "seed_number", "seed")}, Entry("era"), reason) for row in heads
+    ]
+    return table_of(table[~hit].to_dict("records") + rows)
+
+
+def verdicts(before: pandas.DataFrame, after: pandas.DataFrame) -> dict[str, str]:
+    """What is said of the measures of that entry there; everything else stayed the same."""
+    comparison = compare(digest(before), after)
+    here = (comparison["scenario"] == "a") & (comparison["entry"] == "era")
+    assert set(comparison[~here]["verdict"]) <= {"same"}
+    return dict(zip(comparison[here]["measure"], comparison[here]["verdict"], strict=True))
+
+
+@pytest.mark.parametrize("reason", ["crashed: KeyError: 'x'", "took more than 60 s"])
+@pytest.mark.parametrize("seeds", [{3}, {0, 1, 2, 3}])
+def test_a_single_campaign_that_newly_fails_is_worse(seeds: set[int], reason: str) -> None:
+    """The records are the same: there is no scatter that a test would have to see past."""
+    table = long_table(np.random.default_rng(11), 5)
+    said = verdicts(table, crashed(table, seeds, reason))
+    assert said.pop("failed") == "worse"
+    assert set(said.values()) == {"same"}
+    assert verdicts(crashed(table, seeds), table)["failed"] == "better"
+
+
+def test_a_crash_mended_makes_up_for_no_new_one() -> None:
+    table = long_table(np.random.default_rng(12), 6)
+    assert verdicts(crashed(table, {0, 1}), crashed(table, {5}))["failed"] == "worse"
+    assert verdicts(crashed(table, {0, 1}), crashed(table, {0, 1}))["failed"] == "same"
+
+
+def test_a_campaign_without_a_claim_misses_nothing_and_is_no_better_for_it() -> None:
+    """All modes are missed on every other seed; a method that crashes there instead has not got better, only worse."""
+    table = long_table(np.random.default_rng(13), 20, miss=True)
+    missing = set(range(0, 20, 2))
+    comparison = compare(digest(table), crashed(table, missing))
+    row = comparison.query("scenario == 'a' and entry == 'era' and measure == 'missed'").iloc[0]
+    assert (row["pairs"], row["before"], row["after"], row["verdict"]) == (10, 0, 0, "same")
+    # Nor is one worse that crashed there and now comes to claims with misses.
+    assert verdicts(crashed(table, missing), table)["missed"] == "same"
+    assert verdicts(table, crashed(table, set(range(20))))["missed"] == "no pairs"
 
 
 def test_a_new_entry_is_not_compared() -> None:

@@ -54,6 +54,7 @@ def test_a_regression_ends_with_status_one(benched, capsys) -> None:
         (["bench", "quick", "--identifier", "quadratur"], "quadrature"),
         (["bench", "quick", "--identifier", "quadrature:prominence"], "key=value"),
         (["bench", "quick", "--engine", "warp"], "linear"),
+        (["bench", "quick", "teaching-beam", "quick"], "2 scenarios of this bench are called so"),
         (["bench", "quick", "--against", "none.csv"], "no such baseline"),
         (["bench", "quick", "--cluster", "somewhere"], "tcp://"),
     ],

@@ -38,7 +38,7 @@ def test_it_is_refused_and_leaves_nothing_behind(vgvt, tmp_path: Path, effect: s
         ("show", "--no-picture"),
         ("plan",),
         ("bench", "--identifier", "quadrature"),
-        ("sweep", "--set", "seed=1,2", "--identifier", "quadrature"),
+        ("sweep", "--set", "excitation.duration_s=8,16", "--identifier", "quadrature"),
         ("reconcile", "--power", "--scenario"),
     ],
 )

@@ -103,4 +103,13 @@ def test_every_known_key_can_be_found(quick) -> None:
     assert len(keys) > 80
     with pytest.raises(InputError, match="is there twice"):
         sweep(quick, [Axis("seed", (1,)), Axis("seed", (2,))])
+    with pytest.raises(InputError, match="is there twice"):
+        sweep(quick, [Axis("shaker.model", ("a",)), Axis("shaker[model]", ("b",))])
     assert {"excitation.duration_s", "airframe.beam[wing].stations.mass_kg_per_m", "shaker.position_m"} <= set(keys)
+
+
+@pytest.mark.parametrize("key", ["name", "summary", "lesson", "schema_version", "tolerances.damping"])
+def test_what_no_simulation_depends_on_is_refused_and_never_proposed(quick, key: str) -> None:
+    with pytest.raises(InputError, match="no simulation depends on it"):
+        sweep(quick, [Axis(key, (1, 2))])
+    assert key not in known_keys(quick)

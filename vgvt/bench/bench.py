@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vgvt.bench.cell import Cell, Row, seeded
+from vgvt.bench.cell import Cell, seeded
 from vgvt.bench.entry import Entry
 from vgvt.bench.executors import MakeExecutor, in_order_of_completion
 from vgvt.bench.fingerprint import fingerprint
+from vgvt.bench.resume import left_to_do
 from vgvt.bench.store import Store
 from vgvt.bench.table import table_of
 from vgvt.bench.umpire import Limits
+from vgvt.data import InputError
 from vgvt.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -28,7 +31,8 @@ class BenchPlan:
     """What to bench: scenarios, how many seeds each, entries, limits.
 
     ``engine`` None leaves each scenario its own; ``base_seed`` starts the seeds, which derive from it
-    and the scenario's name. ``band_hz`` None is each campaign's excited band.
+    and the scenario's name. ``band_hz`` None is each campaign's excited band. InputError for scenarios of one name:
+    nothing else tells their campaigns apart.
     """
 
     scenarios: tuple[Scenario, ...]
@@ -38,6 +42,15 @@ class BenchPlan:
     base_seed: int = 0
     engine: str | None = "linear"
     band_hz: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name, count in Counter(scenario.name for scenario in self.scenarios).items():
+            if count > 1:
+                raise InputError(
+                    f"scenario {name!r}",
+                    f"{count} scenarios of this bench are called so",
+                    "name each once; give a changed copy a name of its own",
+                )
 
     def cells(self) -> list[Cell]:
         """The cells, seed by seed, so that an interrupted bench has seen every scenario."""
@@ -53,23 +66,20 @@ def bench(
 ) -> pandas.DataFrame:
     """Work the plan off and return the long table; what the same code has done already in ``folder`` is not done again.
 
-    The table is the same for any executor, the columns ``vgvt.bench.rows.MEASURED`` apart.
+    Entries that ran out of time are, when all else is done. The table is the same for any executor, these and the
+    columns ``vgvt.bench.rows.MEASURED`` apart.
     ``progress(fraction, message)`` is called before the first cell and after each.
     """
     store = Store(folder, fingerprint(plan.entries))
     cells = plan.cells()
-    rows: list[Row] = []
-    todo: list[Cell] = []
-    for cell in cells:
-        known = store.rows(cell)
-        if known is None:
-            todo.append(cell)
-        else:
-            rows += known
-    report = _Reporter(progress, len(cells), len(cells) - len(todo))
+    rows, left = left_to_do(cells, store)
+    parts = {part.cell.key: part for part in left}
+    report = _Reporter(progress, len(cells), len(cells) - len(left))
     report("")
-    for cell, done in in_order_of_completion(todo, make_executor):
-        store.keep(cell, done)
+    for cell, fresh in in_order_of_completion([part.cell for part in left], make_executor):
+        part = parts[cell.key]
+        done = [*part.kept, *fresh]
+        store.keep(part.whole, done)
         rows += done
         report.done += 1
         report(cell.title)

@@ -7,8 +7,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from threading import Thread
 from typing import Any
 
@@ -98,26 +100,49 @@ def in_order_of_completion(
 ) -> Iterator[tuple[Cell, list[Row]]]:
     """Every cell with its rows as soon as they are there; serially without an executor.
 
-    A pool that loses a worker is made anew and what was under way is done again, up to three times a
-    cell; a cell that kills its worker every time raises RuntimeError with its title.
+    A pool that loses a worker is made anew. What was under way is done again after all the rest, each with nothing
+    beside it: a worker that dies then was killed by that cell. A cell that does so three times raises
+    RuntimeError with its title, and so do workers that die three times in a row before they begin anything.
     """
     if make is None:
         for cell in cells:
             yield cell, work(cell)
         return
-    left = dict.fromkeys(range(len(cells)), 0)
+    left = dict.fromkeys(range(len(cells)))
+    deaths: dict[int, int] = {}  # of those that were under way when a worker died: how many were surely theirs
+    before_work = 0
     while left:
-        with make() as executor:
-            futures: dict[Future[list[Row]], int] = {executor.submit(work, cells[k]): k for k in left}
-            for k, rows in _until_broken(futures, left):
+        together = [k for k in left if k not in deaths] or [min(deaths, key=lambda k: (deaths[k], k))]
+        with TemporaryDirectory(prefix="vgvt-under-way-", ignore_cleanup_errors=True) as folder, make() as executor:
+            marks = {k: Path(folder) / str(k) for k in together}
+            futures = {executor.submit(_marked, mark, work, cells[k]): k for k, mark in marks.items()}
+            for k, rows in _until_broken(futures):
+                del left[k]
+                deaths.pop(k, None)
                 yield cells[k], rows
-        worst = max(left, key=lambda k: left[k], default=None)
-        if worst is not None and left[worst] >= _ATTEMPTS:
-            raise RuntimeError(f"{cells[worst].title}: its worker died {_ATTEMPTS} times")
+            under_way = [k for k, mark in marks.items() if k in left and mark.exists()]
+        for k in under_way:
+            deaths[k] = deaths.get(k, 0) + (len(under_way) == 1)
+            if deaths[k] >= _ATTEMPTS:
+                raise RuntimeError(f"{cells[k].title}: its worker died {_ATTEMPTS} times")
+        before_work = before_work + 1 if not under_way and any(k in left for k in together) else 0
+        if before_work >= _ATTEMPTS:
+            raise RuntimeError(f"the workers died {_ATTEMPTS} times in a row before they began anything")
 
 
-def _until_broken(futures: dict[Future[list[Row]], int], left: dict[int, int]) -> Iterator[tuple[int, list[Row]]]:
-    """Results as they come, struck off ``left``; ends early, counting an attempt of the rest, when the pool breaks."""
+def _marked(mark: Path, work: Callable[[Cell], list[Row]], cell: Cell) -> list[Row]:
+    """The rows of a cell; the mark is there while it is under way, and stays when the worker dies under it."""
+    with suppress(OSError):  # on another machine the folder is not there, and nobody asks for the mark
+        mark.touch()
+    try:
+        return work(cell)
+    finally:
+        with suppress(OSError):
+            mark.unlink()
+
+
+def _until_broken(futures: dict[Future[list[Row]], int]) -> Iterator[tuple[int, list[Row]]]:
+    """Results as they come; ends early when the pool breaks."""
     waiting = set(futures)
     while waiting:
         done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
@@ -125,9 +150,5 @@ def _until_broken(futures: dict[Future[list[Row]], int], left: dict[int, int]) -
             try:
                 rows = future.result()
             except BrokenProcessPool:
-                # Nobody knows which cell did it: all that had no result yet have one attempt less.
-                for k in left:
-                    left[k] += 1
                 return
-            del left[futures[future]]
             yield futures[future], rows

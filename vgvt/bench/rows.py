@@ -10,7 +10,7 @@ from vgvt.bench.entry import Entry
 from vgvt.data import FrfFit, Scorecard
 
 MEASURED = ("wall_s", "peak_memory_mib")
-"""Columns that no two runs share; all others are the same wherever and however often a bench runs."""
+"""Columns that no two runs share; all others are the same wherever a bench runs, unless a method ran out of time."""
 
 COLUMNS: dict[str, str] = {
     "scenario": "VARCHAR",
@@ -54,6 +54,9 @@ COLUMNS: dict[str, str] = {
 FAILED = "failed"
 """Outcome of an entry that came to no claim at all; ``reason`` says why."""
 
+OUT_OF_TIME = "took more than"
+"""What the reason of an entry begins with that was stopped by the clock: the machine has a part in it."""
+
 
 def score_rows(common: dict[str, Any], entry: Entry, card: Scorecard, fit: FrfFit | None) -> list[dict[str, Any]]:
     """The rows of a scorecard, at least one: nothing claimed where nothing was to be found is a row without mode.
@@ -83,6 +86,11 @@ def failure_row(common: dict[str, Any], entry: Entry, reason: str) -> dict[str, 
     return _complete(
         {**common, "entry": entry.label, "identifier": entry.identifier, "outcome": FAILED, "reason": reason}
     )
+
+
+def ran_out_of_time(row: dict[str, Any]) -> bool:
+    """Whether the row is that of an entry that the clock stopped."""
+    return row["outcome"] == FAILED and str(row["reason"]).startswith(OUT_OF_TIME)
 
 
 def _complete(row: dict[str, Any]) -> dict[str, Any]:

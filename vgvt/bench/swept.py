@@ -1,4 +1,4 @@
-"""The table of a sweep: the bench's long table with the swept keys as columns in front."""
+"""What a sweep makes of the bench: which keys it may change, and the long table with them as columns in front."""
 
 from __future__ import annotations
 
@@ -7,11 +7,37 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vgvt.bench.rows import COLUMNS
+from vgvt.data import InputError
 from vgvt.files.atomically import replacing
-from vgvt.scenario.sweeps import Variant
+from vgvt.scenario.sweeps import Variant, key_steps
 
 if TYPE_CHECKING:
     import pandas
+
+
+def require_free(keys: Sequence[str], engine: str | None) -> None:
+    """InputError for a key that the bench itself sets in every campaign, or that its engine does not read.
+
+    ``engine`` None leaves each scenario its own, as in ``BenchPlan``.
+    """
+    for key in keys:
+        match key_steps(key):
+            case ["seed"]:
+                raise InputError(
+                    f"--set {key}",
+                    "the seed of every campaign is derived from --seed and the variant",
+                    "write --seeds N for N campaigns of each variant",
+                )
+            case ["simulation", "engine"] if engine is not None:
+                raise InputError(
+                    f"--set {key}",
+                    f"--engine {engine} simulates all variants",
+                    "write --engine own to sweep it",
+                )
+            case ["simulation", "step_s"] if engine == "linear":
+                raise InputError(
+                    f"--set {key}", "--engine linear takes no steps", "write --engine mujoco to sweep the step"
+                )
 
 
 def with_swept_columns(table: pandas.DataFrame, variants: Sequence[Variant]) -> pandas.DataFrame:

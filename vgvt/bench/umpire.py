@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from vgvt.bench.entry import Entry
+from vgvt.bench.rows import OUT_OF_TIME
 from vgvt.bench.starting import OutOfTimeError, run_contestant
 from vgvt.data import Campaign, ModalModel
 from vgvt.files.campaign_file import write_campaign
@@ -95,9 +96,9 @@ def _run(folder: Path, time_s: float) -> str:
     try:
         status = run_contestant(folder, time_s)
     except OutOfTimeError:
-        return f"took more than {time_s:g} s"
+        return f"{OUT_OF_TIME} {time_s:g} s"
     if hasattr(signal, "SIGALRM") and status == -signal.SIGALRM:
-        return f"took more than {time_s:g} s"
+        return f"{OUT_OF_TIME} {time_s:g} s"
     if status < 0:
         return f"killed by {signal.Signals(-status).name}"
     return f"ended with status {status}" if status else ""

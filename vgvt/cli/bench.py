@@ -166,13 +166,23 @@ def _document(table: pandas.DataFrame, paths: dict[str, Path], comparison: panda
 
 
 def _show(table: pandas.DataFrame, paths: dict[str, Path], comparison: pandas.DataFrame | None) -> None:
-    from vgvt.bench.bench import failures
     from vgvt.bench.summary import summary
     from vgvt.view.bench_table import bench_table, comparison_table
 
     show(bench_table(summary(table)))
-    for reason, count in failures(table)["reason"].value_counts().head(10).items():
-        log(f"{count} without a claim: {reason}")
+    log_failures(table)
     if comparison is not None:
         show(comparison_table(comparison))
     show(f"{len(table)} rows; " + ", ".join(f"{name} {path}" for name, path in paths.items()))
+
+
+def log_failures(table: pandas.DataFrame) -> None:
+    """Say how many rows have no claim and why, and what to do about those that the clock stopped."""
+    from vgvt.bench.bench import failures
+    from vgvt.bench.rows import OUT_OF_TIME
+
+    reasons = failures(table)["reason"]
+    for reason, count in reasons.value_counts().head(10).items():
+        log(f"{count} without a claim: {reason}")
+    if reasons.str.startswith(OUT_OF_TIME).any():
+        log("The same command, given again, tries once more what ran out of time.")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vgvt.cli.bench import executor_for
-from vgvt.cli.console import log, progress, show
+from vgvt.cli.bench import executor_for, log_failures
+from vgvt.cli.console import progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption, ScenarioArgument
 
@@ -66,7 +66,8 @@ def sweep(
 
     if engine not in ("linear", "mujoco", "own"):
         raise InputError("--engine", f"there is no engine {engine!r}", "write linear, mujoco or own")
-    variants = _variants(scenario, setting, design, samples, design_seed)
+    its_engine = None if engine == "own" else engine
+    variants = _variants(scenario, setting, design, samples, design_seed, its_engine)
     entries = entries_of(identifier or ["quadrature"])
     for entry in entries:
         make_identifier(entry.identifier, **dict(entry.settings))  # a misspelt name costs no time
@@ -76,7 +77,7 @@ def sweep(
         entries=entries,
         limits=Limits(time_s=time_limit),
         base_seed=seed,
-        engine=None if engine == "own" else engine,
+        engine=its_engine,
         band_hz=band,
     )
     with progress("sweep") as report:
@@ -93,7 +94,10 @@ def sweep(
     return 0
 
 
-def _variants(name: str, settings: list[str], design: str, samples: int, seed: int) -> tuple[Variant, ...]:
+def _variants(
+    name: str, settings: list[str], design: str, samples: int, seed: int, engine: str | None
+) -> tuple[Variant, ...]:
+    from vgvt.bench.swept import require_free
     from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
     from vgvt.effects.places import require_in_the_runs, require_on_aircraft
@@ -102,6 +106,7 @@ def _variants(name: str, settings: list[str], design: str, samples: int, seed: i
     if design not in DESIGNS:
         raise InputError("--design", f"there is no design {design!r}", f"write {', '.join(DESIGNS)}")
     axes = [Axis.parse(text) for text in settings]
+    require_free([axis.key for axis in axes], engine)
     variants = sweep(described_scenario(name), axes, design, samples, seed)  # checked above
     for variant in variants:
         require_on_aircraft(variant.scenario)  # a misspelt parameter of an effect costs no time
@@ -150,6 +155,5 @@ def _show(table: pandas.DataFrame, variants: tuple[Variant, ...], paths: dict[st
         numbers = ("" if e is None else f"{e:.3g}" for e in errors)
         shown.add_row(*(str(row[key]) for key in (*keys, "entry", "found", "missed", "false")), *numbers)
     show(shown)
-    for reason, count in table[table["outcome"] == "failed"]["reason"].value_counts().head(10).items():
-        log(f"{count} without a claim: {reason}")
+    log_failures(table)
     show(f"{len(table)} rows; " + ", ".join(f"{name} {path}" for name, path in paths.items()))

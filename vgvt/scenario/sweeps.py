@@ -27,6 +27,8 @@ from vgvt.scenario.vocabulary import inner_table
 Design = Literal["grid", "list", "latin"]
 DESIGNS: tuple[Design, ...] = ("grid", "list", "latin")
 
+_UNUSED = ("schema_version", "name", "summary", "lesson", "tolerances")  # by a simulation
+
 _RANGE = re.compile(r"^(?P<low>[^,\[\]]+?)\.\.(?P<high>[^,\[\]:]+)(?::(?P<count>\d+))?(?P<log>:log)?$")
 _STEP = re.compile(r"([A-Za-z0-9_-]+)|\[([^\]]+)\]")
 
@@ -87,13 +89,20 @@ def sweep(
 
     ``grid`` takes every combination, ``list`` the first values of all axes, then the second, and so on;
     ``latin`` draws ``samples`` points of a latin hypercube (McKay, Beckman and Conover,
-    Technometrics 21(2), 1979) from the ranges. InputError names the nearest key for one that does not exist.
+    Technometrics 21(2), 1979) from the ranges. InputError names the nearest key for one that does not exist,
+    and refuses one that no simulation depends on.
     """
     keys = [axis.key for axis in axes]
-    for axis in axes:
-        if keys.count(axis.key) > 1:
-            raise InputError(f"--set {axis.key}", "is there twice", "give each key once, all of its values together")
-        _place(scenario, axis.key)
+    places = [_place(scenario, key) for key in keys]
+    for key, place in zip(keys, places, strict=True):
+        if places.count(place) > 1:
+            raise InputError(f"--set {key}", "is there twice", "give each key once, all of its values together")
+        if place[0] in _UNUSED:
+            raise InputError(
+                f"--set {key}",
+                "no simulation depends on it: all variants would be alike",
+                "sweep what the test is made of, as excitation.duration_s=30,60",
+            )
     table = {"grid": _grid, "list": _list}[design](axes) if design != "latin" else _latin(axes, samples, seed)
     rows = [dict(zip(keys, row, strict=True)) for row in table]
     digits = max(3, len(str(len(rows))))
@@ -127,7 +136,7 @@ def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 def known_keys(scenario: Scenario) -> tuple[str, ...]:
     """Every key that can be swept, as it is written: of the schema, entries by their name, and of its effects."""
-    return tuple(_keys(scenario, Scenario, ""))
+    return tuple(key for key in _keys(scenario, Scenario, "") if key.partition(".")[0] not in _UNUSED)
 
 
 def _keys(value: Any, table: type[Table], path: str) -> Iterator[str]:
@@ -148,7 +157,7 @@ def _place(scenario: Scenario, key: str) -> tuple[str | int, ...]:
     """The path of a key in the tables; InputError with the nearest key for an unknown one."""
     plain: list[str | int] = []
     value: Any = scenario.model_dump(mode="json")
-    for step in _steps(key):
+    for step in key_steps(key):
         if isinstance(value, list) and isinstance(step, str):
             names = [entry.get("name") if isinstance(entry, dict) else None for entry in value]
             step = names.index(step) if step in names else -1
@@ -164,7 +173,8 @@ def _place(scenario: Scenario, key: str) -> tuple[str | int, ...]:
     return tuple(plain)
 
 
-def _steps(key: str) -> list[str | int]:
+def key_steps(key: str) -> list[str | int]:
+    """The steps of a key as it is written, names and numbers of entries, dots and brackets apart."""
     return [name or (int(entry) if entry.isdigit() else entry) for name, entry in _STEP.findall(key)]
 
 

@@ -1,0 +1,50 @@
+"""``vgvt sweep`` refuses keys that would change nothing, before any work, and says what to write instead."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from vgvt.bench.bench import BenchPlan
+from vgvt.bench.entry import Entry
+from vgvt.bench.swept import require_free
+from vgvt.bench.umpire import Limits
+from vgvt.scenario import load_scenario
+from vgvt.scenario.sweeps import Axis, sweep
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["seed=1,2"], "write --seeds N"),
+        (["simulation.engine=linear,mujoco"], "--engine linear simulates all variants\n  write --engine own"),
+        (["simulation[engine]=linear,mujoco"], "write --engine own"),
+        (["simulation.engine=linear,mujoco", "--engine", "mujoco"], "--engine mujoco simulates all variants"),
+        (["simulation.step_s=1e-4,2e-4"], "--engine linear takes no steps"),
+        (["name=a,b"], "no simulation depends on it"),
+        (["summary=a,b"], "no simulation depends on it"),
+        (["tolerances.damping=0.1,0.2"], "no simulation depends on it"),
+    ],
+)
+def test_a_key_that_changes_nothing_is_refused(vgvt, tmp_path: Path, settings: list[str], words: str) -> None:
+    result = vgvt("sweep", "quick", "--out", "made", "--workers", "0", "--set", *settings)
+    assert (result.status, result.out) == (2, "")
+    assert f"--set {settings[0].partition('=')[0]}: " in result.err
+    assert words in result.err
+    assert not (tmp_path / "made").exists()
+
+
+def test_an_engine_can_be_swept_where_each_scenario_has_its_own() -> None:
+    """What the column says is what was simulated."""
+    axis = Axis.parse("simulation.engine=linear,mujoco")
+    require_free([axis.key], None)
+    variants = sweep(load_scenario("quick"), [axis])
+    plan = BenchPlan(tuple(v.scenario for v in variants), 1, (Entry("quadrature"),), Limits(), engine=None)
+    simulated = [cell.scenario.simulation.engine for cell in plan.cells()]
+    assert simulated == [v.values[axis.key] for v in variants] == ["linear", "mujoco"]
+
+
+def test_steps_can_be_swept_where_steps_are_taken() -> None:
+    require_free(["simulation.step_s"], "mujoco")
+    require_free(["simulation.step_s"], None)
