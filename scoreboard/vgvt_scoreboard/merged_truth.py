@@ -6,6 +6,7 @@ different aircraft; a claim made from all runs is scored against their average.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,8 +60,8 @@ def merge_truth(truth: Truth) -> MergedTruth:
         damping_ratio=np.array([d.mean() for d in damping])[order],
         shapes=np.array([_mean_shape(group) for group in members]).reshape(first.shapes.shape)[order],
         residues=_mean_residues(first, members, order),
-        natural_frequency_std_hz=_combined_limit(members, order),
-        damping_ratio_std=None,
+        natural_frequency_std_hz=_combined_limit(members, order, lambda m: m.natural_frequency_std_hz),
+        damping_ratio_std=_combined_limit(members, order, lambda m: m.damping_ratio_std),
         modal_mass_kg=None,
         labels=tuple(first.labels[i] for i in order) if first.labels else (),
         flags=tuple(first.flags[i] for i in order) if first.flags else (),
@@ -116,9 +117,13 @@ def _mean_residues(
     return np.asarray(mean, dtype=complex).reshape(first.residues.shape)[order]
 
 
-def _combined_limit(members: list[list[tuple[ModalModel, int]]], order: NDArray[np.intp]) -> NDArray[np.float64] | None:
-    """The smallest standard deviation of each frequency that all runs together allow, (M,): information adds up."""
-    limits = [[m.natural_frequency_std_hz[j] for m, j in g if m.natural_frequency_std_hz is not None] for g in members]
+def _combined_limit(
+    members: list[list[tuple[ModalModel, int]]],
+    order: NDArray[np.intp],
+    stated_by: Callable[[ModalModel], NDArray[np.float64] | None],
+) -> NDArray[np.float64] | None:
+    """The least standard deviation of each mode that all runs together allow, (M,): information adds up."""
+    limits = [[stated[j] for m, j in group if (stated := stated_by(m)) is not None] for group in members]
     if any(len(stated) < len(group) for stated, group in zip(limits, members, strict=True)):
         return None
     with np.errstate(divide="ignore"):

@@ -20,13 +20,16 @@ UNREACHED_BELOW = 0.02
 def reachable(model: ModalModel) -> NDArray[np.bool_]:
     """True for every mode that the test holds enough information about, shape (M,).
 
-    The standard deviations of a merged truth are the Cramér–Rao bounds of the whole campaign:
-    std(ζ)/ζ = std(f)/(ζ f) of at most 10 % is enough. A truth without them is judged by :func:`sigma_share`,
-    2 % and more; without residues too, every mode counts as reachable.
+    The standard deviations of a merged truth are the Cramér–Rao bounds of the whole campaign: a damping ratio
+    known within 10 % is enough. Where that of the damping is not stated it is taken from the frequency's,
+    std(ζ)/ζ = std(f)/(ζ f), as for a mode alone. A truth without any is judged by :func:`sigma_share`, 2 % and more;
+    without residues too, every mode counts as reachable.
     """
-    if model.natural_frequency_std_hz is not None:
-        share = model.natural_frequency_std_hz / (model.damping_ratio * model.natural_frequency_hz)
-        return np.asarray(share <= DAMPING_KNOWN_WITHIN)
+    limit = model.damping_ratio_std
+    if limit is None and model.natural_frequency_std_hz is not None:
+        limit = model.natural_frequency_std_hz / model.natural_frequency_hz
+    if limit is not None:
+        return np.asarray(limit / model.damping_ratio <= DAMPING_KNOWN_WITHIN)
     share = sigma_share(model)
     return np.asarray(np.isnan(share) | (share >= UNREACHED_BELOW))
 

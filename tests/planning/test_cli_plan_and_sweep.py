@@ -65,6 +65,8 @@ def test_a_sweep_is_a_table_with_the_keys_in_front(tmp_path, capsys) -> None:
         (["plan", "quick", "--modes", "eight"], "8.2,15.8"),
         (["plan", "quick", "--identifier", "quadratur"], "quadrature"),
         (["plan", "quikc"], "quick"),
+        (["plan", "quick", "--free", "level", "--max-volts", "2", "--minutes", "1"], "vgvt: --minutes: is 1,"),
+        (["plan", "quick", "--free", "sweep-time", "--sensors", "2"], "add sensors to --free"),
         (["sweep", "quick", "--set", "excitation.durations=1"], "excitation.duration_s"),
         (["sweep", "quick", "--set", "excitation.duration_s=8", "--design", "cube"], "latin"),
         (["sweep", "quick", "--set", "excitation.duration_s"], "KEY=values"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vgvt.data import Direction, Dof, InputError, ModalModel, ModeScore, ModeStatus, Outcome, Scorecard
-from vgvt_scoreboard import merge_truth, score, sigma_share
+from vgvt_scoreboard import merge_truth, reachable, score, sigma_share
 
 FREQUENCY = [8.0, 15.5, 19.1, 31.8]
 SHAPES = np.array([[1, 2, 3, 4, 1], [1, -2, 3, -4, 1], [3, 1, -2, -1, 1], [1, 1, 1, -3, 1.0]])
@@ -93,6 +93,17 @@ def test_a_mode_on_the_drive_points_node_line_is_unreached_not_missed(model, sea
     claimed = score(truth, claim_of(model, FREQUENCY, shapes), BAND)
     assert (claimed.found, claimed.missed, len(claimed.unreached)) == (4, 0, 0)
     assert [row.reachable for row in claimed.modes] == [True, False, True, True]
+
+
+@pytest.mark.parametrize(("deviation", "reached"), [(0.0009, True), (0.0011, False)])
+def test_a_mode_is_in_reach_where_its_damping_can_be_known_within_a_tenth(
+    model, sealed, deviation: float, reached: bool
+) -> None:
+    """Of two runs with half the information each; the bound of the frequency alone would say no."""
+    stated = {"natural_frequency_std_hz": np.full(4, 5.0), "damping_ratio_std": np.full(4, deviation * np.sqrt(2))}
+    merged = merge_truth(sealed(*(model(FREQUENCY, [0.01] * 4, SHAPES, **stated) for _ in range(2)))).model
+    assert merged.damping_ratio_std == pytest.approx(np.full(4, deviation))
+    assert reachable(merged).tolist() == [reached] * 4
 
 
 def test_a_share_is_one_for_a_single_mode_and_unknown_without_residues(model) -> None:

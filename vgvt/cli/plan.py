@@ -33,7 +33,7 @@ def plan(
         str | None, typer.Option(metavar="HZ,HZ,...", help="The modes that count, by frequency. Default: all swept.")
     ] = None,
     points: Annotated[
-        int | None, typer.Option(min=1, help="Points to measure over all runs. Default: as many as now.")
+        int | None, typer.Option(min=1, help="Points to measure, where sensors are free. Default: as many as now.")
     ] = None,
     max_volts: Annotated[
         float | None,

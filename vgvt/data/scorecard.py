@@ -29,7 +29,7 @@ class ModeScore:
     The side that is missing is None. ``true_spread_hz`` is the standard
     deviation of the true frequency over the runs of the campaign (roving
     sensors move it). ``frequency_bound_hz`` is the Cramér–Rao bound of the campaign, the least
-    standard deviation that an unbiased method can have; the bound of the damping ratio is that
+    standard deviation that an unbiased method can have; the bound of the damping ratio is about that
     over the frequency. ``scaling_error_percent`` compares the size of the residues, and so the
     modal scaling, where both sides state them. ``reachable`` is False for a true mode that the excitation
     leaves invisible at the measured DOFs, ``in_band`` for one outside the band

@@ -48,10 +48,14 @@ class Budget:
     clay_minutes: float = 1.0
     longest_sweep_s: float = 300.0
 
-    def minutes_of(self, scenario: Scenario, mount: Mount = AS_DESCRIBED) -> float:
-        """What a scenario's campaign takes: fixing the transducer, placing sensors run by run, and the records."""
-        records = len(scenario.acquisition.run_nodes) * scenario.excitation.record_s / 60
-        return self._fixed(len(scenario.acquisition.runs), mount) + records
+    def minutes_of(self, scenario: Scenario, mount: Mount = AS_DESCRIBED, runs: int | None = None) -> float:
+        """What a scenario's campaign takes: fixing the transducer, placing sensors run by run, and the records.
+
+        In its own runs, or in another number of ``runs`` with its repeats.
+        """
+        count = len(scenario.acquisition.runs) if runs is None else runs
+        records = count * scenario.acquisition.repeats * scenario.excitation.record_s / 60
+        return self._fixed(count, mount) + records
 
     def sweep(self, scenario: Scenario, runs: int, mount: Mount) -> tuple[float, int]:
         """Seconds of one sweep and how often each run repeats it, so that ``runs`` fill the budget."""

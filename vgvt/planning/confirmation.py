@@ -11,17 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.identification import make_identifier
-from vgvt.planning.budget import MOUNT_EFFECT
 from vgvt.planning.informed import INFORMED, estimates
+from vgvt.planning.lighter import lighter
+from vgvt.planning.pairing import paired
 from vgvt.planning.proposal import Proposal
-from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.simulation.campaign import simulate
 
 Progress = Callable[[float, str], None]
 
-_SAMPLES_PER_CYCLE = 8
-_LOWEST_RATE_HZ = 100.0
 _NEAR = 0.03
 
 
@@ -29,7 +27,7 @@ _NEAR = 0.03
 class Confirmation:
     """Claims of ``seeds`` simulated campaigns for the target modes: frequencies and damping ratios (seeds, M).
 
-    NaN where a campaign's claim has no mode within 3 % of the frequency.
+    NaN where a campaign's claim has no mode within 3 % of the frequency, or none that is not another target's.
     """
 
     identifier: str
@@ -110,28 +108,14 @@ def claims(plan: Proposal, identifier: str, numbers: Iterable[int]) -> Iterator[
         yield _of_targets(plan, claim.natural_frequency_hz, claim.damping_ratio)
 
 
-def lighter(scenario: Scenario) -> Scenario:
-    """The scenario sampled no faster than its band needs: noise is a density here, so that nothing else changes.
-
-    An effect may act on the samples themselves; a scenario with one keeps its rate.
-    """
-    if any(effect.name != MOUNT_EFFECT for effect in scenario.effect):
-        return scenario
-    enough = max(_SAMPLES_PER_CYCLE * scenario.excitation.band_hz[1], _LOWEST_RATE_HZ)
-    rate = min(scenario.acquisition.sample_rate_hz, float(math.ceil(enough)))
-    return scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update={"sample_rate_hz": rate})})
-
-
 def _of_targets(
     plan: Proposal, frequency_hz: NDArray[np.float64], damping_ratio: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     found = np.full((2, len(plan.modes)), np.nan)
-    for k, mode in enumerate(plan.modes):
-        if not frequency_hz.size:
-            continue
-        nearest = int(np.argmin(np.abs(frequency_hz - mode.frequency_hz)))
-        if abs(frequency_hz[nearest] / mode.frequency_hz - 1) < _NEAR:
-            found[:, k] = frequency_hz[nearest], damping_ratio[nearest]
+    pairs = paired([mode.frequency_hz for mode in plan.modes], frequency_hz, _NEAR)
+    for k, claim in enumerate(pairs):
+        if claim is not None:
+            found[:, k] = frequency_hz[claim], damping_ratio[claim]
     return found
 
 

@@ -14,16 +14,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.planning.fisher import accelerance, mean_weights
 from vgvt.planning.proposal import RIGID
-from vgvt.planning.system import Seen, System, run_information, systems_of
+from vgvt.planning.system import System, run_information, systems_of
 from vgvt.scenario import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.simulation.acquisition import record
 from vgvt.simulation.assembly import plans
 from vgvt.simulation.command import drive_commands, sample_times_s, sent_commands
-from vgvt.simulation.information import force_noise, response_noise
+from vgvt.simulation.fisher import accelerance, mean_weights
+from vgvt.simulation.information import Seen
 from vgvt.simulation.linear_engine import respond
+from vgvt.simulation.noise_floor import force_noise, response_noise
 from vgvt.simulation.truth import driven_state_space
 from vgvt_identifiers.likelihood_fit import weighted_problem
 from vgvt_identifiers.pole_fit import fit_poles

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.planning.budget import AS_DESCRIBED, Budget
 from vgvt.planning.confirmation import confirm
+from vgvt.planning.limits import check_what_stays
 from vgvt.planning.places import sensor_places, with_places
 from vgvt.planning.prediction import predict
 from vgvt.planning.proposal import Proposal, elastic, proposal
 from vgvt.planning.result import PlanningResult
-from vgvt.planning.search import FREE, Wish, best_plans
+from vgvt.planning.search import best_plans
 from vgvt.planning.selection import dealt
+from vgvt.planning.wish import FREE, Wish
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str], None]
@@ -58,18 +60,14 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     """
     report = progress or (lambda _fraction, _text: None)
     share = 0.5 if order.seeds else 1.0
+    amplitude_v = order.largest_amplitude_v or scenario.excitation.amplitude_v
+    wish = Wish(order.free, order.budget, _points(scenario, order), amplitude_v, order.largest_mac)
+    check_what_stays(scenario, wish)
     report(0.0, "the scenario as it is")
     prediction = predict(scenario)
     targets = _targets(elastic(prediction), order, scenario)
     now = proposal("as-described", scenario, order.budget, targets, prediction=prediction)
-    wish = Wish(
-        targets,
-        order.free,
-        order.budget,
-        _points(scenario, order),
-        order.largest_amplitude_v or scenario.excitation.amplitude_v,
-        order.largest_mac,
-    )
+    wish = replace(wish, targets=targets)
     plans = best_plans(scenario, wish, lambda fraction, text: report(share * fraction, text))
     full = _with_budget(scenario, wish)
     confirmed = {}
@@ -104,6 +102,11 @@ def _targets(modes: tuple[tuple[str, float], ...], order: Order, scenario: Scena
 
 def _points(scenario: Scenario, order: Order) -> int:
     now = len({node for run in scenario.acquisition.runs for node in run})
+    if "sensors" not in order.free:
+        if order.points not in (None, now):
+            problem = f"is {order.points}, but the runs stay as they are and measure {now}"
+            raise InputError("--points", problem, "add sensors to --free, or leave --points out")
+        return now
     points = order.points or max(now, order.budget.sensors)
     places = len(sensor_places(scenario))
     if points > places:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.planning.fisher import mean_deviation
-from vgvt.planning.system import Seen, System, run_information, systems_of
+from vgvt.planning.system import System, run_information, systems_of
 from vgvt.scenario.model import Scenario
+from vgvt.simulation.fisher import mean_deviation
+from vgvt.simulation.information import Seen
 
 Array = NDArray[np.float64]
 
@@ -101,8 +102,8 @@ def _expected(system: System, seen: Seen) -> Array:
     amplitude = system.layout.scenario.excitation.amplitude_v
     force = np.abs(system.force_per_volt(seen.lines.frequency_hz)) * amplitude
     drive = len(system.layout.grid)
-    moved = np.abs(seen.response[drive]) * force / (2 * np.pi * seen.lines.frequency_hz) ** 2
-    return np.array([(np.abs(seen.response[list(system.sensors)]) * force).max(), force.max(), 1000 * moved.max()])
+    moved = np.abs(seen.response[drive, 0]) * force / (2 * np.pi * seen.lines.frequency_hz) ** 2
+    return np.array([(np.abs(seen.response[list(system.sensors), 0]) * force).max(), force.max(), 1000 * moved.max()])
 
 
 def _loading(system: System, mode: int, frequency_hz: float) -> float:

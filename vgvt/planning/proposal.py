@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from vgvt.planning.budget import AS_DESCRIBED, Budget, Mount
+from vgvt.planning.pairing import named_alike, paired
 from vgvt.planning.prediction import ModePrediction, Prediction, predict
 from vgvt.scenario.model import Scenario
 
 RIGID = frozenset({"fore-aft swing", "sideways swing", "heave", "yaw", "pitch", "roll"})
-_NEAR = 0.1  # of its frequency: a mode without a namesake may be taken for one this near
+_NEAR = 0.1  # of its frequency: so far a target may lie from where it was before the plan changed anything
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,19 +30,15 @@ class Proposal:
     @property
     def modes(self) -> tuple[ModePrediction, ...]:
         """The predictions of the target modes in order; infinite deviations for one that the plan does not sweep."""
-        return tuple(self._mode(label, hz) for label, hz in self.targets)
+        modes = self.prediction.modes
+        alike = named_alike([label for label, _ in self.targets], [mode.label for mode in modes])
+        pairs = paired([hz for _, hz in self.targets], [mode.frequency_hz for mode in modes], _NEAR, alike)
+        return tuple(_missed(*target) if k is None else modes[k] for target, k in zip(self.targets, pairs, strict=True))
 
     @property
     def worst_relative_damping_std(self) -> float:
         """The criterion: std(ζ)/ζ of the worst target mode."""
         return max(mode.relative_damping_std for mode in self.modes)
-
-    def _mode(self, label: str, frequency_hz: float) -> ModePrediction:
-        near = [m for m in self.prediction.modes if abs(m.frequency_hz / frequency_hz - 1) < _NEAR]
-        named = [m for m in near if m.label == label]
-        if named or near:
-            return min(named or near, key=lambda m: abs(m.frequency_hz - frequency_hz))
-        return ModePrediction(label, frequency_hz, 0.01, np.inf, np.inf, np.nan)
 
     def as_dict(self) -> dict[str, Any]:
         """The plan with the keys of the JSON contract."""
@@ -79,6 +76,10 @@ def proposal(
 ) -> Proposal:
     """A scenario as a plan, with its costs and its prediction, made unless it is given."""
     return Proposal(name, scenario, mount, budget.minutes_of(scenario, mount), prediction or predict(scenario), targets)
+
+
+def _missed(label: str, frequency_hz: float) -> ModePrediction:
+    return ModePrediction(label, frequency_hz, 0.01, np.inf, np.inf, np.nan)
 
 
 def elastic(prediction: Prediction) -> tuple[tuple[str, float], ...]:

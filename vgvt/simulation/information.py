@@ -1,105 +1,168 @@
-"""How well a test can know a mode at all: the smallest standard deviation of its frequency.
+"""How well a test can know its modes at all: the Cramér-Rao bound of every frequency and damping ratio.
 
-For one lightly damped mode with s = ζω, measured force of energy density E(f)
-(the squared magnitude of its Fourier transform, N² s²) and responses of peak
-accelerance |H_o| in noise of one-sided density G_o, every unbiased estimate obeys
-std(f) ≥ sqrt(2 s / (E Σ|H_o|²/G_o)) / 2π and std(ζ)/ζ ≥ 2π std(f)/s: the
-Cramér–Rao bound of one mode alone. For a linear chirp of amplitude F0 over Δf in T
-the density is F0² T / (4 Δf). Force noise adds |H_o|² G_f to G_o. E is taken at the mode, where the
-force drops out most, which errs on the side of too large a bound.
+No unbiased estimate scatters less than the square root of the diagonal of the inverse Fisher information. What
+counts as unknown decides what that is. Here it is what any method has to find that is not told the aircraft: poles
+and residues of all modes in the band together, a rest of each response, and those modes outside the band whose
+absence the records would show. Known are the noise's densities and, of several forces, the proportions in which they
+push a mode; the rest answers to as many of them as commands are independent, as repeats tell the others. The force
+is taken as it drops out along each resonance; its noise is in all responses at once.
+
+For one mode alone with s = ζω, in a flat spectrum and noise, it is close to std(f) = sqrt(2 s / (E S)) / 2π with
+S = Σ|H_o|²/G_o, E the energy density of the force (N² s²) and |H_o| the peak accelerance in noise of one-sided
+density G_o; with noise G_f of the force S falls to S / (1 + G_f S). Then std(ζ)/ζ = std(f) / (ζ f).
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import ModalModel
-from vgvt.scenario.instruments import NoiseSpectrum
-from vgvt.signals.noise import interpolated_density
 from vgvt.simulation.assembly import Plan
-from vgvt.simulation.command import sample_times_s, sent_commands
-from vgvt.simulation.rig import GRAVITY_M_PER_S2
+from vgvt.simulation.command import sent_commands
+from vgvt.simulation.fisher import (
+    Forces,
+    Lines,
+    accelerance,
+    deviations,
+    information_of_responses,
+    lines_for,
+    weighted_slopes,
+)
+from vgvt.simulation.force_path import ForcePath
+from vgvt.simulation.noise_floor import force_noise, response_noise
+from vgvt.simulation.shared_noise import shared_information
 from vgvt.simulation.state_space import StateSpace
+from vgvt.simulation.unknowns import unknowns
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Points = NDArray[np.intp] | tuple[int, ...]
+
+_BEYOND = 1.15  # modes as near to the band as this factor may make the responses change within it
+_SAMPLES_PER_CYCLE = 8
+_TOLD_APART = 1e-6  # of their power, that commands must differ by to be more than one
 
 
-def frequency_limit_hz(layout: Plan, run: int, driven: StateSpace, modes: ModalModel) -> Array:
-    """Smallest standard deviation, Hz, shape (M,), of each natural frequency that one run (from 0) allows.
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What a run would see over ``lines``: ``unknown`` are the indices of the modes whose poles it must find.
 
-    Infinite for a mode that the force or every sensor misses, 0 without noise.
+    ``background`` are the powers of s that stand for all other modes; ``forces`` what pushes the modes;
+    ``noise`` (K,) of a response and ``felt`` (K,) of a force, per Hz; ``residues`` (M, D) of all modes at all points
+    for the force that moves each most; ``response`` (D, R, K) the accelerances.
     """
+
+    lines: Lines
+    unknown: NDArray[np.intp]
+    background: tuple[int, ...]
+    forces: Forces
+    noise: Array
+    felt: Array
+    residues: Complex
+    response: Complex
+
+    def information_by_response(self, poles: Complex, together: Points) -> Array:
+        """What each point tells of the unknown ones of ``poles`` (M,), (D, 2 U, 2 U), with ``together`` measured."""
+        weight = _weight(self.noise, self.felt, self.response[list(together)])
+        forces = self.forces.of(self.unknown)
+        gram = weighted_slopes(self.lines, poles[self.unknown], weight, self.background, forces)
+        return information_of_responses(gram, self.residues[self.unknown])
+
+    def information(self, poles: Complex, together: Points) -> Array:
+        """What all of ``together`` tell of the unknown ones of ``poles`` (M,), (2 U, 2 U), without a short cut."""
+        residues = self.residues[self.unknown][:, list(together)]
+        felt = np.sqrt(self.felt) * self.response[list(together)]
+        forces = self.forces.of(self.unknown)
+        return shared_information(
+            self.lines, poles[self.unknown], residues, (self.noise, felt), self.background, forces
+        )
+
+
+def least_deviations(layout: Plan, run: int, driven: StateSpace, modes: ModalModel) -> tuple[Array, Array]:
+    """Least standard deviations of natural frequencies, Hz, and damping ratios, (M,) each, that a run (from 0) allows.
+
+    ``modes`` have residues for the forces that the run measures. Infinite for a mode that the force or every sensor
+    misses, NaN outside the swept band: what force leaks there is the window's, not the test's.
+    """
+    low, high = layout.scenario.excitation.band_hz
+    swept = (modes.natural_frequency_hz >= low) & (modes.natural_frequency_hz <= high)
+    least = np.full((2, len(modes)), np.nan)
+    if swept.any():
+        nodes = {p.dof for p in layout.run_points(run)}
+        sensors = tuple(i for i, dof in enumerate(modes.dofs) if dof in nodes)
+        seen = seen_in_run(layout, run, ForcePath.of(driven), modes, sensors)
+        least[:, seen.unknown] = deviations(modes.poles[seen.unknown], seen.information(modes.poles, sensors))
+        least[:, ~swept] = np.nan
+    return least[0], least[1]
+
+
+def seen_in_run(layout: Plan, run: int, path: ForcePath, modes: ModalModel, sensors: Points) -> Seen:
+    """What a run (from 0) would see of ``modes`` with residues, with ``sensors`` (S,) among their DOFs."""
     if modes.residues is None:
         raise ValueError("modes need residues")
-    omega, decay = np.abs(modes.poles), -modes.poles.real
-    nodes = {p.dof for p in layout.run_points(run)}
-    measured = [i for i, dof in enumerate(modes.dofs) if dof in nodes]
-    strongest, share = _strongest_column(modes.residues[:, measured])
-    peak = np.abs(strongest) * (omega**2 / decay)[:, None]
-    frequency = omega / (2 * np.pi)
-    felt = (np.abs(share) ** 2).sum(axis=1) * force_noise(layout, frequency)
-    noise = response_noise(layout, frequency)[:, None] + peak**2 * felt[:, None]
-    # Several forces push a mode as one, each by its share of the mode's shape.
-    push = np.einsum("mr,mri->mi", share, _force_per_input(driven, omega, share.shape[1]))
-    energy = _input_energy(layout, run, frequency, decay / np.pi, push)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        signal = np.where(peak > 0, peak**2 / noise, 0.0).sum(axis=1) * energy
-        return np.asarray(np.sqrt(2 * decay / signal) / (2 * np.pi))
+    low, high = layout.scenario.excitation.band_hz
+    frequency, poles = modes.natural_frequency_hz, modes.poles
+    lines = lines_for((low, high), poles[(frequency >= low / _BEYOND) & (frequency <= high * _BEYOND)])
+    best, shares = _strongest(modes.residues[:, list(sensors)])
+    residues = modes.residues[np.arange(len(modes)), :, best]
+    # Several inputs whose phases change within a line count as as many forces after each other.
+    products = command_spectra(layout, run, lines)
+    after_each_other = path.per_input(lines.frequency_hz) @ _root(products)
+    spectra = np.concatenate(np.moveaxis(after_each_other, 2, 0)).T
+    commands = np.linalg.matrix_rank(products.sum(axis=0), tol=_TOLD_APART * np.trace(products.sum(axis=0)).real)
+    forces = Forces(spectra, shares, np.linalg.svd(spectra, full_matrices=False)[0][:, :commands].conj().T @ spectra)
+    count = after_each_other.shape[2]
+    lines = Lines(np.tile(lines.frequency_hz, count), np.tile(lines.width_hz, count))
+    f = lines.frequency_hz
+    noise, felt = response_noise(layout, f), force_noise(layout, f)
+    response = np.stack([accelerance(f, poles, modes.residues[:, :, r]) for r in range(shares.shape[1])], axis=1)
+    inside, measured = np.flatnonzero((frequency >= low) & (frequency <= high)), response[list(sensors)]
+    moved = np.einsum("srk,rk->sk", measured, forces.spectra)
+    asked = unknowns(lines, poles, inside, _weight(noise, felt, measured), moved, forces)
+    return Seen(lines, asked.modes, asked.background, forces, noise, felt, residues, response)
 
 
-def _strongest_column(residues: Complex) -> tuple[Complex, Complex]:
-    """Of residues (M, D, R): those of each mode's strongest reference, (M, D), and all references' shares of it."""
-    size = (np.abs(residues) ** 2).sum(axis=1)
-    strongest = residues[np.arange(len(residues)), :, np.argmax(size, axis=1)]
-    power = np.maximum((np.abs(strongest) ** 2).sum(axis=1), np.finfo(float).tiny)
-    return strongest, np.einsum("md,mdr->mr", strongest.conj(), residues) / power[:, None]
-
-
-def _force_per_input(driven: StateSpace, omega: Array, forces: int) -> Complex:
-    """The measured forces for a unit of each input at some frequencies, (omega, forces, inputs)."""
-    identity = np.eye(driven.state_matrix.shape[0])
-    states = [np.linalg.solve(1j * w * identity - driven.state_matrix, driven.inputs) for w in omega]
-    return np.asarray(driven.output_matrix[-forces:] @ np.array(states) + driven.feedthrough_rows[-forces:])
-
-
-def _input_energy(layout: Plan, run: int, frequency_hz: Array, width_hz: Array, push: Complex) -> Array:
-    """Energy density, N² s², of inputs times ``push`` (M, inputs), over each mode's half-power width or four lines."""
-    time = sample_times_s(layout.scenario)
-    rate = layout.scenario.acquisition.sample_rate_hz
-    spectra = np.fft.rfft(sent_commands(layout, run, time), axis=1) / rate
+def command_spectra(layout: Plan, run: int, lines: Lines) -> Complex:
+    """Products U_i U_j* of the inputs' transforms, (unit s)² (K, I, I), averaged over the width of each line."""
+    excitation = layout.scenario.excitation
+    # A hit is shorter than a cycle of the band's end.
+    struck = layout.strike is not None
+    rate = layout.scenario.acquisition.sample_rate_hz if struck else _SAMPLES_PER_CYCLE * excitation.band_hz[1]
+    time = np.arange(round(excitation.record_s * rate) + 1) / rate
+    spectra = np.fft.rfft(sent_commands(layout, run, time)) / rate
     line_hz = rate / time.size
-    half = np.maximum(width_hz / 2, 2 * line_hz)
-    first = np.clip(np.round((frequency_hz - half) / line_hz), 0, spectra.shape[1] - 5).astype(int)
-    last = np.clip(np.round((frequency_hz + half) / line_hz).astype(int) + 1, first + 1, spectra.shape[1])
-    return np.array([(np.abs(p @ spectra[:, a:b]) ** 2).mean() for p, a, b in zip(push, first, last, strict=True)])
+    axis = np.arange(spectra.shape[1] + 1) * line_hz - 0.5 * line_hz
+    # A line is averaged over its own bin at least: below that a record knows nothing.
+    half = np.maximum(lines.width_hz, line_hz) / 2
+    products = np.empty((lines.frequency_hz.size, len(spectra), len(spectra)), dtype=complex)
+    for i, one in enumerate(spectra):
+        for j, other in enumerate(spectra):
+            total = np.concatenate([[0.0], np.cumsum(one * other.conj()) * line_hz])
+            above, below = (np.interp(lines.frequency_hz + h, axis, total) for h in (half, -half))
+            products[:, i, j] = (above - below) / (2 * half)
+    return products
 
 
-def response_noise(layout: Plan, frequency_hz: Array) -> Array:
-    """One-sided power density of an accelerometer channel, (m/s²)²/Hz, shape (M,)."""
-    sensors = layout.scenario.accelerometers
-    volts_per_unit = sensors.sensitivity_v_per_g * sensors.conditioner_gain / GRAVITY_M_PER_S2
-    return _chain_noise(layout, sensors.noise, GRAVITY_M_PER_S2, volts_per_unit, frequency_hz)
+def _root(products: Complex) -> Complex:
+    """Matrices (K, I, I) whose products with their conjugate transposes are Hermitian ones (K, I, I)."""
+    values, vectors = np.linalg.eigh(products)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :])
 
 
-def force_noise(layout: Plan, frequency_hz: Array) -> Array:
-    """One-sided power density of the force channel, N²/Hz, shape (M,)."""
-    transducer, hammer = layout.scenario.transducer, layout.scenario.hammer
-    if layout.strike is not None and hammer is not None:
-        return _chain_noise(layout, hammer.noise, 1.0, hammer.sensitivity_v_per_n, frequency_hz)
-    volts_per_unit = transducer.sensitivity_v_per_n * transducer.conditioner_gain
-    return _chain_noise(layout, transducer.noise, 1.0, volts_per_unit, frequency_hz)
+def _strongest(residues: Complex) -> tuple[NDArray[np.intp], Complex]:
+    """Of residues (M, S, R): the strongest reference of each mode, (M,), and shares (M, R) of all in it."""
+    modes = np.arange(len(residues))
+    best = np.argmax((np.abs(residues) ** 2).sum(axis=1), axis=1)
+    strongest = residues[modes, :, best]
+    power = np.maximum((np.abs(strongest) ** 2).sum(axis=1), np.finfo(float).tiny)
+    shares = np.einsum("md,mdr->mr", strongest.conj(), residues) / power[:, None]
+    shares[modes, best] = 1.0
+    return best, shares
 
 
-def _chain_noise(
-    layout: Plan, spectrum: NoiseSpectrum | None, unit: float, volts_per_unit: float, frequency_hz: Array
-) -> Array:
-    acquisition = layout.scenario.acquisition
-    step_v = 2 * acquisition.range_v / 2**acquisition.bits
-    # Rounding to a step adds step²/12 of variance, spread up to half the sampling rate.
-    rounding = step_v**2 / 6 / acquisition.sample_rate_hz
-    power = np.full(frequency_hz.size, (acquisition.noise_v_per_rthz**2 + rounding) / volts_per_unit**2)
-    if spectrum is not None:
-        power += (unit * interpolated_density(frequency_hz, spectrum.frequency_hz, spectrum.density)) ** 2
-    return power
+def _weight(noise: Array, felt: Array, measured: Complex) -> Array:
+    """4 / G (K,) of a response when all that are measured, (S, R, K), share the noise of the forces."""
+    return np.asarray(4 / (noise + felt * (np.abs(measured) ** 2).sum(axis=(0, 1))))

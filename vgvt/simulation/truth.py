@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vgvt.data import ModalModel, Truth
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig, bare_rig, driven_rig, gauged_rig, plans, rigid_body
-from vgvt.simulation.information import frequency_limit_hz
+from vgvt.simulation.information import least_deviations
 from vgvt.simulation.labels import mode_labels
 from vgvt.simulation.linear import LinearModel, linearise
 from vgvt.simulation.modes import eigenpairs, modal_model
@@ -88,10 +88,7 @@ def _seen_from_the_gauges(
 
 
 def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
-    """The modes as a run's sensors feel them, with the smallest standard deviations that the run allows.
-
-    Outside the swept band there is none to state, NaN: what force leaks there is the window's, not the test's.
-    """
+    """The modes as a run's sensors feel them, with the least standard deviations that the run allows."""
     rig = gauged_rig(layout, run, driven.linear.equilibrium)
     references = range(len(layout.grid), len(layout.points))
     above_kg = 0.0 if layout.strike is not None else mass_above_element_kg(layout)
@@ -99,14 +96,8 @@ def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
     if layout.strike is not None:
         # The truth keeps one reference for all runs, wherever the hammer roves; what it allows to know does not.
         forced = _modes_seen(layout, rig, (*layout.points, layout.strike), [len(layout.points)])
-    low, high = layout.scenario.excitation.band_hz
-    swept = (modes.natural_frequency_hz >= low) & (modes.natural_frequency_hz <= high)
-    limit = np.where(swept, frequency_limit_hz(layout, run, driven, forced), np.nan)
-    return replace(
-        modes,
-        natural_frequency_std_hz=limit,
-        damping_ratio_std=limit / modes.natural_frequency_hz,
-    )
+    std_hz, std_ratio = least_deviations(layout, run, driven, forced)
+    return replace(modes, natural_frequency_std_hz=std_hz, damping_ratio_std=std_ratio)
 
 
 def _coupled(layout: Plan, model: StateSpace) -> ModalModel:

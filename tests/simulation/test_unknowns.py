@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vgvt.planning.fisher import (
+from vgvt.simulation.fisher import (
     BACKGROUND,
     accelerance,
     deviations,
@@ -13,7 +13,7 @@ from vgvt.planning.fisher import (
     lines_for,
     weighted_slopes,
 )
-from vgvt.planning.unknowns import FURTHER_TERMS, Unknowns, unknowns
+from vgvt.simulation.unknowns import FURTHER_TERMS, Unknowns, unknowns
 
 HZ = np.array([0.4, 0.6, 9.0, 14.0, 24.0, 60.0])
 POLES = 2 * np.pi * HZ * (-0.015 + 1j * np.sqrt(1 - 0.015**2))

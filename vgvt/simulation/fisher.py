@@ -5,12 +5,15 @@ the poles of all modes together is the integral of 4 |F|² Re(∂H* ∂H) / G ov
 frequency, less what residues and background of each response can imitate (Schur complement). For one mode
 alone it gives the closed form std(f) = sqrt(2 s / (E |H|² / G)) / 2π; see
 Pintelon and Schoukens, System Identification, 2nd ed., 2012, chapter 9, and for the noise of the measured
-force Sherman and Morrison: information about H falls by 1 + G_f Σ |H_o|² / G_o.
+force Sherman and Morrison: information about H falls by 1 + G_f Σ |H_o|² / G_o. That
+factor is exact where one mode dominates; between close modes it leaves too little: see ``shared_noise``.
+
+Several forces F_r push mode m as one, u_m = Σ_r share_mr F_r, as its residues for them stand in fixed proportions.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +33,26 @@ class Lines:
 
     frequency_hz: Array
     width_hz: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forces:
+    """Transforms of R forces on lines, N s (R, K), and the ``shares`` (M, R) that M modes take in them.
+
+    ``independent`` (P, K) are what acts on the rest of each response: combinations of them, one for each command.
+    """
+
+    spectra: Complex
+    shares: Complex
+    independent: Complex
+
+    def of(self, modes: NDArray[np.intp] | list[int]) -> Forces:
+        """The same forces for some of the modes."""
+        return replace(self, shares=self.shares[modes])
+
+    def pushes(self) -> tuple[Complex, Complex]:
+        """What pushes the modes, and what pushes their conjugates, N s (K, M) each."""
+        return self.spectra.T @ self.shares.T, self.spectra.T @ self.shares.conj().T
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,34 +85,54 @@ def accelerance(frequency_hz: Array, poles: Complex, residues: Complex) -> Compl
     return np.asarray(s**2 * (residues.T @ above + residues.conj().T @ below))
 
 
-def weighted_slopes(lines: Lines, poles: Complex, weight: Array, background: tuple[int, ...] = BACKGROUND) -> Array:
+def weighted_slopes(
+    lines: Lines,
+    poles: Complex,
+    weight: Array,
+    background: tuple[int, ...] = BACKGROUND,
+    forces: Forces | None = None,
+) -> Array:
     """Gram matrix (2 M, 2 M) of the pole slopes, per unit of residue, freed of what residues and background imitate.
 
-    ``weight`` (K,) is 4 |F|² / G on the ``lines``; ``background`` are the powers of s of the rest.
-    Rows: M slopes for the residues' real, M for their imaginary parts.
+    ``weight`` (K,) is 4 |F|² / G on the ``lines``, or 4 / G where ``forces`` of these modes are given; ``background``
+    are the powers of s of the rest. Rows: M slopes for the residues' real, M for their imaginary parts.
     """
+    left, _ = slopes_and_basis(lines, poles, weight, background, forces)
+    return np.asarray(left.T @ left)
+
+
+def slopes_and_basis(
+    lines: Lines, poles: Complex, weight: Array, background: tuple[int, ...], forces: Forces | None = None
+) -> tuple[Array, Array]:
+    """The slopes (2 K, 2 M) behind ``weighted_slopes``, and an orthonormal basis (2 K, C) of what can imitate them."""
     s = 2j * np.pi * lines.frequency_hz[:, None]
     above, below = 1 / (s - poles), 1 / (s - poles.conj())
     root = np.sqrt(weight * lines.width_hz)
-    columns = stacked(np.hstack([mode_columns(lines, poles), background_columns(lines, background)]), root)
-    slopes = stacked(s**2 * _pair(above**2, below**2), root)
+    rest = background_columns(lines, background, forces)
+    columns = stacked(np.hstack([mode_columns(lines, poles, forces), rest]), root)
+    slopes = stacked(s**2 * _pair(above**2, below**2, forces), root)
     size = np.linalg.norm(columns, axis=0)
     basis, _ = np.linalg.qr(columns / np.where(size > 0, size, 1.0))
-    left = slopes - basis @ (basis.T @ slopes)
-    return np.asarray(left.T @ left)
+    return slopes - basis @ (basis.T @ slopes), basis
 
 
 def information_of_responses(gram: Array, residues: Complex) -> Array:
     """What each response tells about the poles: (D, 2 M, 2 M) from ``weighted_slopes`` and residues (M, D)."""
+    each = turned(residues)
+    return np.asarray(np.einsum("oip,ij,ojq->opq", each, gram, each, optimize=True))
+
+
+def turned(residues: Complex) -> Array:
+    """Factors (D, 2 M, 2 M) that turn slopes per unit of residue into slopes by poles, for residues (M, D)."""
     count, responses = residues.shape
-    turned = np.zeros((responses, 2 * count, 2 * count))
+    factors = np.zeros((responses, 2 * count, 2 * count))
     index = np.arange(count)
     # dH/dRe p has the coefficients (a, b) of the residue a + jb, dH/dIm p those of j (a + jb) = -b + ja.
-    turned[:, index, index] = residues.real.T
-    turned[:, count + index, index] = residues.imag.T
-    turned[:, index, count + index] = -residues.imag.T
-    turned[:, count + index, count + index] = residues.real.T
-    return np.asarray(np.einsum("oip,ij,ojq->opq", turned, gram, turned, optimize=True))
+    factors[:, index, index] = residues.real.T
+    factors[:, count + index, index] = residues.imag.T
+    factors[:, index, count + index] = -residues.imag.T
+    factors[:, count + index, count + index] = residues.real.T
+    return factors
 
 
 def deviations(poles: Complex, information: Array) -> tuple[Array, Array]:
@@ -137,21 +180,28 @@ def mean_weights(values: Array, deviation: Array) -> Array:
     return np.asarray(weight / weight.sum())
 
 
-def _pair(above: Complex, below: Complex) -> Complex:
+def _pair(above: Complex, below: Complex, forces: Forces | None) -> Complex:
     """Columns (K, 2 M) for real and imaginary parts of a complex factor of ``above``, its conjugate with ``below``."""
+    if forces is not None:
+        push, conjugate = forces.pushes()
+        above, below = above * push, below * conjugate
     return np.hstack([above + below, 1j * (above - below)])
 
 
-def mode_columns(lines: Lines, poles: Complex) -> Complex:
-    """Accelerances (K, 2 M) of poles (M,), rad/s, with residues 1, then with residues j, on ``lines``."""
+def mode_columns(lines: Lines, poles: Complex, forces: Forces | None = None) -> Complex:
+    """Responses (K, 2 M) of poles (M,), rad/s, with residues 1, then with residues j, on ``lines``.
+
+    Accelerances, or accelerations under the ``forces`` of these modes.
+    """
     s = 2j * np.pi * lines.frequency_hz[:, None]
-    return np.asarray(s**2 * _pair(1 / (s - poles), 1 / (s - poles.conj())))
+    return np.asarray(s**2 * _pair(1 / (s - poles), 1 / (s - poles.conj()), forces))
 
 
-def background_columns(lines: Lines, powers: tuple[int, ...]) -> Complex:
-    """Powers of s on ``lines``, (K, P), with s one in size in the middle."""
+def background_columns(lines: Lines, powers: tuple[int, ...], forces: Forces | None = None) -> Complex:
+    """Powers of s on ``lines``, (K, P), with s one in size in the middle; under each independent one of ``forces``."""
     s = 2j * np.pi * lines.frequency_hz[:, None]
-    return np.asarray((s / np.abs(s[s.size // 2])) ** powers)
+    alone = (s / np.abs(s[s.size // 2])) ** powers
+    return np.asarray(alone if forces is None else np.hstack([alone * f[:, None] for f in forces.independent]))
 
 
 def stacked(columns: Complex, root: Array) -> Array:

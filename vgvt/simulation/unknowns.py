@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.planning.fisher import BACKGROUND, Lines, background_columns, mode_columns, stacked
+from vgvt.simulation.fisher import BACKGROUND, Forces, Lines, background_columns, mode_columns, stacked
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -30,19 +30,32 @@ class Unknowns:
     background: tuple[int, ...]
 
 
-def unknowns(lines: Lines, poles: Complex, inside: NDArray[np.intp], weight: Array, responses: Complex) -> Unknowns:
+def unknowns(
+    lines: Lines,
+    poles: Complex,
+    inside: NDArray[np.intp],
+    weight: Array,
+    responses: Complex,
+    forces: Forces | None = None,
+) -> Unknowns:
     """The modes ``inside`` (I,) the band, and of all others (poles (M,), rad/s) those that a run asks for.
 
-    ``weight`` (K,) is 4 |F|² / G on the ``lines``, ``responses`` (S, K) the accelerances that are measured. One by
-    one, what takes most of the misfit beyond its price is added; a mode has 2 S + 2 unknowns, a power of s has S.
+    ``weight`` (K,) is 4 |F|² / G on the ``lines``, ``responses`` (S, K) the accelerances that are measured; with the
+    ``forces`` of all modes 4 / G, and the accelerations. One by one, what takes most of the misfit beyond its price is
+    added; a mode has 2 S + 2 unknowns, a power of s has S for each force.
     """
     root = np.sqrt(weight * lines.width_hz)
     outside = np.setdiff1d(np.arange(poles.size), inside)
-    blocks = [_unit(stacked(mode_columns(lines, poles[[k]]), root)) for k in outside]
-    blocks.append(_unit(stacked(background_columns(lines, FURTHER_TERMS), root)))
-    prices = np.array([2 * len(responses) + 2] * outside.size + [len(FURTHER_TERMS) * len(responses)])
-    fixed = np.hstack([mode_columns(lines, poles[inside]), background_columns(lines, BACKGROUND)])
-    candidates, misfit = np.array(blocks), stacked(responses.T, root)
+    blocks = [mode_columns(lines, poles[[k]], _of(forces, [k])) for k in outside]
+    further = background_columns(lines, FURTHER_TERMS, forces)
+    # A block for each force; where one asks for them, all get them.
+    blocks += np.split(further, further.shape[1] // len(FURTHER_TERMS), axis=1)
+    prices = np.full(len(blocks), len(FURTHER_TERMS) * len(responses))
+    prices[: outside.size] = 2 * len(responses) + 2
+    known = mode_columns(lines, poles[inside], _of(forces, inside))
+    fixed = np.hstack([known, background_columns(lines, BACKGROUND, forces)])
+    candidates = np.array([_unit(stacked(block, root)) for block in blocks])
+    misfit = stacked(responses.T, root)
     chosen: list[int] = []
     basis = np.linalg.qr(_unit(stacked(fixed, root)))[0]
     while True:
@@ -59,9 +72,13 @@ def unknowns(lines: Lines, poles: Complex, inside: NDArray[np.intp], weight: Arr
             break
         chosen.append(best)
         basis = left[best]
-    more = outside.size in chosen
+    more = max(chosen, default=-1) >= outside.size
     modes = np.union1d(inside, outside[[k for k in chosen if k < outside.size]]).astype(np.intp)
     return Unknowns(modes, (*FURTHER_TERMS, *BACKGROUND) if more else BACKGROUND)
+
+
+def _of(forces: Forces | None, modes: NDArray[np.intp] | list[int]) -> Forces | None:
+    return None if forces is None else forces.of(modes)
 
 
 def _unit(columns: Array) -> Array:

@@ -1,0 +1,79 @@
+"""No plan that is proposed breaks a stated limit; where what stays does so by itself, that is said at once."""
+
+from __future__ import annotations
+
+import pytest
+
+from vgvt.data import InputError
+from vgvt.planning import planner
+from vgvt.planning.budget import Budget
+from vgvt.planning.planner import Order, plan_test
+
+VOLTS = 2.0
+
+
+def order(free: str, minutes: float, sensors: int, **changes) -> Order:
+    fields = {"seeds": 0, "largest_amplitude_v": VOLTS} | changes
+    return Order(Budget(minutes, sensors), frozenset(free.split(",")), **fields)
+
+
+@pytest.mark.parametrize(
+    ("free", "minutes", "sensors"),
+    [
+        ("level", 5.8, 10),
+        ("level,mount", 2, 10),  # clay alone is quick enough
+        ("sweep-time", 5.7, 10),
+        ("sweep-time,mount", 3, 10),
+        ("sensors", 8, 4),
+        ("sensors,level", 5.8, 12),
+        ("sensors,sweep-time", 7, 4),
+        ("band,sweep-time", 5.575, 10),  # 2.5 s: enough for a sweep from 4.9 Hz, not for one from 3 Hz
+        ("sensors,mount,sweep-time", 3.5, 3),
+        pytest.param("shaker,sensors,band,sweep-time,level,mount", 9, 4, marks=pytest.mark.slow),
+    ],
+)
+def test_no_plan_breaks_the_budget(light, free, minutes, sensors) -> None:
+    plans = plan_test(light, order(free, minutes, sensors)).plans
+    assert plans
+    for plan in plans:
+        scenario = plan.scenario
+        assert plan.minutes == pytest.approx(Budget(minutes, sensors).minutes_of(scenario, plan.mount))
+        assert plan.minutes <= minutes * (1 + 1e-9)
+        assert max(len(run) for run in scenario.acquisition.runs) <= sensors
+        assert scenario.excitation.amplitude_v <= VOLTS
+
+
+@pytest.mark.parametrize(
+    ("free", "minutes", "sensors", "changes", "words"),
+    [
+        ("level", 20, 2, {}, ["--sensors", "10 accelerometers at once", "add sensors to --free"]),
+        ("sweep-time,shaker,band", 20, 9, {}, ["--sensors", "--sensors 10"]),
+        ("level", 1, 10, {}, ["--minutes", "1 run and", "take 5.8", "sweep-time, sensors, mount"]),
+        ("sensors", 8, 2, {}, ["--minutes", "5 runs", "--free: sweep-time, mount"]),
+        ("mount,sensors", 1, 10, {}, ["--minutes", "take 1.8", "--free: sweep-time"]),
+        ("level", 20, 10, {"points": 5}, ["--points", "measure 10"]),
+        ("level", 20, 10, {"points": 12}, ["--points", "measure 10"]),
+        ("sweep-time", 20, 10, {"largest_amplitude_v": 0.1}, ["--max-volts", "add level to --free"]),
+    ],
+)
+def test_what_stays_and_breaks_a_limit_is_refused_before_any_work(
+    light, monkeypatch, free, minutes, sensors, changes, words
+) -> None:
+    def work(_scenario):
+        raise AssertionError("nothing is to be computed")
+
+    monkeypatch.setattr(planner, "predict", work)
+    with pytest.raises(InputError) as refusal:
+        plan_test(light, order(free, minutes, sensors, **changes))
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_what_keeps_the_limits_exactly_is_not_refused(light) -> None:
+    minutes = Budget(20, 10).minutes_of(light)
+    assert plan_test(light, order("level", minutes, 10, points=10)).plans
+
+
+def test_minutes_that_leave_no_time_for_a_sweep_are_refused(light) -> None:
+    with pytest.raises(InputError, match=r"--minutes: 1\.2 min leave 0 s"):
+        plan_test(light, order("sweep-time,band,mount", 1.2, 10))

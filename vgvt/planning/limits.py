@@ -1,0 +1,49 @@
+"""What stays as it is may break a limit by itself; that is said before anything is computed."""
+
+from __future__ import annotations
+
+import math
+
+from vgvt.data import InputError
+from vgvt.planning.budget import Mount
+from vgvt.planning.wish import Wish
+from vgvt.scenario.model import Scenario
+
+_SHORTENS = ("sweep-time", "sensors", "mount")  # what may make a test shorter where it is free
+
+
+def check_what_stays(scenario: Scenario, wish: Wish) -> None:
+    """InputError where what is not free breaks a limit, so that no plan could keep it."""
+    at_once = max(len(run) for run in scenario.acquisition.runs)
+    if "sensors" not in wish.free and at_once > wish.budget.sensors:
+        raise InputError(
+            "--sensors",
+            f"is {wish.budget.sensors}, but the runs stay as they are and record {at_once} accelerometers at once",
+            f"add sensors to --free, or write --sensors {at_once}",
+        )
+    amplitude_v = scenario.excitation.amplitude_v
+    if "level" not in wish.free and amplitude_v > wish.largest_amplitude_v:
+        raise InputError(
+            "--max-volts",
+            f"is {wish.largest_amplitude_v:g}, but the command stays as it is and has {amplitude_v:g} V",
+            f"add level to --free, or write --max-volts {amplitude_v:g}",
+        )
+    if "sweep-time" not in wish.free and not any(has_time_for(scenario, wish, mount) for mount in wish.mounts):
+        raise too_long(scenario, wish)
+
+
+def has_time_for(scenario: Scenario, wish: Wish, mount: Mount) -> bool:
+    """Whether a scenario's own sweeps and repeats, in as many runs as a plan has, fit into the minutes."""
+    return wish.minutes_of(scenario, mount) <= wish.budget.minutes * (1 + 1e-9)  # sums of minutes round
+
+
+def too_long(scenario: Scenario, wish: Wish) -> InputError:
+    """The error for sweeps that stay and take more than the minutes: how much more, and what may shorten the test."""
+    least = math.ceil(10 * min(wish.minutes_of(scenario, mount) for mount in wish.mounts) - 1e-6) / 10
+    runs, more = wish.run_count(scenario), ", ".join(word for word in _SHORTENS if word not in wish.free)
+    return InputError(
+        "--minutes",
+        f"is {wish.budget.minutes:g}, but the sweeps stay as they are: {runs} run{'s' if runs > 1 else ''} "
+        f"and setting up take {least:g}",
+        f"write --minutes {least:g}, or add what may shorten the test to --free: {more}",
+    )
