@@ -28,6 +28,7 @@ from vgvt_identifiers.bell_modes import (
 from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.misfit_weights import residues_beside_others
+from vgvt_identifiers.named_dofs import places
 from vgvt_identifiers.non_modes import flag_non_modes
 from vgvt_identifiers.output_spectra import ReferenceMatrix, force_referenced, reference_matrix
 from vgvt_identifiers.sigma_plot import sigma_peaks
@@ -152,7 +153,7 @@ class Cfdd:
             )
         flags = tuple((*m.flags, *_scatter(m, fits)) for m, fits in zip(modes, own, strict=True))
         model = merged_claim(tuple(run_modes), poles="common", flags=flags, advice=remarks)
-        if self.shapes == "singular-vector" and set(model.dofs) == set(matrix.dofs):
+        if self.shapes == "singular-vector":
             model = _with_vectors(model, modes, matrix)
         model = flag_non_modes(campaign, model)
         return model.band(float(spectra.frequency_hz[0]), float(spectra.frequency_hz[-1]))
@@ -204,8 +205,17 @@ def _scatter(mode: BellMode, fits: tuple[FittedBell | None, ...]) -> tuple[str, 
 
 
 def _with_vectors(model: ModalModel, modes: tuple[BellMode, ...], matrix: ReferenceMatrix) -> ModalModel:
-    """The claim with singular vectors as shapes, largest entry 1; they carry no modal mass."""
-    place = [matrix.dofs.index(d) for d in model.dofs]
-    vectors = np.array([m.bell.vector[place] for m in modes])
+    """The claim with singular vectors as shapes, largest entry 1; they carry no modal mass.
+
+    The vectors know the DOFs of the matrix alone: where the claim has others, it stays with a remark.
+    """
+    place = places(matrix.dofs)
+    lost = [str(d) for d in model.dofs if d.unsigned not in place]
+    if lost:
+        why = f"shapes are of residues, not singular vectors: {', '.join(lost)} not measured with every reference"
+        return replace(model, advice=(*model.advice, why))
+    index, signs = zip(*(place[d.unsigned] for d in model.dofs), strict=True)
+    turned = np.array([sign * d.direction.sign for sign, d in zip(signs, model.dofs, strict=True)])
+    vectors = np.array([m.bell.vector[list(index)] for m in modes]) * turned
     largest = vectors[np.arange(len(modes)), np.argmax(np.abs(vectors), axis=1)]
     return replace(model, shapes=vectors / largest[:, None], modal_mass_kg=None)

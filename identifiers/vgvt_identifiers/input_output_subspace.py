@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt_identifiers.stabilisation import PolesAtOrder
+from vgvt_identifiers.too_few import TooFewError
 
 _OVERSAMPLING = 2.56
 _RIDGE = 1e-11  # of a channel's power: round-off of the squared data, far below any sensor's noise
@@ -75,13 +76,13 @@ def observability(run: DecimatedRun, block_rows: int, largest_order: int, weight
     """Observability matrix from the run, with ``block_rows`` rows of past and of future.
 
     ``weighting`` is "cva" (future outputs made white) or "moesp" (none).
-    ValueError when the record is shorter than the rows or they cannot hold the order.
+    TooFewError when the record is shorter than the rows or they cannot hold the order.
     """
     responses = run.responses
     if run.samples.shape[1] < 4 * block_rows * (1 + responses):
-        raise ValueError(f"{run.samples.shape[1]} samples are too few for {block_rows} block rows")
+        raise TooFewError(f"{run.samples.shape[1]} samples are too few for {block_rows} block rows")
     if responses * (block_rows - 1) < largest_order:
-        raise ValueError(f"{block_rows} block rows of {responses} responses cannot hold order {largest_order}")
+        raise TooFewError(f"{block_rows} block rows of {responses} responses cannot hold order {largest_order}")
     gram = hankel_gram(run.samples, 2 * block_rows)
     past, future = np.arange(block_rows), np.arange(block_rows, 2 * block_rows)
     place = np.arange(2 * block_rows * (1 + responses)).reshape(2 * block_rows, 1 + responses)

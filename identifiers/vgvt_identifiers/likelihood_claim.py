@@ -13,7 +13,7 @@ from vgvt_identifiers.campaign_fit import CampaignFit, poles_of_runs
 from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.pole_covariance import pole_covariance, pole_deviations
-from vgvt_identifiers.pole_fit import PoleProblem, fit_poles
+from vgvt_identifiers.pole_fit import fit_poles
 from vgvt_identifiers.pole_verdict import wrong_at_the_drive_point
 from vgvt_identifiers.spectra import CampaignSpectra
 
@@ -56,8 +56,8 @@ def _chosen(modes: RunModes, index: NDArray[np.intp]) -> RunModes:
 
 
 def _common_poles(spectra: CampaignSpectra, fit: CampaignFit) -> tuple[RunModes, ...]:
-    """All runs fitted together with the same poles."""
-    problem = PoleProblem(spectra.frequency_hz, tuple(r for p in fit.problems for r in p.rows))
+    """All runs fitted together with the same poles, and as many terms for the modes beyond the band as the fit has."""
+    problem = replace(fit.problems[0], rows=tuple(r for p in fit.problems for r in p.rows))
     state = fit_poles(problem, fit.states.poles)
     covariance = pole_covariance(problem, state, fit.noise, tuple(r.force for r in spectra.runs))
     std_hz, std_ratio = pole_deviations(state.poles, covariance)

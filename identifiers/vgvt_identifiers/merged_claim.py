@@ -16,6 +16,8 @@ from vgvt.data import Dof, ModalModel, Outcome
 from vgvt_identifiers.common_modes import RunModes, common_modes
 from vgvt_identifiers.joint_poles import joint_parameters
 from vgvt_identifiers.modal_scaling import scaled_shapes
+from vgvt_identifiers.named_dofs import named_once, places
+from vgvt_identifiers.reciprocity import with_driven_points
 from vgvt_identifiers.weighted_mean import weighted_mean
 
 __all__ = ["MergedPole", "RunModes", "merged_claim", "merged_pole"]
@@ -51,6 +53,8 @@ def merged_claim(
     ``fewest_runs`` runs are left out. With ``poles`` common every run must list
     the same poles in the same order, estimated together: nothing is averaged. ``groups`` (M, runs), where
     known, give each mode's index in every run, -1 where it lacks it, in the order of their ``flags``.
+    DOFs and references along opposite directions are the same, named as first seen. Where more DOFs were driven than
+    measured the shapes cover those too.
     """
     known = tuple(m for m in run_modes if m.poles.size)
     if not known:
@@ -68,13 +72,13 @@ def merged_claim(
     order = np.argsort([p.natural_frequency_hz for p in merged], kind="stable")
     merged, groups = [merged[i] for i in order], groups[order]
     own = [flags[i] for i in order] if flags else [()] * len(merged)
-    dofs, references = _dofs(known), tuple(dict.fromkeys(m.reference for m in known))
+    dofs, references = _dofs(known), named_once(m.reference for m in known)
     omega = np.array([2 * np.pi * p.natural_frequency_hz for p in merged])
     damped = omega * np.sqrt(1 - np.minimum(np.array([p.damping_ratio for p in merged]), 1) ** 2)
     shapes, mass, residues, partial = scaled_shapes(
         *_residue_table(known, groups, dofs, references), damped, dofs, references
     )
-    return ModalModel(
+    model = ModalModel(
         natural_frequency_hz=omega / (2 * np.pi),
         damping_ratio=np.array([p.damping_ratio for p in merged]),
         shapes=shapes,
@@ -90,6 +94,7 @@ def merged_claim(
         ),
         advice=advice,
     )
+    return with_driven_points(model)
 
 
 def merged_poles(run_modes: tuple[RunModes, ...], groups: NDArray[np.intp]) -> list[MergedPole]:
@@ -138,27 +143,25 @@ def _first_pole(modes: RunModes, which: int) -> MergedPole:
 
 
 def _dofs(run_modes: tuple[RunModes, ...]) -> tuple[Dof, ...]:
-    """Every response DOF once, named as first seen whatever its sign, in order of run number."""
-    first: dict[Dof, Dof] = {}
-    for modes in run_modes:
-        for dof in modes.responses:
-            first.setdefault(dof.unsigned, dof)
-    return tuple(first.values())
+    """Every response DOF once, in the order in which the runs are listed."""
+    return named_once(dof for modes in run_modes for dof in modes.responses)
 
 
 def _residue_table(
     run_modes: tuple[RunModes, ...], groups: NDArray[np.intp], dofs: tuple[Dof, ...], references: tuple[Dof, ...]
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Mean residues (M, D, R) of what was measured more than once, and how often each was, (M, D, R)."""
-    place = {dof.unsigned: (i, dof.direction.sign) for i, dof in enumerate(dofs)}
+    place, driven = places(dofs), places(references)
     total = np.zeros((len(groups), len(dofs), len(references)), complex)
     count = np.zeros(total.shape)
     for run, modes in enumerate(run_modes):
-        column = references.index(modes.reference)
+        column, turned = driven[modes.reference.unsigned]
+        turned *= modes.reference.direction.sign
         for row, dof in enumerate(modes.responses):
             where, sign = place[dof.unsigned]
+            sign *= turned * dof.direction.sign
             for mode, member in enumerate(groups[:, run]):
                 if member >= 0:
-                    total[mode, where, column] += modes.residues[member, row] * (sign * dof.direction.sign)
+                    total[mode, where, column] += modes.residues[member, row] * sign
                     count[mode, where, column] += 1
     return np.asarray(total / np.maximum(count, 1)), count

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Dof
+from vgvt_identifiers.named_dofs import places
 
 _ROUNDS = 50
 
@@ -40,7 +41,7 @@ def scaled_shapes(
         partial[mode] = not known.all()
         largest = shape[np.argmax(np.abs(shape))]
         shapes[mode] = shape / (largest if largest != 0 else 1)
-        masses[mode] = _modal_mass(shapes[mode], share * largest, damped_rad_s[mode], dofs, references)
+        masses[mode] = modal_mass(shapes[mode], share * largest, damped_rad_s[mode], dofs, references)
     return shapes, masses, complete, partial
 
 
@@ -73,15 +74,18 @@ def _divided(above: NDArray[np.complex128], below: NDArray[np.float64]) -> NDArr
     return np.asarray(np.divide(above, below, out=np.zeros_like(above), where=below > 0))
 
 
-def _modal_mass(
+def modal_mass(
     shape: NDArray[np.complex128],
     participation: NDArray[np.complex128],
     damped_rad_s: float,
     dofs: tuple[Dof, ...],
     references: tuple[Dof, ...],
 ) -> float:
-    """Modal mass for this scale of the shape, from the drive point that moves most; NaN without one."""
-    place = {dof.unsigned: (i, dof.direction.sign) for i, dof in enumerate(dofs)}
+    """Modal mass in kg of a shape (D,) with participations (R,) at its scale, R_dr = shape_d participation_r.
+
+    It comes from the drive point that moves most; NaN without one.
+    """
+    place = places(dofs)
     drives = [
         (shape[place[r.unsigned][0]] * place[r.unsigned][1] * r.direction.sign, participation[k])
         for k, r in enumerate(references)

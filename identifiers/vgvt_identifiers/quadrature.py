@@ -14,10 +14,11 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, Dof, InputError, ModalModel, Outcome
+from vgvt.data import Campaign, InputError, ModalModel, Outcome
 from vgvt.identification import Needs
 from vgvt_identifiers.mode_fit import FitOptions, FittedMode, fit_modes
 from vgvt_identifiers.non_modes import flag_non_modes
+from vgvt_identifiers.quadrature_shapes import quadrature_shapes
 from vgvt_identifiers.sigma_plot import sigma_peaks
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, campaign_spectra
 from vgvt_identifiers.stahle_forlifer import participation_matrix, separate_quadratures
@@ -138,40 +139,22 @@ class Quadrature:
                 quadrature = separate_quadratures(quadrature, share)
             else:
                 remarks = (*remarks, f"modes too close for the Stahle-Forlifer correction (condition {condition:.1e})")
-        shapes, dofs = _merged(spectra, quadrature)
-        remarks = (*remarks, *_moved_modes(spectra, frequency, quadrature))
+        found = quadrature_shapes(spectra.runs, quadrature)
+        remarks = (*remarks, *_moved_modes(spectra, frequency, quadrature), *found.remarks)
         return ModalModel(
             natural_frequency_hz=frequency,
             damping_ratio=damping,
-            shapes=shapes.astype(complex),
-            dofs=dofs,
+            shapes=found.shapes.astype(complex),
+            dofs=found.dofs,
             natural_frequency_std_hz=np.array([m.natural_frequency_std_hz for m in modes]),
             damping_ratio_std=np.array([m.damping_ratio_std for m in modes]),
-            flags=tuple(m.flags for m in modes),
+            flags=tuple(
+                (*m.flags, *(("shape_incomplete",) if cut else ()))
+                for m, cut in zip(modes, found.incomplete, strict=True)
+            ),
             outcome=Outcome.FOUND,
             advice=remarks,
         )
-
-
-def _merged(spectra: CampaignSpectra, rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[Dof, ...]]:
-    """Shapes (M, D), largest component 1, from the rows (M, all responses of all runs).
-
-    A DOF measured in several runs is averaged. With several drive points a mode
-    takes the one that excites it best, as amplitudes of different drive points do not compare.
-    """
-    where = [(d, r.reference) for r in spectra.runs for d in r.responses]
-    dofs = spectra.responses
-    references = tuple(dict.fromkeys(r for _, r in where))
-    table = np.zeros((len(references), rows.shape[0], len(dofs)))
-    count = np.zeros((len(references), 1, len(dofs)))
-    for column, (dof, reference) in enumerate(where):
-        table[references.index(reference), :, dofs.index(dof)] += rows[:, column]
-        count[references.index(reference), :, dofs.index(dof)] += 1
-    table = table / np.maximum(count, 1)
-    best = np.argmax((table**2).sum(axis=2), axis=0)
-    shapes = table[best, np.arange(rows.shape[0])]
-    largest = shapes[np.arange(rows.shape[0]), np.argmax(np.abs(shapes), axis=1)]
-    return np.asarray(shapes / np.where(largest == 0, 1, largest)[:, None]), dofs
 
 
 def _moved_modes(spectra: CampaignSpectra, frequency_hz: NDArray[np.float64], rows: NDArray[np.float64]) -> list[str]:

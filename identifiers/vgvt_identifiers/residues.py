@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt_identifiers.spectra import RunSpectra
+from vgvt_identifiers.too_few import TooFewError
 from vgvt_identifiers.weighted_rows import solve_rows
 
 _TRANSIENT_POLYNOMIALS = 2
@@ -57,7 +58,7 @@ def fit_residues(
     ``variance`` (R, K) is E|error|^2 of the ratios, that of the run if left out;
     standard deviations are scaled by the misfit, never down. ``lower_terms`` and
     ``upper_terms`` (0 to 3) are the real terms for modes outside the band.
-    Lines without force are left out. ValueError for fewer equations than unknowns.
+    Lines without force are left out. TooFewError for fewer equations than unknowns.
     """
     poles = np.asarray(poles_rad_s, dtype=np.complex128)
     smooth = _smooth_columns(frequency_hz, poles, lower_terms, upper_terms)
@@ -67,7 +68,7 @@ def fit_residues(
     leaked = _transient_columns(frequency_hz, run.force, poles) if rings else np.empty((alive.size, 0), complex)
     design = np.hstack([smooth, leaked])
     if 2 * int(alive.sum()) <= design.shape[1]:
-        raise ValueError(f"{int(alive.sum())} lines cannot hold {design.shape[1]} real unknowns a response")
+        raise TooFewError(f"{int(alive.sum())} lines cannot hold {design.shape[1]} real unknowns a response")
     solved = solve_rows(design, run.accelerance, np.where(alive, noise, np.inf))
     found, count = solved.coefficients, poles.size
     # Columns are scaled to size one at the pole: a receptance residue is 1/|p|^2 of them.

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import ChannelRole, Quantity, Record
+from vgvt.data import ChannelRole, Dof, Quantity, Record
 from vgvt.signals.usable import fault_of
 from vgvt_identifiers.fraction_poles import ModePoles
 from vgvt_identifiers.input_output_subspace import DecimatedRun, decimated, observability
@@ -48,12 +49,16 @@ def stable_poles(run: DecimatedRun, band_hz: tuple[float, float], options: Subsp
 
 
 def deviations(
-    run: DecimatedRun, noise_power: NDArray[np.float64], stable: Stabilisation, options: SubspaceOptions, number: int
+    run: DecimatedRun,
+    noise_power: NDArray[np.float64],
+    stable: Stabilisation,
+    options: SubspaceOptions,
+    spectra: RunSpectra,
 ) -> ModePoles:
     """Poles of the modes with their standard deviations; ``noise_power`` (R, L) is E|N|^2 of the responses' spectra.
 
-    Noise as large as that of the record is added once more, with draws from
-    ``seed`` and the run's ``number``: how far a pole then moves is how far the
+    Noise as large as that of the record is added once more, with draws from ``seed`` for every run and DOF of
+    ``spectra``, so that the order of the channels says nothing: how far a pole then moves is how far the
     first noise moved it, as long as that is little. The spread over orders counts too.
     """
     modes = stable.modes
@@ -62,9 +67,9 @@ def deviations(
     moved = np.zeros((options.replicates, poles.size, 2))
     orders = [int(stable.orders[c.representative]) for c in modes]
     rows = _block_rows(run, options)
-    generator = np.random.default_rng([options.seed, number])
+    streams = _Streams.of(options.seed, spectra)
     for replicate in range(options.replicates if poles.size else 0):
-        noisy = replace(run, samples=run.samples + _noise(run, noise_power, generator))
+        noisy = replace(run, samples=run.samples + _noise(run, noise_power, streams))
         table = observability(noisy, rows, max(orders), options.weighting).poles(tuple(orders))
         for mode, found in enumerate(table):
             moved[replicate, mode] = _move(poles[mode], found.poles_rad_s)
@@ -100,10 +105,33 @@ def _sound(record: Record, channel: int) -> bool:
     return fault_of(record.samples[channel], record.sample_rate_hz) is None
 
 
-def _noise(run: DecimatedRun, power: NDArray[np.float64], generator: np.random.Generator) -> NDArray[np.float64]:
+@dataclass(frozen=True, slots=True)
+class _Streams:
+    """Random numbers of every response of a run, and the signs of their DOFs, with which noise turns round as well."""
+
+    generators: tuple[np.random.Generator, ...]
+    signs: tuple[int, ...]
+
+    @classmethod
+    def of(cls, seed: int, spectra: RunSpectra) -> _Streams:
+        """Fresh streams, known by run and DOF alone; a second sensor at one DOF has its own."""
+        seen: Counter[Dof] = Counter()
+        generators = []
+        for dof in spectra.responses:
+            key = [seed, spectra.run, dof.node, int(dof.unsigned.direction), seen[dof.unsigned]]
+            generators.append(np.random.default_rng(key))
+            seen[dof.unsigned] += 1
+        return cls(tuple(generators), tuple(d.direction.sign for d in spectra.responses))
+
+    def draw(self, count: int) -> NDArray[np.complex128]:
+        """The next complex numbers (R, count), real and imaginary parts standard normal."""
+        parts = [sign * g.standard_normal((2, count)) for g, sign in zip(self.generators, self.signs, strict=True)]
+        return np.asarray([real + 1j * imaginary for real, imaginary in parts])
+
+
+def _noise(run: DecimatedRun, power: NDArray[np.float64], streams: _Streams) -> NDArray[np.float64]:
     """One draw of the noise of the responses (1 + R, N), none on the force."""
-    draws = generator.standard_normal((2, *power.shape))
-    spectrum = np.sqrt(power / 2) * (draws[0] + 1j * draws[1])
+    spectrum = np.sqrt(power / 2) * streams.draw(power.shape[1])
     noise = np.fft.irfft(spectrum, run.samples.shape[1], axis=1)
     return np.vstack([np.zeros(noise.shape[1]), noise / run.scale[1:, None]])
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, InputError, ModalModel, Outcome, PoleCandidate
+from vgvt.data import Campaign, ChannelRole, InputError, ModalModel, Outcome, PoleCandidate
 from vgvt.identification import Needs
 from vgvt_identifiers.common_modes import RunModes, common_modes
 from vgvt_identifiers.fraction_poles import ModePoles
@@ -20,6 +20,7 @@ from vgvt_identifiers.run_poles import SubspaceOptions, deviations, noise_power,
 from vgvt_identifiers.significant import significant
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, campaign_spectra
 from vgvt_identifiers.stabilisation import Criteria, Stabilisation
+from vgvt_identifiers.too_few import TooFewError
 
 _CITATION = """\
 @article{verhaegen1994identification,
@@ -83,6 +84,11 @@ class Subspace:
 
     def identify(self, campaign: Campaign, band_hz: tuple[float, float]) -> ModalModel:
         """The stable poles of the runs inside ``band_hz``, merged, with residues; every pole's fate as candidates."""
+        together = [r.run for r in campaign.runs if len(r.select(ChannelRole.REFERENCE)[0]) > 1]
+        if together:
+            runs = ", ".join(map(str, together))
+            why = f"several forces were measured at once in run {runs}, and this method takes one: use 'auto'"
+            return ModalModel.empty(Outcome.DECLINED, (why,))
         spectra = campaign_spectra(campaign, band_hz)
         remarks = spectra.remarks
         if not spectra.runs:
@@ -93,7 +99,7 @@ class Subspace:
             return ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
         try:
             found = [self._of_run(campaign, spectra, i, band_hz) for i in range(len(spectra.runs))]
-        except ValueError as error:
+        except TooFewError as error:
             return ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, str(error)), dofs=spectra.responses)
         any_mode = any(f.modes.poles.size for f in found)
         groups = common_modes(tuple(f.modes for f in found)) if any_mode else np.empty((0, len(found)), dtype=int)
@@ -118,7 +124,7 @@ class Subspace:
         stable = stable_poles(samples, band_hz, options)
         stable, residues = significant(spectra.frequency_hz, (run,), stable, transient=True)
         noise = noise_power(record, samples, run, spectra.frequency_hz)
-        poles = deviations(samples, noise, stable, options, run.run)
+        poles = deviations(samples, noise, stable, options, run)
         modes = RunModes(
             run.run,
             run.reference,

@@ -45,6 +45,17 @@ class ReadsTheTruth(_Plugin):
 
 
 @dataclass(frozen=True)
+class FailsFirst(_Plugin):
+    """Gives up before the import that would tell on it."""
+
+    def identify(self, campaign: Campaign, band_hz: tuple[float, float]) -> ModalModel:
+        """Fails, and would load what knows the truth."""
+        if campaign.runs:
+            raise ArithmeticError("not today")
+        return ReadsTheTruth().identify(campaign, band_hz)
+
+
+@dataclass(frozen=True)
 class ChangesItsInput(_Plugin):
     """Removes the mean of the records in place."""
 
@@ -195,6 +206,13 @@ def test_a_plugin_that_imports_the_truth_at_once_is_caught(tmp_path: Path, monke
             check(greedy._Plugin())
     finally:
         sys.modules.pop("greedy_plugin", None)
+
+
+def test_a_plugin_that_fails_before_it_is_seen_whole_has_not_passed() -> None:
+    """What it would have loaded after the failure nobody knows."""
+    check = next(c for c in checks() if str(c) == "imports_nothing_that_knows_the_truth")
+    with pytest.raises(RuntimeError, match=r"fails in a process of its own.*not today"):
+        check(FailsFirst())
 
 
 def test_checks_have_names_and_say_what_they_hold() -> None:

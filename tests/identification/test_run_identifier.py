@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
-from vgvt.data import Campaign, InputError, ModalModel, Outcome
+from vgvt.data import Campaign, Dof, InputError, ModalModel, Outcome
 from vgvt.identification import ContractError, Needs, bibliography, bibtex_entries, run_identifier
 from vgvt.identification.conformance import without_force
 from vgvt.identification.example import Example
@@ -92,6 +92,39 @@ def test_an_empty_claim_needs_a_reason(campaign: Campaign) -> None:
 def test_a_frequency_that_is_not_finite_breaks_the_contract(campaign: Campaign) -> None:
     with pytest.raises(ContractError, match="not finite"):
         run_identifier(Fixed((float("nan"),)), campaign)
+
+
+@dataclass(frozen=True)
+class Wrong(Fixed):
+    """Claims one mode with some of its values changed."""
+
+    changes: tuple[tuple[str, object], ...] = ()
+
+    def identify(self, campaign: Campaign, band_hz: tuple[float, float]) -> ModalModel:
+        """The claim as set, changed."""
+        return replace(super().identify(campaign, band_hz), **dict(self.changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"damping_ratio": np.array([1.0])}, "does not swing"),
+        ({"damping_ratio": np.array([-1.5])}, "does not swing"),
+        ({"natural_frequency_std_hz": np.array([-0.1])}, "below zero"),
+        ({"damping_ratio_std": np.array([-0.1])}, "below zero"),
+        ({"dofs": (Dof.from_label("1+Z"), Dof.from_label("1-Z")), "shapes": np.ones((1, 2), complex)}, "DOF twice"),
+    ],
+)
+def test_values_that_no_claim_file_may_hold_break_the_contract(
+    campaign: Campaign, changes: dict[str, object], words: str
+) -> None:
+    with pytest.raises(ContractError, match=words):
+        run_identifier(Wrong((10.0,), changes=tuple(changes.items())), campaign)
+
+
+def test_a_mode_without_deviations_is_a_claim(campaign: Campaign) -> None:
+    unknown = (("natural_frequency_std_hz", np.array([np.nan])), ("damping_ratio", np.array([-0.01])))
+    assert len(run_identifier(Wrong((10.0,), changes=unknown), campaign)) == 1
 
 
 def test_the_bibliography_holds_every_key_once() -> None:

@@ -56,6 +56,20 @@ def test_common_poles_and_poles_of_runs_agree_when_nothing_moves() -> None:
     assert all("seen_in=2/2" in flags for flags in own.flags)
 
 
+@pytest.mark.parametrize("method", [Auto(poles="common"), MaximumLikelihood(poles="common")], ids=lambda m: m.name)
+def test_common_poles_keep_the_terms_that_a_mode_below_the_band_asks_for(method: Auto | MaximumLikelihood) -> None:
+    """A mode at 1.2 Hz under a band from 4 Hz and little noise: with fewer terms the last mode is 7 deviations off."""
+    example = Example(
+        (1.2, 6.3, 13.7, 20.9), (0.03, 0.012, 0.009, 0.007), stations=2, noise_m_s2=0.002, sample_rate_hz=128.0,
+        band_hz=(1.0, 30.0),
+    )  # fmt: skip
+    model, true = run_identifier(method, example.campaign(), (4.0, 30.0)), example.modes().band(4.0, 30.0)
+    assert len(model) == len(true)
+    assert model.natural_frequency_std_hz is not None and model.damping_ratio_std is not None
+    assert (np.abs(model.natural_frequency_hz - true.natural_frequency_hz) < 4 * model.natural_frequency_std_hz).all()
+    assert (np.abs(model.damping_ratio - true.damping_ratio) < 4 * model.damping_ratio_std).all()
+
+
 def test_every_pole_has_a_fate_and_a_reason() -> None:
     model = run_identifier(Auto(), Example(stations=2, noise_m_s2=0.2).campaign())
     assert sum(c.kept for c in model.candidates) >= len(model)

@@ -173,6 +173,22 @@ def test_a_sensor_that_is_turned_round_between_runs_keeps_its_sign() -> None:
     np.testing.assert_allclose(np.diag(modal_assurance(model.shapes, SHAPES[:, :4])), 1.0)
 
 
+def test_a_shaker_that_is_turned_round_between_runs_is_one_reference() -> None:
+    """Residues for a force along 1-Z, and one sensor along 3-Z: every sign is undone."""
+    upright, turned = run_modes(1, (1, 2)), run_modes(2, (3, 4))
+    down = Dof(3, Direction.MINUS_Z)
+    turned = replace(
+        turned,
+        reference=Dof(1, Direction.MINUS_Z),
+        responses=(down, turned.responses[1]),
+        residues=-turned.residues * [-1, 1],
+    )
+    model = merged_claim((upright, turned))
+    assert model.references == (DRIVE,)
+    assert not any("shape_incomplete" in flags for flags in model.flags)
+    np.testing.assert_allclose(np.diag(modal_assurance(model.shapes, SHAPES[:, :4] * [1, 1, -1, 1])), 1.0)
+
+
 def test_common_poles_are_taken_as_they_are() -> None:
     runs = tuple(run_modes(i + 1, (2 * i + 1, 2 * i + 2)) for i in range(4))
     model = merged_claim(runs, poles="common", flags=(("a",), ("b",), ("c",), ("d",)))

@@ -191,6 +191,24 @@ def test_no_sound_force_at_all_declines() -> None:
     assert any("force" in text for text in model.advice)
 
 
+def test_drive_points_that_share_no_sensor_leave_the_shape_incomplete() -> None:
+    """The shaker moves to the first sensor for half of the runs: amplitudes of the two halves do not compare."""
+    example = replace(of_damping(0.01), noise_m_s2=0.0, force_noise_n=0.0)
+    campaign, moved = example.campaign(), example._accelerations(example._force(), example._gains(0))
+    runs = list(campaign.runs)
+    for station in (2, 3):
+        record = runs[station]
+        reference = replace(record.channels[0], dof=example.dofs[0])
+        samples = np.vstack([record.samples[:1], moved[2 * station : 2 * station + 2]])
+        runs[station] = replace(record, channels=(reference, *record.channels[1:]), samples=samples)
+    model = run_identifier(Quadrature(), replace(campaign, runs=tuple(runs)))
+    assert len(model) == 4
+    assert all("shape_incomplete" in flags for flags in model.flags)
+    assert ((model.shapes == 0).sum(axis=1) == 4).all()
+    whole = run_identifier(Quadrature(), campaign)
+    assert not any("shape_incomplete" in flags for flags in whole.flags)
+
+
 @pytest.mark.parametrize(
     "setting", [{"prominence_db": -1.0}, {"false_alarm": 0.0}, {"background_terms": 0}, {"correction": "maybe"}]
 )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, Quantity, Record
+from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, Outcome, Quantity, Record
 from vgvt.identification import make_identifier, run_identifier
 
 RATE, BLOCK_S, BLOCKS = 128.0, 16.0, 10
@@ -62,6 +62,12 @@ def test_residues_are_those_of_the_system(name: str) -> None:
     assert claim.residues is not None
     for found, wanted in zip(claim.residues, exact, strict=True):
         assert abs(np.vdot(wanted, found)) / np.vdot(wanted, wanted).real == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_method_for_one_force_declines_several_and_names_another() -> None:
+    claim = run_identifier(make_identifier("subspace"), campaign())
+    assert claim.outcome is Outcome.DECLINED
+    assert any("several forces" in line and "run 1" in line and "'auto'" in line for line in claim.advice)
 
 
 def test_one_record_without_averages_says_why() -> None:

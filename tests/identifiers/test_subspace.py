@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vgvt.data import InputError, Outcome, modal_assurance
+from vgvt.data import Direction, Dof, InputError, Outcome, Record, modal_assurance
 from vgvt.identification import run_identifier
 from vgvt.identification.example import Example
 from vgvt_identifiers.input_output_subspace import DecimatedRun, decimated, hankel_gram, observability
@@ -104,6 +104,34 @@ def test_a_record_too_short_for_the_rows_is_a_reason_and_no_crash() -> None:
     model = run_identifier(Subspace(block_rows=300), campaign)
     assert model.outcome is Outcome.NOTHING_FOUND
     assert any("too few" in text for text in model.advice)
+
+
+def test_a_mistake_in_the_program_is_no_advice(monkeypatch: pytest.MonkeyPatch) -> None:
+    def mistaken(*_: object) -> DecimatedRun:
+        raise ValueError("operands could not be broadcast together")
+
+    monkeypatch.setattr("vgvt_identifiers.subspace.prepared", mistaken)
+    with pytest.raises(ValueError, match="broadcast"):
+        run_identifier(Subspace(), Example(stations=2).campaign())
+
+
+def test_channels_in_another_order_or_turned_round_change_nothing() -> None:
+    """Frequencies and their deviations too, which come from drawn noise, far below one deviation."""
+    whole = Example(noise_m_s2=0.02, sample_rate_hz=96.0, band_hz=(3.0, 30.0), stations=2).campaign()
+
+    def changed(record: Record) -> Record:
+        force, first, second = record.channels
+        assert first.dof is not None
+        turned = replace(first, dof=Dof(first.dof.node, Direction.MINUS_Z))
+        return replace(record, channels=(force, second, turned), samples=record.samples[[0, 2, 1]] * [[1], [1], [-1]])
+
+    method = Subspace(replicates=2)
+    plain = run_identifier(method, whole)
+    other = run_identifier(method, replace(whole, runs=tuple(map(changed, whole.runs))))
+    assert plain.natural_frequency_std_hz is not None and other.natural_frequency_std_hz is not None
+    np.testing.assert_allclose(other.natural_frequency_std_hz, plain.natural_frequency_std_hz, rtol=1e-3)
+    gap = np.abs(other.natural_frequency_hz - plain.natural_frequency_hz)
+    assert (gap < 1e-3 * plain.natural_frequency_std_hz).all()
 
 
 def test_settings_out_of_range_are_refused() -> None:

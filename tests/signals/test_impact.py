@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vgvt.data import Dof, InputError, ModalModel
+from vgvt.data import Dof, InputError, ModalModel, PoleCandidate, Quantity
 from vgvt.signals import ImpactWindows, estimate_frf, impact_train, impact_windows, without_window_damping
 
 Array = NDArray[np.float64]
@@ -89,6 +89,58 @@ def test_the_added_damping_can_be_taken_back() -> None:
     np.testing.assert_allclose(again.natural_frequency_hz, true.natural_frequency_hz, rtol=1e-12)
     np.testing.assert_allclose(again.damping_ratio, true.damping_ratio, rtol=1e-9)
     assert (without_window_damping(true, 100.0).damping_ratio == 0).all()
+
+
+def test_close_modes_that_change_their_order_keep_their_own() -> None:
+    """The more damped one falls behind as the window's damping goes; everything of it goes along."""
+    seen = ModalModel(
+        np.array([8.0, 8.0005]), np.array([0.02, 0.03]), np.array([[1.0, 0.5], [-0.2, 1.0]], complex),
+        (Dof.from_label("1+Z"), Dof.from_label("2+Z")), modal_mass_kg=np.array([1.0, 9.0]), flags=(("a",), ("b",)),
+        candidates=(PoleCandidate(8.0, 0.02, 4, True, "kept"),),
+    )  # fmt: skip
+    again = without_window_damping(seen, 0.9)
+    true = seen.poles + 0.9
+    np.testing.assert_allclose(again.poles, true[::-1], rtol=1e-12)
+    np.testing.assert_array_equal(again.shapes, seen.shapes[::-1])
+    assert again.flags == (("b",), ("a",)) and again.modal_mass_kg is not None and again.modal_mass_kg[0] > 5
+    assert again.candidates[0].frequency_hz == pytest.approx(abs(true[0]) / (2 * np.pi), rel=1e-12)
+    assert again.candidates[0].damping_ratio == pytest.approx(-true[0].real / abs(true[0]), rel=1e-12)
+
+
+@pytest.mark.parametrize("measured", [Quantity.ACCELERATION, Quantity.VELOCITY, Quantity.DISPLACEMENT])
+def test_residues_read_through_the_window_are_taken_back(measured: Quantity) -> None:
+    """What a window leaves, s + 1/τ in place of s, is known in closed form; its residue is read off beside the pole.
+
+    Methods multiply a velocity or a displacement by s as it is, which the window does not know of.
+    """
+    dofs, added, mass = (Dof.from_label("1+Z"), Dof.from_label("2+Z")), 2.0, 1.5
+    poles = 2 * np.pi * 6.3 * np.array([-0.02 + 1j * np.sqrt(1 - 0.02**2)])
+    shape = np.array([1.0, -0.6])
+    exact = shape[:, None] * shape[:1] / (2j * poles.imag * mass)
+
+    def read(s: complex) -> NDArray[np.complex128]:
+        at = s + added
+        receptance = exact / (at - poles) + exact.conj() / (at - poles.conj())
+        own = {Quantity.ACCELERATION: 2, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 0}[measured]
+        return np.asarray(at**own * s ** (2 - own) * receptance)
+
+    pole, step = poles[0] - added, 1e-6
+    found = (step * read(pole + step) - step * read(pole - step)) / 2 / pole**2
+    seen_mass = float((1 / (2j * pole.imag * found[0, 0])).real)
+    seen = ModalModel(
+        np.array([abs(pole) / (2 * np.pi)]), np.array([-pole.real / abs(pole)]), shape[None].astype(complex), dofs,
+        references=dofs[:1], residues=found[None], modal_mass_kg=np.array([seen_mass]),
+    )  # fmt: skip
+    again = without_window_damping(seen, added, measured)
+    assert again.residues is not None and again.modal_mass_kg is not None
+    np.testing.assert_allclose(again.residues[0], exact, rtol=1e-6)
+    np.testing.assert_allclose(again.modal_mass_kg, mass, rtol=1e-6)
+
+
+def test_only_motions_have_a_window_to_take_back() -> None:
+    none = ModalModel(np.array([5.0]), np.array([0.01]), np.ones((1, 1), complex), (Dof.from_label("1+Z"),))
+    with pytest.raises(InputError, match="excitation_force is no motion"):
+        without_window_damping(none, 1.0, Quantity.EXCITATION_FORCE)
 
 
 def test_the_force_window_keeps_noise_between_hits_out(single_mass, make_campaign) -> None:

@@ -32,12 +32,17 @@ except ImportError:
     spec.loader.exec_module(module)
 cls = operator.attrgetter(qualified)(module)
 from vgvt.identification.example import Example
-campaign = Example(noise_m_s2=0.02).campaign()
+from vgvt.identification.protocol import Needs
+from vgvt.identification.run import run_identifier
+failure = None
 try:
-    cls().identify(campaign, campaign.band_hz)
+    identifier, example = cls(), Example(noise_m_s2=0.02)
+    blind = Needs.OUTPUT_ONLY in identifier.needs
+    run_identifier(identifier, example.ambient_campaign() if blind else example.campaign())
 except Exception as error:
-    print("the identification failed:", repr(error), file=sys.stderr)
-print(json.dumps([m for m in sys.modules if any(m == f or m.startswith(f + ".") for f in forbidden)]))
+    failure = repr(error)
+seen = [m for m in sys.modules if any(m == f or m.startswith(f + ".") for f in forbidden)]
+print(json.dumps({"seen": seen, "failure": failure}))
 """
 
 
@@ -45,7 +50,8 @@ def forbidden_imports(cls: type, timeout_s: float = 120.0) -> tuple[str, ...]:
     """Forbidden modules that importing ``cls`` and one identification with default settings load.
 
     RuntimeError when the class cannot be imported in a fresh process, such as
-    one that is defined inside a function.
+    one that is defined inside a function, and when that identification fails, as what it would have loaded
+    further on is not known then.
     """
     if "<locals>" in cls.__qualname__:
         raise RuntimeError(f"{cls.__qualname__} is defined inside a function; move it to the top of a module")
@@ -62,4 +68,7 @@ def forbidden_imports(cls: type, timeout_s: float = 120.0) -> tuple[str, ...]:
     if done.returncode != 0:
         last = (done.stderr.strip().splitlines() or ["no message"])[-1]
         raise RuntimeError(f"{cls.__module__}.{cls.__qualname__} cannot be imported in a process of its own: {last}")
-    return tuple(json.loads(done.stdout.strip().splitlines()[-1]))
+    found = json.loads(done.stdout.strip().splitlines()[-1])
+    if found["failure"] and not found["seen"]:
+        raise RuntimeError(f"{cls.__module__}.{cls.__qualname__} fails in a process of its own: {found['failure']}")
+    return tuple(found["seen"])

@@ -90,5 +90,11 @@ def _check_claim(name: str, model: object, band: tuple[float, float]) -> None:
     frequency, damping = model.natural_frequency_hz, model.damping_ratio
     if not (np.isfinite(frequency).all() and np.isfinite(damping).all() and np.isfinite(model.shapes).all()):
         raise ContractError(f"identifier {name!r} claims a mode with a frequency, damping or shape that is not finite")
+    if (np.abs(damping) >= 1).any():
+        raise ContractError(f"identifier {name!r} claims a mode with a damping ratio of 1 or more: it does not swing")
+    if any((std < 0).any() for std in (model.natural_frequency_std_hz, model.damping_ratio_std) if std is not None):
+        raise ContractError(f"identifier {name!r} states a standard deviation below zero")
+    if len({dof.unsigned for dof in model.dofs}) < len(model.dofs):
+        raise ContractError(f"identifier {name!r} claims a shape that has a DOF twice")
     if frequency[0] < band[0] or frequency[-1] > band[1]:
         raise ContractError(f"identifier {name!r} claims modes outside the band {band[0]:g} to {band[1]:g} Hz")

@@ -13,12 +13,14 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, InputError, ModalModel
+from vgvt.data import Campaign, InputError, ModalModel, PoleCandidate, Quantity
 
 NOTE = "impacts"
 # A hit stands out of the record by this much, and a second one of a double hit out of the first.
 _TRIGGER_LEVEL = 0.2
 _DOUBLE_LEVEL = 0.1
+# Of s, in which a window moves the frequency response of a motion measured beside that of the poles.
+_POWERS = {Quantity.ACCELERATION: 2, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 0}
 
 Array = NDArray[np.float64]
 
@@ -130,16 +132,55 @@ def cut_at_hits(where: str, force: NDArray[np.floating], rate_hz: float, windows
     return ImpactSegments(np.array(kept), gate * decay, decay, before // 2, len(begin) - len(kept))
 
 
-def without_window_damping(modes: ModalModel, added_decay_rad_per_s: float) -> ModalModel:
-    """The modes as they are without the exponential window that they were found through: poles λ + 1/τ.
+def without_window_damping(
+    modes: ModalModel, added_decay_rad_per_s: float, measured: Quantity = Quantity.ACCELERATION
+) -> ModalModel:
+    """The modes as they are without the exponential window that they were found through: poles μ + 1/τ.
 
     A mode that the window damped less than that, which noise can make, keeps a damping ratio of zero.
+    Close modes may change their order; the candidates change with them. ``measured`` is what the sensors
+    gave, which the residues depend on. InputError for what is no motion.
+
+    Through the window an accelerance s² H is known along s + 1/τ. A method that takes it for s² H finds at
+    μ = λ - 1/τ the residue R λ²/μ² instead of the receptance's R: this is taken back, and so is R λ/μ of
+    velocities. Modal masses follow as those of modes whose shapes are real without the window.
     """
-    poles = modes.poles
-    true = np.minimum(poles.real + added_decay_rad_per_s, 0.0) + 1j * poles.imag
+    if measured not in _POWERS:
+        known = ", ".join(q.name.lower() for q in _POWERS)
+        raise InputError("without_window_damping", f"{measured.name.lower()} is no motion", f"give one of {known}")
+    true = _without(modes.poles, added_decay_rad_per_s)
+    order = np.argsort(np.abs(true), kind="stable")
+    # Without frequencies, as a model keeps its modes in the order of these.
+    again = replace(modes, natural_frequency_hz=np.zeros(len(modes))).select(order)
+    seen, true = modes.poles[order], true[order]
+    change = np.divide(seen, true, out=np.ones_like(true), where=true != 0) ** _POWERS[measured]
+    mass, residues = again.modal_mass_kg, again.residues
     return replace(
-        modes, natural_frequency_hz=np.abs(true) / (2 * np.pi), damping_ratio=-true.real / np.abs(true)
-    )  # fmt: skip
+        again,
+        natural_frequency_hz=np.abs(true) / (2 * np.pi),
+        damping_ratio=_damping_ratio(true),
+        residues=None if residues is None else residues * change[:, None, None],
+        modal_mass_kg=None if mass is None else np.where(change.real > 0, mass / change.real, np.nan),
+        candidates=tuple(_candidate_without(c, added_decay_rad_per_s) for c in modes.candidates),
+    )
+
+
+def _without(poles: NDArray[np.complex128], added_decay_rad_per_s: float) -> NDArray[np.complex128]:
+    return np.asarray(np.minimum(poles.real + added_decay_rad_per_s, 0.0) + 1j * poles.imag)
+
+
+def _damping_ratio(poles: NDArray[np.complex128]) -> Array:
+    size = np.abs(poles)
+    return np.asarray(np.divide(-poles.real, size, out=np.zeros_like(size), where=size > 0))
+
+
+def _candidate_without(candidate: PoleCandidate, added_decay_rad_per_s: float) -> PoleCandidate:
+    ratio = candidate.damping_ratio
+    seen = 2 * np.pi * candidate.frequency_hz * (-ratio + 1j * np.sqrt(max(1 - ratio**2, 0.0)))
+    true = _without(np.array([seen]), added_decay_rad_per_s)
+    return replace(
+        candidate, frequency_hz=float(np.abs(true[0])) / (2 * np.pi), damping_ratio=float(_damping_ratio(true)[0])
+    )
 
 
 def _hit_twice(strength: Array) -> bool:
