@@ -6,23 +6,80 @@ from dataclasses import replace
 
 import numpy as np
 
-from vgvt.data import Campaign, FrequencyResponseSet, InputError, Quantity
+from vgvt.data import Campaign, ChannelRole, FrequencyResponseSet, InputError, Quantity
 from vgvt.signals import estimate_frf
 from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
 
+_TIME_DERIVATIVES = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
+"""How often each kind of motion is differentiated to be an acceleration."""
+
 
 def several_forces_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> CampaignSpectra:
-    """Spectra of runs in which several forces act at once: each run once for every reference, told apart by averages.
+    """Spectra of runs in which several forces act at once: each run once for every reference, told apart beforehand.
 
+    Velocities and displacements are differentiated; channels that are no motion are left out with a remark.
     Nothing usable gives no runs and the reason as a remark.
     """
+    motions, remarks = _motions(campaign)
+    if motions is None:
+        return CampaignSpectra(np.empty(0), (), remarks)
     try:
-        frf = estimate_frf(campaign, "auto")
+        frf = _accelerances(estimate_frf(motions, "auto"))
     except InputError as error:
-        return CampaignSpectra(np.empty(0), (), (str(error).splitlines()[0],))
+        return CampaignSpectra(np.empty(0), (), (*remarks, str(error).splitlines()[0]))
+    frf, more = _with_force(frf.band(*band_hz))
     parts = [frf_spectra(_one_reference(frf, k), band_hz) for k in range(len(frf.references))]
     runs = tuple(run for part in parts for run in part.runs)
-    return CampaignSpectra(frf.band(*band_hz).frequency_hz, runs, frf.remarks)
+    return CampaignSpectra(frf.frequency_hz, runs, (*remarks, *frf.remarks, *more))
+
+
+def _motions(campaign: Campaign) -> tuple[Campaign | None, tuple[str, ...]]:
+    """The campaign without responses that are no motion and runs without any that is, and a remark for each.
+
+    None where no run is left.
+    """
+    remarks: list[str] = []
+    runs = []
+    for record in campaign.runs:
+        other = [c.role is ChannelRole.RESPONSE and c.quantity not in _TIME_DERIVATIVES for c in record.channels]
+        remarks += [
+            f"run {record.run}: {c.name} ({c.dof}) left out, it measures no motion"
+            for c, out in zip(record.channels, other, strict=True)
+            if out
+        ]
+        kept = [i for i, out in enumerate(other) if not out]
+        channels = tuple(record.channels[i] for i in kept)
+        if not any(channel.role is ChannelRole.RESPONSE for channel in channels):
+            remarks.append(f"run {record.run} left out: no usable response")
+        elif len(kept) == len(other):
+            runs.append(record)
+        else:
+            overloaded = tuple(name for name in record.overloaded if name in {c.name for c in channels})
+            runs.append(replace(record, channels=channels, samples=record.samples[kept], overloaded=overloaded))
+    return (replace(campaign, runs=tuple(runs)) if runs else None), tuple(remarks)
+
+
+def _accelerances(frf: FrequencyResponseSet) -> FrequencyResponseSet:
+    """The same with responses differentiated to accelerations."""
+    omega = 2j * np.pi * frf.frequency_hz
+    factor = omega ** _TIME_DERIVATIVES[frf.quantity]
+    variance = None if frf.variance is None else frf.variance * np.abs(factor) ** 2
+    return replace(frf, values=frf.values * factor, variance=variance, quantity=Quantity.ACCELERATION)
+
+
+def _with_force(frf: FrequencyResponseSet) -> tuple[FrequencyResponseSet, tuple[str, ...]]:
+    """The longest stretch of lines on which every response is known, and a remark where it is not the whole band."""
+    known = np.isfinite(frf.values).all(axis=(0, 1))
+    if known.all():
+        return frf, ()
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
+    starts, ends = edges[::2], edges[1::2]
+    if not starts.size:
+        return frf.band(np.inf, np.inf), ("no line of the band has every force",)
+    longest = int(np.argmax(ends - starts))
+    low, high = (float(frf.frequency_hz[i]) for i in (starts[longest], ends[longest] - 1))
+    what = f"{np.count_nonzero(~known)} lines lack a force: the lines from {low:.4g} to {high:.4g} Hz are used"
+    return frf.band(low, high), (what,)
 
 
 def _one_reference(frf: FrequencyResponseSet, k: int) -> FrequencyResponseSet:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, Channel, ChannelRole, Dof, Quantity, Record
 from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
 from vgvt.signals.usable import doubt_of, fault_of
+from vgvt_identifiers.common_lines import CommonLines, Measured, common_lines
 from vgvt_identifiers.deaf_bands import deaf_bands
 
 _DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
@@ -27,7 +28,8 @@ class RunSpectra:
     ``accelerance`` is the ratio of single transforms, no window and no average
     (Gupta, Seiler and Danowsky, AIAA 2016-1753, eq. 1); lines without any force are zero.
     ``local`` and ``local_variance`` (R, K) are the local polynomial estimate,
-    free of leakage, which blurs what is narrower than its 13 lines.
+    free of leakage, which blurs what is narrower than its 13 lines. Where a part of a record was used,
+    the force has the scale that gives it and the noise together the size of noise in the whole record.
     """
 
     run: int
@@ -69,8 +71,8 @@ def campaign_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> Campai
 
     Channels with samples that are not finite or all the same are left out with
     a remark, and so are runs without one usable force; where several act at once, each run is
-    there once for every force. Every run is padded with
-    zeros to the longest record, so that all share their lines. Returns no runs when nothing is usable.
+    there once for every force. Runs of different lengths share the lines of the shorter ones (``common_lines``).
+    Returns no runs when nothing is usable.
     """
     if any(len(r.select(ChannelRole.REFERENCE)[0]) > 1 for r in campaign.runs):
         # Imported here: that module gives its answer as the spectra that are defined in this one.
@@ -78,11 +80,19 @@ def campaign_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> Campai
 
         return several_forces_spectra(campaign, band_hz)
     remarks: list[str] = []
-    duration = max(r.duration_s for r in campaign.runs)
-    runs = [s for r in campaign.runs if (s := _run_spectra(r, duration, band_hz, remarks)) is not None]
-    frequency = np.arange(round(max(r.sample_rate_hz for r in campaign.runs) * duration)) / duration
-    frequency = frequency[_inside(frequency, band_hz)]
-    return CampaignSpectra(frequency, tuple(runs), (*remarks, *_deaf_bands(frequency, runs)))
+    sound = [s for r in campaign.runs if (s := _sound_run(r, remarks)) is not None]
+    if not sound:
+        return CampaignSpectra(np.empty(0), (), tuple(remarks))
+    common = common_lines([s.measured for s in sound], band_hz)
+    highest = min(s.record.sample_rate_hz for s in sound) / 2
+    if highest < band_hz[1] and len({s.record.sample_rate_hz for s in sound}) > 1:
+        remarks.append(f"frequency lines end at {highest:.4g} Hz, half the lowest sample rate of the runs")
+    numbers = np.arange(1, int(highest * common.length_s + 1e-9) + 1)
+    frequency = numbers / common.length_s
+    inside = (frequency >= band_hz[0]) & (frequency <= band_hz[1])
+    numbers, frequency = numbers[inside], frequency[inside]
+    runs = [_run_spectra(s, common, numbers) for s in sound if s.record.run in common.samples]
+    return CampaignSpectra(frequency, tuple(runs), (*remarks, *common.remarks, *_deaf_bands(frequency, runs)))
 
 
 def _deaf_bands(frequency_hz: NDArray[np.float64], runs: list[RunSpectra]) -> list[str]:
@@ -98,16 +108,26 @@ def _deaf_bands(frequency_hz: NDArray[np.float64], runs: list[RunSpectra]) -> li
     ]
 
 
-def _inside(frequency: NDArray[np.float64], band_hz: tuple[float, float]) -> NDArray[np.bool_]:
-    return np.asarray((frequency > 0) & (frequency >= band_hz[0]) & (frequency <= band_hz[1]))
+@dataclass(frozen=True, slots=True, eq=False)
+class _SoundRun:
+    """A record with its one force and its responses that measure a motion."""
+
+    record: Record
+    force: tuple[Channel, NDArray[np.floating]]
+    responses: tuple[tuple[Channel, NDArray[np.floating]], ...]
+
+    @property
+    def measured(self) -> Measured:
+        """What the choice of common lines asks for."""
+        return Measured(self.record.run, self.record.sample_rate_hz, self.force[1], len(self.responses))
 
 
-def _run_spectra(
-    record: Record, duration: float, band_hz: tuple[float, float], remarks: list[str]
-) -> RunSpectra | None:
+def _sound_run(record: Record, remarks: list[str]) -> _SoundRun | None:
     sound = []
     for channel, samples in zip(record.channels, record.samples, strict=True):
         fault = None if channel.role is ChannelRole.DRIVE else fault_of(samples, record.sample_rate_hz)
+        if fault is None and channel.role is ChannelRole.RESPONSE and channel.quantity not in _DIFFERENTIATIONS:
+            fault = "it measures no motion"
         if fault is None:
             sound.append((channel, samples))
             doubt = None if channel.role is ChannelRole.DRIVE else doubt_of(samples)
@@ -116,39 +136,36 @@ def _run_spectra(
         else:
             remarks.append(f"run {record.run}: {channel.name} ({channel.dof}) left out, {fault}")
     forces = [(c, x) for c, x in sound if c.role is ChannelRole.REFERENCE]
-    responses = [(c, x) for c, x in sound if c.role is ChannelRole.RESPONSE and c.quantity in _DIFFERENTIATIONS]
+    responses = tuple((c, x) for c, x in sound if c.role is ChannelRole.RESPONSE)
     if len(forces) != 1 or not responses:
         what = f"{len(forces)} usable forces, one is needed" if responses else "no usable response"
         remarks.append(f"run {record.run} left out: {what}")
         return None
-    samples_wanted = round(duration * record.sample_rate_hz)
-    lines = np.arange(samples_wanted // 2 + 1) / duration
-    keep = np.flatnonzero(_inside(lines, band_hz))
-    force = _transform(forces[0][1], samples_wanted)[keep]
+    return _SoundRun(record, forces[0], responses)
+
+
+def _run_spectra(run: _SoundRun, common: CommonLines, lines: NDArray[np.intp]) -> RunSpectra:
+    number, rate_hz = run.record.run, run.record.sample_rate_hz
+    used, omega = common.samples[number], 2j * np.pi * lines / common.length_s
+    scale = np.sqrt(run.force[1].size / used)
+    force = scale * common.transform(run.force[1][:used], rate_hz, lines)
     spectra = [
-        _transform(x, samples_wanted)[keep] * (2j * np.pi * lines[keep]) ** _DIFFERENTIATIONS[c.quantity]
-        for c, x in responses
+        scale * common.transform(x[:used], rate_hz, lines) * omega ** _DIFFERENTIATIONS[c.quantity]
+        for c, x in run.responses
     ]
-    dofs = tuple(_dof(c) for c, _ in responses)
+    reference, dofs = _dof(run.force[0]), tuple(_dof(c) for c, _ in run.responses)
     ratio = _ratio(np.array(spectra), force)
-    if keep.size < FEWEST_LINES:
+    if lines.size < FEWEST_LINES:
         blank = np.full(ratio.shape, np.inf)
-        return RunSpectra(record.run, _dof(forces[0][0]), dofs, force, ratio, blank, ratio, blank)
+        return RunSpectra(number, reference, dofs, force, ratio, blank, ratio, blank)
     local = _local_fit(ratio, force)
     variance = line_variance(ratio, force, local.noise_power)
-    return RunSpectra(
-        record.run, _dof(forces[0][0]), dofs, force, ratio, variance, local.values[:, 0], local.variance[:, 0]
-    )
+    return RunSpectra(number, reference, dofs, force, ratio, variance, local.values[:, 0], local.variance[:, 0])
 
 
 def _dof(channel: Channel) -> Dof:
     assert channel.dof is not None  # a Channel that is no drive has a DOF
     return channel.dof
-
-
-def _transform(samples: NDArray[np.floating], length: int) -> NDArray[np.complex128]:
-    signal = np.asarray(samples, dtype=np.float64)
-    return np.asarray(np.fft.rfft(signal - signal.mean(), length))
 
 
 def _ratio(response: NDArray[np.complex128], force: NDArray[np.complex128]) -> NDArray[np.complex128]:

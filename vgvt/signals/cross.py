@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+_TAPS = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_WIDTH = 25  # lines over which noise counts as equal
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrossSpectra:
@@ -80,6 +83,25 @@ class CrossSpectra:
             enlarged = np.divide(np.abs(values), np.abs(first), out=np.ones(first.shape), where=np.abs(first) > 0)
             return np.asarray(spread * enlarged**2)
         return np.asarray(unexplained * np.einsum("lii->il", self._inverse()).real)
+
+    def rough_variance(self, values: NDArray[np.complex128]) -> NDArray[np.float64] | None:
+        """Variance (R, L) of ``values`` (R, L) on neighbouring lines, from what is not smooth in them; None for few.
+
+        The fourth difference over lines leaves noise and hardly any of a structure's answer. Weighted by what every
+        line owes to its forces it is the noise of the response, a median over 25 lines, and that of the reference
+        in which it is least.
+        """
+        from scipy.ndimage import median_filter
+
+        lines = values.shape[1]
+        if lines < 2 * _WIDTH or not np.isfinite(values).all():
+            return None
+        per_noise = np.einsum("lii->il", self._inverse()).real
+        difference = sum(tap * values[:, i : lines - 4 + i] for i, tap in enumerate(_TAPS))
+        spread = sum(tap**2 * per_noise[:, i : lines - 4 + i] for i, tap in enumerate(_TAPS))
+        rough = np.pad(np.abs(np.asarray(difference)) ** 2 / spread, ((0, 0), (2, 2)), mode="edge")
+        noise = [median_filter(row, size=_WIDTH, mode="nearest") / np.log(2) for row in rough]
+        return np.asarray(np.min(noise, axis=0) * per_noise)
 
     def _inverse(self) -> NDArray[np.complex128]:
         inverse = np.asarray(np.linalg.pinv(self.reference.transpose(2, 0, 1), hermitian=True), dtype=np.complex128)

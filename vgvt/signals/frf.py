@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vgvt.data import Campaign, ChannelRole, FrequencyResponseSet, InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.signals.assemble import Key, ResponseEstimate, assemble
+from vgvt.signals.averages import Averages, overlapping_parts
 from vgvt.signals.cross import CrossSpectra
 from vgvt.signals.dwells import DwellFit, DwellSchedule, dwell_schedule, with_known_variance
 from vgvt.signals.impact import ImpactWindows, impact_windows
 from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
 from vgvt.signals.plan import Plan, make_plan
+from vgvt.signals.rational_estimates import rational_estimates
+from vgvt.signals.several_forces import check_independent, estimator_of_several
 from vgvt.signals.usable import UsableRun, usable_runs
 
 ESTIMATORS = {
     "ratio": "whole-record spectra divided, no window; for sweeps that start and end at rest",
     "local_polynomial": "whole-record spectra, local fit that takes out leakage and states a variance",
+    "local_rational": "whole-record spectra, local fit of resonances too; tells forces that act at once apart",
     "h1": "averaged, noise on the response; for random excitation or repeated runs",
     "h2": "averaged, noise on the force; one reference",
     "hv": "averaged, noise on both; one reference",
     "stepped_sine": "sines fitted to whole cycles of every dwell, after its time to settle",
     "impact": "averaged over a hammer's hits, noise on the response, force and exponential windows",
-    "auto": "stepped_sine or impact where the notes tell of dwells or hits, h1 for several forces at once, else ratio",
+    "auto": "stepped_sine or impact where the notes tell of dwells or hits, else ratio; for several forces at once h1 "
+    "over the bursts of the notes, ratio where repeats tell them apart, else local_rational",
 }
 
 
@@ -49,12 +52,15 @@ def estimate_frf(
 
     ``ratio`` divides whole-record spectra, without window or averaging, as the
     authors of the Hati test did (AIAA 2016-1753) and as a single sweep needs;
-    runs that repeat a DOF are averaged, weighted by the power of their force. ``h1``, ``h2`` and
+    runs that repeat a DOF are averaged, weighted by the power of their force; several forces need as many
+    repeats, and their variance is told from neighbouring lines. ``h1``, ``h2`` and
     ``hv`` average windowed segments of ``segment_s`` (Bendat and Piersol, Random
     Data, chapter 6; ISO 7626-2), over repeated runs too; without ``segment_s``
     they average whole records and need repeats. ``local_polynomial`` fits
     ``polynomial_order`` over 2 ``half_width`` + 1 lines (Schoukens et al. 2009);
-    ``local_variance`` gives ``ratio`` a variance by the same fit. The line at 0 Hz
+    ``local_variance`` gives ``ratio`` a variance by the same fit. ``local_rational`` fits what resonates
+    too, all runs together whatever their length, and has a value every few lines, so that their errors are
+    nearly independent; its window is widened to what several forces need. The line at 0 Hz
     is left out, means are removed; ``band_hz`` keeps only some lines.
     ``stepped_sine`` has a line a dwell of ``dwells`` and takes its variance from the blocks of a
     dwell; ``impact`` is H1 over the hits, cut by ``impacts``: its remarks say what damping the
@@ -73,12 +79,21 @@ def estimate_frf(
     several = estimator == "auto" and any(len(r.select(ChannelRole.REFERENCE)[0]) > 1 for r in campaign.runs)
     estimator, special = _special(campaign, estimator, dwells, impacts)
     runs, remarks = usable_runs(campaign)
+    averages = Averages(segment_s, window, overlap)
     if several and estimator == "ratio":
-        # Forces that act at once are told apart by averages alone.
-        estimator, (segment_s, window, overlap) = "h1", _segments(campaign)
-    plan, more = make_plan(campaign.name, runs, segment_s, window, overlap, band_hz, special)
+        estimator, averages = estimator_of_several(campaign, runs)
+    own_lines = estimator == "local_rational"
+    plan, more = make_plan(campaign.name, runs, averages, band_hz, special, own_lines=own_lines)
     local = (polynomial_order, half_width)
-    if estimator == "local_polynomial":
+    if estimator == "local_rational":
+        try:
+            estimates, plan, said = rational_estimates(campaign, runs, plan, *local)
+        except InputError as error:
+            if not several:
+                raise
+            return _averaged_parts(campaign, band_hz, error)
+        more = (*more, said)
+    elif estimator == "local_polynomial":
         estimates = _local_estimates(runs, plan, local)
     else:
         noise_fit = local if local_variance and estimator == "ratio" else None
@@ -92,13 +107,16 @@ def estimate_frf(
     return assemble(campaign.name, estimates, plan, (*remarks, *more))
 
 
-def _segments(campaign: Campaign) -> tuple[float, str, float]:
-    """Length, window and overlap of the averages: the bursts that the notes tell of, else 15 halves that overlap."""
-    shortest = min(record.duration_s for record in campaign.runs)
-    if "blocks" not in campaign.notes:
-        return shortest / 8, "hann", 0.5
-    # A burst starts and ends at rest: nothing leaks, and a window would only cost averages.
-    return float(json.loads(campaign.notes["blocks"])["block_s"]), "boxcar", 0.0
+def _averaged_parts(campaign: Campaign, band_hz: tuple[float, float] | None, error: InputError) -> FrequencyResponseSet:
+    """H1 over windowed parts of the records, for several forces that no local fit can tell apart, with a remark."""
+    parts = overlapping_parts(campaign)
+    assert parts.segment_s is not None, "parts are shorter than a record"
+    frf = estimate_frf(campaign, "h1", parts.segment_s, window=parts.window, overlap=parts.overlap, band_hz=band_hz)
+    why = (
+        f"averages over {parts.segment_s:g} s under a window, for no local fit is possible ({error.problem}): damping "
+        f"is too high, and more than its ± says, where a mode is not much wider than {4 / parts.segment_s:.3g} Hz"
+    )
+    return replace(frf, remarks=(*frf.remarks, why))
 
 
 def _special(
@@ -169,6 +187,9 @@ def _resolve(total: CrossSpectra, estimator: str) -> ResponseEstimate:
         power = total.reference[0, 0].real
         blank = np.full_like(power, np.nan)
         variance = np.divide(total.noise, power**2, out=blank, where=power > 0)[None]
+    elif estimator == "ratio" and total.reference.shape[0] > 1:
+        # Repeats are few: on one line their scatter says little, if it says anything, and neighbours know more.
+        variance = total.rough_variance(values)
     coherence = np.broadcast_to(total.coherence(), values.shape) if spare else None
     return ResponseEstimate(total.first_run, values, variance, coherence)
 
@@ -204,22 +225,11 @@ def _check_averages(where: str, total: CrossSpectra, estimator: str) -> None:
             where,
             f"{estimator} with {inputs} reference{'s' * (inputs > 1)} needs more averages than the "
             f"{averages:.3g} there are",
-            "give segment_s (a fraction of the record), repeat the runs, or use 'ratio' for a single sweep",
+            "give segment_s (a fraction of the record), repeat the runs, or use 'ratio' for a single sweep and "
+            "'local_rational' for several forces",
         )
 
 
 def _check_independent_forces(campaign: Campaign, key: Key, total: CrossSpectra, plan: Plan) -> None:
     """InputError when several forces are copies of one another within the excited band."""
-    frequency: NDArray[np.float64] = plan.frequency_hz[plan.lines]
-    excited = (frequency >= campaign.band_hz[0]) & (frequency <= campaign.band_hz[1])
-    if total.reference.shape[0] == 1 or not excited.any():
-        return
-    spectra = total.reference[:, :, excited]
-    size = np.maximum(np.sqrt(np.einsum("iil->il", spectra).real), np.finfo(float).tiny)
-    condition = np.linalg.cond((spectra / (size[:, None] * size[None])).transpose(2, 0, 1))
-    if np.median(condition) > 1e8:
-        raise InputError(
-            f"{campaign.name}, references {', '.join(map(str, key[1]))}",
-            "the forces are copies of one another in every average, so their responses cannot be told apart",
-            "drive the shakers with independent signals, or change their phases from run to run",
-        )
+    check_independent(campaign, key[1], total.reference, plan.frequency_hz[plan.lines])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Channel, ChannelRole, Dof, InputError, Quantity
+from vgvt.signals.averages import Averages
 from vgvt.signals.dwells import DwellSchedule, fit_dwells
 from vgvt.signals.impact import ImpactWindows, cut_at_hits
 from vgvt.signals.spectra import Cut, welch_segments, whole_record
@@ -56,24 +57,30 @@ class Plan:
 def make_plan(
     where: str,
     runs: tuple[UsableRun, ...],
-    segment_s: float | None,
-    window: str,
-    overlap: float,
+    averages: Averages,
     band_hz: tuple[float, float] | None,
     special: DwellSchedule | ImpactWindows | None = None,
+    *,
+    own_lines: bool = False,
 ) -> tuple[Plan, tuple[str, ...]]:
     """The plan and remarks on it; InputError when the runs cannot be brought together.
 
-    ``special`` cuts the records at the dwells of a stepped sine or the hits of a hammer.
+    ``special`` cuts the records at the dwells of a stepped sine or the hits of a hammer. With ``own_lines`` whole
+    records may differ in length and rate: the lines are those of the coarsest that all of them reach.
     """
     special_remarks: tuple[str, ...] = ()
     if isinstance(special, DwellSchedule):
         cuts = _cuts_at_dwells(where, runs, special)
     elif isinstance(special, ImpactWindows):
         cuts, special_remarks = _cuts_at_hits(where, runs, special)
+    elif own_lines:
+        cuts = {run.run: whole_record(run.samples) for run in runs}
     else:
-        cuts = _cuts(where, runs, segment_s, window, overlap)
-    frequency = cuts[runs[0].run].frequency_hz(runs[0].sample_rate_hz)
+        cuts = _cuts(where, runs, averages)
+    coarsest = max(runs, key=lambda run: run.sample_rate_hz / run.samples) if own_lines else runs[0]
+    frequency = cuts[coarsest.run].frequency_hz(coarsest.sample_rate_hz)
+    if own_lines:
+        frequency = frequency[frequency <= min(run.sample_rate_hz for run in runs) / 2]
     low, high = band_hz or (0.0, np.inf)
     lines = np.flatnonzero((frequency >= low) & (frequency <= high) & (frequency > 0))
     if lines.size < 2:
@@ -105,24 +112,24 @@ def _common_quantity(where: str, runs: tuple[UsableRun, ...]) -> tuple[Quantity,
     return Quantity.ACCELERATION, ("displacements and velocities are differentiated to acceleration",)
 
 
-def _cuts(
-    where: str, runs: tuple[UsableRun, ...], segment_s: float | None, window: str, overlap: float
-) -> dict[int, Cut]:
+def _cuts(where: str, runs: tuple[UsableRun, ...], averages: Averages) -> dict[int, Cut]:
     """How each run is cut; InputError unless all end up on the same frequency axis."""
     _check_common(where, "sample rate", "Hz", {r.run: r.sample_rate_hz for r in runs}, "resample them to one rate")
-    if segment_s is None:
+    if averages.segment_s is None:
         advice = "cut or zero-pad them to one length, or use 'h1' with segment_s"
         _check_common(where, "length", "samples", {r.run: float(r.samples) for r in runs}, advice)
         return {r.run: whole_record(r.samples) for r in runs}
     shortest = min(runs, key=lambda r: r.samples)
-    segment = round(segment_s * shortest.sample_rate_hz)
-    if not 2 <= segment <= shortest.samples:
+    segment = round(averages.segment_s * shortest.sample_rate_hz)
+    first = round(averages.lead_in_s * shortest.sample_rate_hz)
+    if not 2 <= segment <= shortest.samples - first:
+        after = f" after a lead-in of {averages.lead_in_s:g} s" if first else ""
         raise InputError(
             "segment_s",
-            f"a segment of {segment_s} s does not fit run {shortest.run}",
-            f"write at most {shortest.samples / shortest.sample_rate_hz:.4g} s",
+            f"a segment of {averages.segment_s} s does not fit run {shortest.run}{after}",
+            f"write at most {max(shortest.samples - first, 0) / shortest.sample_rate_hz:.4g} s",
         )
-    return {r.run: welch_segments(r.samples, segment, window, overlap) for r in runs}
+    return {r.run: welch_segments(r.samples, segment, averages.window, averages.overlap, first) for r in runs}
 
 
 def _cuts_at_dwells(where: str, runs: tuple[UsableRun, ...], schedule: DwellSchedule) -> dict[int, Cut]:

@@ -24,11 +24,12 @@ class Cut(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segmentation:
-    """How a record is cut for averaging: windows of equal length, ``hop`` samples apart."""
+    """How a record is cut for averaging: windows of equal length, ``hop`` samples apart from sample ``first`` on."""
 
     window: NDArray[np.float64]
     hop: int
     segments: int
+    first: int = 0
 
     @property
     def length(self) -> int:
@@ -61,19 +62,23 @@ def whole_record(samples: int) -> Segmentation:
     return Segmentation(np.ones(samples), hop=samples, segments=1)
 
 
-def welch_segments(samples: int, segment: int, window: str = "hann", overlap: float = 0.5) -> Segmentation:
+def welch_segments(
+    samples: int, segment: int, window: str = "hann", overlap: float = 0.5, first: int = 0
+) -> Segmentation:
     """Windowed segments of ``segment`` samples with a fractional ``overlap`` over a record of ``samples``.
 
-    ValueError when the segment is longer than the record or the overlap is not in 0..1.
+    The first begins at sample ``first``. ValueError when a segment is longer than what the record has from there
+    on or the overlap is not in 0..1.
     """
     from scipy.signal import get_window
 
-    if not 2 <= segment <= samples:
-        raise ValueError(f"a segment must have 2 to {samples} samples, got {segment}")
+    if first < 0 or not 2 <= segment <= samples - first:
+        raise ValueError(f"a segment must have 2 to {samples - first} samples, got {segment}")
     if not 0 <= overlap < 1:
         raise ValueError(f"overlap must be at least 0 and less than 1, got {overlap}")
     hop = max(1, round(segment * (1 - overlap)))
-    return Segmentation(np.asarray(get_window(window, segment), float), hop, 1 + (samples - segment) // hop)
+    segments = 1 + (samples - first - segment) // hop
+    return Segmentation(np.asarray(get_window(window, segment), float), hop, segments, first)
 
 
 def segment_spectra(samples: NDArray[np.floating], cut: Segmentation) -> NDArray[np.complex128]:
@@ -83,7 +88,7 @@ def segment_spectra(samples: NDArray[np.floating], cut: Segmentation) -> NDArray
     """
     signal = np.asarray(samples, dtype=np.float64)
     signal = signal - signal.mean()
-    starts = np.arange(cut.segments) * cut.hop
+    starts = cut.first + np.arange(cut.segments) * cut.hop
     pieces = np.lib.stride_tricks.sliding_window_view(signal, cut.length)[starts]
     return np.asarray(np.fft.rfft(pieces * cut.window, axis=1))
 
