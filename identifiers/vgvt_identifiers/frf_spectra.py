@@ -8,10 +8,7 @@ import numpy as np
 
 from vgvt.data import Campaign, ChannelRole, FrequencyResponseSet, InputError, Quantity
 from vgvt.signals import estimate_frf
-from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
-
-_TIME_DERIVATIVES = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
-"""How often each kind of motion is differentiated to be an acceleration."""
+from vgvt_identifiers.spectra import DIFFERENTIATIONS, CampaignSpectra, RunSpectra
 
 
 def several_forces_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> CampaignSpectra:
@@ -41,7 +38,7 @@ def _motions(campaign: Campaign) -> tuple[Campaign | None, tuple[str, ...]]:
     remarks: list[str] = []
     runs = []
     for record in campaign.runs:
-        other = [c.role is ChannelRole.RESPONSE and c.quantity not in _TIME_DERIVATIVES for c in record.channels]
+        other = [c.role is ChannelRole.RESPONSE and c.quantity not in DIFFERENTIATIONS for c in record.channels]
         remarks += [
             f"run {record.run}: {c.name} ({c.dof}) left out, it measures no motion"
             for c, out in zip(record.channels, other, strict=True)
@@ -62,7 +59,7 @@ def _motions(campaign: Campaign) -> tuple[Campaign | None, tuple[str, ...]]:
 def _accelerances(frf: FrequencyResponseSet) -> FrequencyResponseSet:
     """The same with responses differentiated to accelerations."""
     omega = 2j * np.pi * frf.frequency_hz
-    factor = omega ** _TIME_DERIVATIVES[frf.quantity]
+    factor = omega ** DIFFERENTIATIONS[frf.quantity]
     variance = None if frf.variance is None else frf.variance * np.abs(factor) ** 2
     return replace(frf, values=frf.values * factor, variance=variance, quantity=Quantity.ACCELERATION)
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import ChannelRole, Dof, Quantity, Record
+from vgvt.data import ChannelRole, Dof, Record
 from vgvt.signals.usable import fault_of
 from vgvt_identifiers.fraction_poles import ModePoles
 from vgvt_identifiers.input_output_subspace import DecimatedRun, decimated, observability
-from vgvt_identifiers.spectra import RunSpectra
+from vgvt_identifiers.spectra import DIFFERENTIATIONS, RunSpectra
 from vgvt_identifiers.stabilisation import Criteria, PolesAtOrder, Stabilisation, stabilise
 
-_DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
 _MARGIN = 0.02  # of the band, as poles at its edges wander across
 _MOST_ROWS = 150  # of the future inputs and outputs together: the cost grows with their cube
 
@@ -83,7 +82,7 @@ def prepared(record: Record, highest_hz: float) -> DecimatedRun:
     index += [
         i
         for i, c in enumerate(record.channels)
-        if c.role is ChannelRole.RESPONSE and c.quantity in _DIFFERENTIATIONS and _sound(record, i)
+        if c.role is ChannelRole.RESPONSE and c.quantity in DIFFERENTIATIONS and _sound(record, i)
     ]
     return decimated(record.samples[index], record.sample_rate_hz, highest_hz)
 
@@ -94,7 +93,7 @@ def noise_power(
     """E|N|^2 (R, L) of the noise in the spectra of the decimated responses, from that of the lines (K,) of the band."""
     lines = np.fft.rfftfreq(run.samples.shape[1], run.step_s)
     channels = [c for i, c in enumerate(record.channels) if c.role is ChannelRole.RESPONSE and _sound(record, i)]
-    times = np.array([_DIFFERENTIATIONS[c.quantity] for c in channels if c.quantity in _DIFFERENTIATIONS])
+    times = np.array([DIFFERENTIATIONS[c.quantity] for c in channels if c.quantity in DIFFERENTIATIONS])
     power = spectra.variance * np.abs(spectra.force) ** 2 / (2 * np.pi * frequency_hz) ** (2 * times[:, None])
     # A spectrum is a sum over samples: at a lower rate there are fewer.
     fewer = run.step_s * record.sample_rate_hz

@@ -13,7 +13,8 @@ from vgvt.signals.usable import doubt_of, fault_of
 from vgvt_identifiers.common_lines import CommonLines, Measured, common_lines
 from vgvt_identifiers.deaf_bands import deaf_bands
 
-_DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
+DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
+"""How often each kind of motion is differentiated to be an acceleration."""
 _NOISE_HALF_WIDTH = 12
 _MEDIAN_OF_NOISE = 0.953  # median of chi-square over its mean, 14 degrees of freedom: 13 lines less 6 unknowns, complex
 LOCAL_HALF_WIDTH = 6
@@ -126,7 +127,7 @@ def _sound_run(record: Record, remarks: list[str]) -> _SoundRun | None:
     sound = []
     for channel, samples in zip(record.channels, record.samples, strict=True):
         fault = None if channel.role is ChannelRole.DRIVE else fault_of(samples, record.sample_rate_hz)
-        if fault is None and channel.role is ChannelRole.RESPONSE and channel.quantity not in _DIFFERENTIATIONS:
+        if fault is None and channel.role is ChannelRole.RESPONSE and channel.quantity not in DIFFERENTIATIONS:
             fault = "it measures no motion"
         if fault is None:
             sound.append((channel, samples))
@@ -150,7 +151,7 @@ def _run_spectra(run: _SoundRun, common: CommonLines, lines: NDArray[np.intp]) -
     scale = np.sqrt(run.force[1].size / used)
     force = scale * common.transform(run.force[1][:used], rate_hz, lines)
     spectra = [
-        scale * common.transform(x[:used], rate_hz, lines) * omega ** _DIFFERENTIATIONS[c.quantity]
+        scale * common.transform(x[:used], rate_hz, lines) * omega ** DIFFERENTIATIONS[c.quantity]
         for c, x in run.responses
     ]
     reference, dofs = _dof(run.force[0]), tuple(_dof(c) for c, _ in run.responses)

@@ -12,7 +12,7 @@ import numpy as np
 
 from vgvt._version import __version__
 from vgvt.data import Campaign, Channel, ChannelRole, Dof, Geometry, InputError, Quantity, Record
-from vgvt.files.netcdf import check_format, field, read_group, write_groups
+from vgvt.files.netcdf import check_content, check_format, field, read_group, write_groups
 
 if TYPE_CHECKING:
     import xarray
@@ -70,12 +70,7 @@ def read_campaign(path: str | Path) -> Campaign:
         raise
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
         raise InputError(str(path), f"damaged: {error}", "copy or make the file again") from error
-    if found != str(field(path, root, "content_sha256")):
-        raise InputError(
-            str(path),
-            "the content does not match its SHA-256: the file was changed or damaged after it was written",
-            "copy it again from where it came, or simulate again",
-        )
+    check_content(path, root, found)
     return campaign
 
 

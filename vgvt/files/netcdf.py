@@ -94,6 +94,16 @@ def check_format(path: Path, root: xarray.Dataset, format_name: str, version: in
         )
 
 
+def check_content(path: Path, root: xarray.Dataset, found: str) -> None:
+    """InputError unless the content's hash ``found`` is the one that the root states."""
+    if found != str(field(path, root, "content_sha256")):
+        raise InputError(
+            str(path),
+            "the content does not match its SHA-256: the file was changed or damaged after it was written",
+            "copy it again from where it came, or simulate again",
+        )
+
+
 def _encoding(variable: xarray.Variable, packed: bool) -> dict[str, Any]:
     """Lossless compression of numeric arrays, chunked along the last axis; no fill values."""
     if variable.dtype.kind not in "fciu":
