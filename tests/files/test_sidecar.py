@@ -93,7 +93,10 @@ def test_several_runs_in_one_archive(edited: Edit, bench: Path, volts: np.ndarra
     campaign = open_campaign(bench)
     assert campaign.runs[0].samples.dtype == np.float32
     np.testing.assert_allclose(campaign.runs[1].samples, plain.runs[1].samples, rtol=1e-6)
-    edited("index = 2", "index = 3")
+    edited("index = 2", "index = 1")
+    with pytest.raises(InputError, match=r"runs 1 and 2 are the same record \(all\.npz, index 1\)"):
+        open_campaign(bench)
+    edited("index = 1\nnodes = { acc1 = 3", "index = 3\nnodes = { acc1 = 3")
     with pytest.raises(InputError, match=r"run 2.*no run 3 in an array of shape \(2, 500, 3\)"):
         open_campaign(bench)
     archive = bench.parent / "raw/all.npz"
@@ -223,6 +226,7 @@ def test_a_hash_is_checked(edited: Edit, bench: Path, volts: np.ndarray) -> None
         ),
         ("nodes = { acc1 = 1, acc2 = 2 }", "nodes = { acc1 = 1, acc2 = 77 }", "acc2 is at node 77"),
         ("run = 2", "run = 1", r"run\.run must be unique; twice: 1|run.run must be unique\n"),
+        ("run2.mat", "run1.mat", r"runs 1 and 2 are the same record \(run1\.mat\)"),
         ("x = [-990.0, ", "x = [", "x has 4 entries but node has 5"),
         ("node = [1, 2, 3, 4, 100]", "node = [1, 2, 3, 3, 100]", "node must be unique"),
         ("band_hz = [2.0, 40.0]", "band_hz = [40.0, 2.0]", "does not increase"),

@@ -252,9 +252,21 @@ class Sidecar(Table):
             if self.records.format != "csv" and not (channel.variable or self.records.samples):
                 raise ValueError(f"channel {channel.name!r} has no variable; name it there or as records.samples")
         self._check_columns()
+        self._check_files()
         for run in self.run:
             self._check_run(run)
         return self
+
+    def _check_files(self) -> None:
+        taken: dict[tuple[str, int | None], int] = {}
+        for run in self.run:
+            other = taken.setdefault((run.file, run.index), run.run)
+            if other != run.run:
+                row = "" if run.index is None else f", index {run.index}"
+                raise ValueError(
+                    f"runs {other} and {run.run} are the same record ({run.file}{row}), and it would count twice; "
+                    "correct the file of one, or say by index which run of the file each is"
+                )
 
     def _check_columns(self) -> None:
         taken: dict[tuple[str, int], str] = {}
