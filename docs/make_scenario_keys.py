@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vgvt.scenario import Scenario
-from vgvt.scenario.base import Table
+from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.vocabulary import inner_table, unit_of
 
 PAGE = Path(__file__).parent / "reference" / "scenario-keys.md"
@@ -31,7 +31,7 @@ def tables() -> dict[type[Table], list[str]]:
 
     def walk(table: type[Table], heading: str, path: str) -> None:
         found.setdefault(table, []).append(heading)
-        for key, field in table.model_fields.items():
+        for key, field in written_fields(table).items():
             inner = inner_table(field.annotation)
             if inner is not None:
                 here = f"{path}.{key}".lstrip(".")
@@ -58,7 +58,7 @@ def keys_page() -> str:
 def _rows(table: type[Table]) -> list[str]:
     properties = table.model_json_schema()["properties"]
     rows = []
-    for key, field in table.model_fields.items():
+    for key, field in written_fields(table).items():
         inner, entry = inner_table(field.annotation), properties[key]
         form = f"table{'s' if _is_array(field.annotation) else ''}" if inner else _form(entry)
         meaning = " ".join((field.description or "").split()).replace("``", "`")

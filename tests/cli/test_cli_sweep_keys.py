@@ -13,6 +13,8 @@ from vgvt.bench.umpire import Limits
 from vgvt.scenario import load_scenario
 from vgvt.scenario.sweeps import Axis, sweep
 
+_TWO_KINDS = ("--set", "excitation.kind=burst-random,linear-chirp", "--set", "excitation.burst_fraction=0.5")
+
 
 @pytest.mark.parametrize(
     ("settings", "words"),
@@ -25,6 +27,11 @@ from vgvt.scenario.sweeps import Axis, sweep
         (["name=a,b"], "no simulation depends on it"),
         (["summary=a,b"], "no simulation depends on it"),
         (["tolerances.damping=0.1,0.2"], "no simulation depends on it"),
+        (["shaker.model=a,b"], "no simulation depends on it"),
+        (
+            ["excitation.blocks=2,4", *_TWO_KINDS],
+            "changes nothing for quick-004",
+        ),
     ],
 )
 def test_a_key_that_changes_nothing_is_refused(vgvt, tmp_path: Path, settings: list[str], words: str) -> None:

@@ -103,3 +103,74 @@ def test_missing_parents_are_told(tmp_path: Path, line: str, words: str) -> None
         load_scenario(path)
     assert caught.value.where == f"{path}: extends"
     assert words in str(caught.value)
+
+
+def _effect(channels: str) -> str:
+    return f'[[effect]]\nname = "sign-flip"\nchannels = "{channels}"\n'
+
+
+@pytest.mark.parametrize(
+    ("parent", "channels"),
+    [("spoiled-base", ["1+Z", "5+Z"]), ("spoiled-sign-flip", ["1+Z", "5+Z"]), ("spoiled-sign-flip", ["5+Z"])],
+)
+def test_effects_of_one_name_stay_as_many_as_are_written(tmp_path: Path, parent: str, channels: list[str]) -> None:
+    text = f'extends = "{parent}"\n' + "".join(map(_effect, channels))
+    effects = load_scenario(_write(tmp_path, "mine", text)).effect
+    assert [e.parameters["channels"] for e in effects] == channels
+
+
+def test_the_second_effect_of_a_name_changes_the_parents_second(tmp_path: Path) -> None:
+    _write(tmp_path, "base", 'extends = "spoiled-base"\n' + _effect("1+Z") + _effect("5+Z"))
+    child = _write(tmp_path, "child", 'extends = "base.toml"\n' + _effect("1+Z") + _effect("10+Z") + _effect("5+Z"))
+    assert [e.parameters["channels"] for e in load_scenario(child).effect] == ["1+Z", "10+Z", "5+Z"]
+
+
+@pytest.mark.parametrize("name", ["servo-outer", "camera"])
+def test_an_item_that_a_file_names_twice_is_refused(tmp_path: Path, name: str) -> None:
+    item = f'[[airframe.item]]\nname = "{name}"\nmass_kg = 0.1\nposition_m = [0.1, 0.0, 0.0]\n'
+    path = _write(tmp_path, "mine", f'extends = "quick"\n{item}{item}')
+    with pytest.raises(InputError, match=f"is '{name}', which is taken") as caught:
+        load_scenario(path)
+    assert caught.value.where == f"{path}: airframe.item[1].name"
+
+
+def test_a_beam_that_a_file_names_twice_is_refused(tmp_path: Path) -> None:
+    beam = '[[airframe.beam]]\nname = "wing"\ncells = {}\n'
+    path = _write(tmp_path, "mine", f'extends = "quick"\n{beam.format(6)}{beam.format(8)}')
+    with pytest.raises(InputError, match="is 'wing', which is taken") as caught:
+        load_scenario(path)
+    assert caught.value.where == f"{path}: airframe.beam[1].name"
+
+
+def _shaker(node: int, x_m: float) -> str:
+    return (
+        f"[[shaker]]\nnode = {node}\nposition_m = [{x_m}, 0.0, 0.0]\ncoil_resistance_ohm = 1.3\n"
+        "force_factor_n_per_a = 30.0\narmature_mass_kg = 0.2\nflexure_stiffness_n_per_m = 2000.0\n"
+        "flexure_damping_n_s_per_m = 20.0\n"
+    )
+
+
+def test_an_array_of_shakers_replaces_all_that_are_inherited(tmp_path: Path) -> None:
+    text = 'extends = "hati-two-shakers"\n'
+    two = load_scenario(_write(tmp_path, "two", text + _shaker(100, 0.6) + _shaker(101, 0.7)))
+    assert [s.position_m[0] for s in two.shakers] == [0.6, 0.7]
+    further = _shaker(102, 0.7).replace("[[shaker]]", "[[further_shaker]]")
+    mixed = load_scenario(_write(tmp_path, "mixed", text + _shaker(100, 0.6) + further))
+    assert [s.node for s in mixed.shakers] == [100, 102]
+    with pytest.raises(InputError, match="is for several shakers, and there is one"):
+        load_scenario(_write(tmp_path, "one", text + _shaker(100, 0.6)))
+
+
+def test_a_table_of_one_shaker_changes_the_first_of_an_array(tmp_path: Path) -> None:
+    base = 'extends = "hati-two-shakers"\n' + _shaker(100, 0.6) + _shaker(101, 0.7)
+    _write(tmp_path, "base", base)
+    child = load_scenario(_write(tmp_path, "child", 'extends = "base.toml"\n[shaker]\namplifier_gain = 3.0\n'))
+    assert [(s.position_m[0], s.amplifier_gain) for s in child.shakers] == [(0.6, 3.0), (0.7, 1.0)]
+
+
+def test_the_file_that_wrote_a_further_shaker_is_named(tmp_path: Path) -> None:
+    base = _write(tmp_path, "base", 'extends = "hati-two-shakers"\n' + _shaker(100, 0.6) + _shaker(100, 0.7))
+    child = _write(tmp_path, "child", 'extends = "base.toml"\nseed = 3\n')
+    with pytest.raises(InputError, match="is 100, which is taken") as caught:
+        load_scenario(child)
+    assert caught.value.where == f"{base}: further_shaker[0].node"

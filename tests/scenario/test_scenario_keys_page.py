@@ -8,7 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from vgvt.scenario.base import Table
+from vgvt.scenario.airframe import Airframe
+from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.vocabulary import unit_of
 
 
@@ -39,8 +40,14 @@ def test_the_page_has_every_key_of_every_table(maker: ModuleType) -> None:
     for (table, headings), section in zip(found.items(), sections, strict=True):
         assert all(heading in section.splitlines()[0] for heading in headings)
         rows = [line.split(" | ") for line in section.splitlines() if line.startswith("| `")]
-        assert [row[0] for row in rows] == [f"| `{key}`" for key in table.model_fields]
-        assert [row[2] for row in rows] == [unit_of(key) for key in table.model_fields]
+        assert [row[0] for row in rows] == [f"| `{key}`" for key in written_fields(table)]
+        assert [row[2] for row in rows] == [unit_of(key) for key in written_fields(table)]
+
+
+def test_what_only_effects_set_is_on_no_page(maker: ModuleType) -> None:
+    """Written in a file, ``airframe.hinged`` is refused: its mass would be thrown away."""
+    assert "hinged" in Airframe.model_fields
+    assert "hinged" not in maker.keys_page()
 
 
 def test_every_key_says_what_it_means(maker: ModuleType) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -72,10 +73,25 @@ _MISTAKES = [
     ("[shaker]\nposition_m = [0.6, 0.1]", "shaker.position_m", "exactly 3 entries", "Drive point"),
     ('[shaker]\nattached_to = "wnig"', "shaker.attached_to", "not a part", "Did you mean wing"),
     (
-        '[[airframe.hinged]]\nname = "loose"\nmass_kg = 0.1\nposition_m = [0.9, 1.0, 0.0]\nattached_to = "wnig"',
-        "airframe.hinged[0].attached_to",
-        "not a part",
-        "Did you mean wing",
+        '[[airframe.hinged]]\nname = "loose"\nmass_kg = 0.1\nposition_m = [0.9, 1.0, 0.0]\nattached_to = "wing"',
+        "airframe.hinged",
+        "no hinge to hang on",
+        "'control-surface'",
+    ),
+    ("[airframe]\nhingd = []", "airframe.hingd", "not a key", "The keys in [airframe] are name, configuration, body"),
+    (
+        "[accelerometers.grid]\nnode = [-1]\nx_m = [0.5]\ny_m = [0.5]",
+        "accelerometers.grid.node[0]",
+        "is -1, but must be at least 0",
+        "number of each point",
+    ),
+    ("[acquisition]\nruns = [[1], [2, -3]]", "acquisition.runs[1][1]", "is -3, but must be at least 0", "nodes"),
+    (
+        "[hammer]\nhead_mass_kg = 0.1\ntip_stiffness_n_per_m = 5e4\npeak_force_n = 9.0\nsensitivity_v_per_n = 0.01\n"
+        "nodes = [-4]",
+        "hammer.nodes[0]",
+        "is -4, but must be at least 0",
+        "Roving hammer",
     ),
     ('[accelerometers.grid]\ndirection = ["Q"]', "accelerometers.grid.direction[0]", "'Q'", "'+Z'"),
     (
@@ -158,6 +174,20 @@ def test_drive_point_and_hook_off_the_aircraft(refused: Refused, lines: str, key
     error = refused(lines)
     assert error.where.endswith(key)
     assert " off " in error.problem
+
+
+def test_a_further_shaker_off_the_aircraft_is_told_beside_other_mistakes(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    second = load_scenario("hati-two-shakers").further_shaker[0].model_copy(update={"position_m": (9.0, 0.0, 0.0)})
+    table = "".join(f"{key} = {json.dumps(value)}\n" for key, value in second.model_dump().items())
+    lines = _HEAD.replace("quick", "hati-two-shakers") + f"[[further_shaker]]\n{table}"
+    file.write_text(lines, encoding="utf-8")
+    alone = _refusal(file)
+    assert alone.where == f"{file}: further_shaker[0].position_m"
+    file.write_text(lines + "[suspension]\nstiffness_n_per_m = -1.0\n", encoding="utf-8")
+    both = _refusal(file)
+    assert both.problem == "2 mistakes"
+    assert f"further_shaker[0].position_m: {alone.problem}" in both.advice
 
 
 def test_all_mistakes_are_told_at_once(refused: Refused) -> None:

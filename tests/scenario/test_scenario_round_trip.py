@@ -69,6 +69,21 @@ def test_json_schema_refuses_unknown_keys_and_states_units() -> None:
     assert {"airframe", "shaker", "name"} <= set(schema["required"])
 
 
+def test_json_schema_knows_one_shaker_and_several() -> None:
+    for schema in (scenario_json_schema(), scenario_json_schema(extending=True)):
+        shaker = schema["properties"]["shaker"]
+        one = {"$ref": "#/$defs/Shaker"}
+        assert shaker["anyOf"] == [one, {"type": "array", "items": one, "minItems": 1}]
+        assert not {"$ref", "type"} & set(shaker), "beside anyOf they would refuse the array again"
+        assert shaker["description"]
+
+
+def test_what_only_effects_set_is_neither_in_the_schema_nor_in_the_text() -> None:
+    assert "hinged" in type(_QUICK.airframe).model_fields
+    assert "hinged" not in scenario_json_schema()["$defs"]["Airframe"]["properties"]
+    assert "hinged" not in to_toml(_QUICK)
+
+
 def test_json_schema_of_an_extending_file_asks_for_the_differences_only() -> None:
     schema = scenario_json_schema(extending=True)
     assert schema["required"] == ["extends", "name", "summary"]

@@ -7,7 +7,7 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.scenario import load_scenario
-from vgvt.scenario.sweeps import Axis, changed, known_keys, sweep
+from vgvt.scenario.sweeps import Axis, Design, changed, known_keys, sweep
 
 
 @pytest.fixture(scope="module")
@@ -108,8 +108,105 @@ def test_every_known_key_can_be_found(quick) -> None:
     assert {"excitation.duration_s", "airframe.beam[wing].stations.mass_kg_per_m", "shaker.position_m"} <= set(keys)
 
 
-@pytest.mark.parametrize("key", ["name", "summary", "lesson", "schema_version", "tolerances.damping"])
+@pytest.mark.parametrize(
+    "key",
+    ["name", "summary", "lesson", "schema_version", "tolerances.damping", "shaker.model", "accelerometers.model",
+     "airframe.name", "airframe.configuration", "airframe.sources", "airframe.item[servo-outer].name"],
+)  # fmt: skip
 def test_what_no_simulation_depends_on_is_refused_and_never_proposed(quick, key: str) -> None:
     with pytest.raises(InputError, match="no simulation depends on it"):
         sweep(quick, [Axis(key, (1, 2))])
     assert key not in known_keys(quick)
+
+
+def _values(scenario, *texts: str, design: Design = "grid", samples: int = 20) -> list[tuple[object, ...]]:
+    variants = sweep(scenario, [Axis.parse(text) for text in texts], design, samples)
+    return [tuple(variant.values.values()) for variant in variants]
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "numbers"),
+    [
+        ("acquisition.bits", "8..16:3", [8, 12, 16]),
+        ("airframe.beam[wing].cells", "4..7:7", [4, 5, 6, 7]),
+        ("airframe.beam[wing].cells", "4..64:5:log", [4, 8, 16, 32, 64]),
+    ],
+)
+def test_a_range_of_whole_numbers_stays_whole(quick, key: str, text: str, numbers: list[int]) -> None:
+    values = [value for (value,) in _values(quick, f"{key}={text}")]
+    assert values == numbers
+    assert all(type(value) is int for value in values)
+
+
+def test_a_latin_hypercube_of_whole_numbers_has_each_point_once(quick) -> None:
+    bits = [value for (value,) in _values(quick, "acquisition.bits=8..16", design="latin", samples=60)]
+    assert sorted(bits) == list(range(8, 17))
+    both = _values(quick, "acquisition.bits=8..16", "excitation.duration_s=8..16", design="latin", samples=60)
+    assert len(both) == 60
+    assert all(type(bits) is int and type(duration_s) is float for bits, duration_s in both)
+
+
+def test_a_range_between_other_numbers_is_left_alone(quick) -> None:
+    assert _values(quick, "excitation.duration_s=8..9:3") == [(8,), (8.5,), (9,)]
+    with pytest.raises(InputError, match=r"is 8\.5, but must be a whole number"):
+        _values(quick, "acquisition.bits=8.5..16:3")
+
+
+def test_a_parameter_of_an_effect_can_be_a_whole_number_that_its_table_leaves_out() -> None:
+    spoiled = load_scenario("spoiled-payload-change")
+    assert "from_run" not in spoiled.effect[0].parameters
+    values = [value for (value,) in _values(spoiled, "effect[payload-change].from_run=2..4:3")]
+    assert values == [2, 3, 4]
+    assert all(type(value) is int for value in values)
+
+
+def test_lists_of_lists_are_values(quick) -> None:
+    assert _values(quick, "acquisition.runs=[[1,2,3],[4,5,6]],[[1,2],[3,4]]") == [
+        ([[1, 2, 3], [4, 5, 6]],), ([[1, 2], [3, 4]],),
+    ]  # fmt: skip
+    with pytest.raises(InputError, match="is no value"):
+        Axis.parse("acquisition.runs=[[1,2],[3]")
+
+
+def test_a_further_shaker_off_the_aircraft_is_refused_as_in_a_file() -> None:
+    two = load_scenario("hati-two-shakers")
+    with pytest.raises(InputError, match=r"further_shaker\[0\]\.position_m the drive point at .* off the part"):
+        sweep(two, [Axis.parse("further_shaker[0].position_m=[9.0, 0.0, 0.0]")])
+
+
+@pytest.mark.parametrize(
+    ("texts", "idle", "alike"),
+    [
+        (
+            ("excitation.kind=burst-random,linear-chirp", "excitation.blocks=2,4", "excitation.burst_fraction=0.5"),
+            "excitation.blocks",
+            ("quick-003", "quick-004"),
+        ),
+        (("shaker.drive=current,voltage", "shaker.coil_resistance_ohm=1.3,2.6"), "shaker.coil_resistance_ohm",
+         ("quick-001", "quick-002")),
+    ],
+)  # fmt: skip
+def test_two_variants_that_are_the_same_test_are_refused(
+    quick, texts: tuple[str, ...], idle: str, alike: tuple[str, str]
+) -> None:
+    with pytest.raises(InputError) as refusal:
+        _values(quick, *texts)
+    assert refusal.value.where == f"--set {idle}"
+    assert f"changes nothing for {alike[1]}" in refusal.value.problem
+    assert f"the same test as {alike[0]}" in refusal.value.problem
+
+
+def test_row_by_row_a_kind_can_go_without_its_neighbours_key(quick) -> None:
+    texts = ("excitation.kind=linear-chirp,burst-random,burst-random", "excitation.blocks=2,2,4",
+             "excitation.burst_fraction=0.5,0.5,0.5")  # fmt: skip
+    assert len(_values(quick, *texts, design="list")) == 3
+
+
+def test_a_value_that_is_there_twice_is_refused(quick) -> None:
+    with pytest.raises(InputError, match="is there twice"):
+        _values(quick, "excitation.duration_s=8,16,8")
+
+
+def test_a_key_of_no_kind_that_is_tried_is_refused(quick) -> None:
+    with pytest.raises(InputError, match=r"belongs to no excitation\.kind that is tried"):
+        _values(quick, "excitation.kind=linear-chirp,logarithmic-chirp", "excitation.blocks=2")

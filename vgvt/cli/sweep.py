@@ -101,7 +101,8 @@ def _variants(
     from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
     from vgvt.effects.places import require_in_the_runs, require_on_aircraft
-    from vgvt.scenario.sweeps import DESIGNS, Axis, sweep
+    from vgvt.scenario.sweeps import DESIGNS, sweep
+    from vgvt.scenario.swept_axis import Axis
 
     if design not in DESIGNS:
         raise InputError("--design", f"there is no design {design!r}", f"write {', '.join(DESIGNS)}")

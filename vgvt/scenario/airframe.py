@@ -6,9 +6,10 @@ Aircraft axes: x aft from the nose, y right, z up, metres.
 from __future__ import annotations
 
 import difflib
-from typing import Self
+from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
+from pydantic.json_schema import SkipJsonSchema
 
 from vgvt.scenario.base import Finite, MisfitError, NonNegative, Point, Positive, Switch, Table, Whole
 
@@ -188,8 +189,9 @@ class Airframe(Table):
     """The flexible surfaces."""
     item: tuple[Item, ...] = ()
     """The lumped masses."""
-    hinged: tuple[Item, ...] = ()
-    """What effects have hung on hinges of their own: weighed there, and locked where structural damping is found."""
+    hinged: SkipJsonSchema[tuple[Item, ...]] = ()
+    """What effects have hung on hinges of their own: weighed there, and locked where structural damping is found.
+    No file can write it: it takes the effect's hinge to weigh it."""
     damping: Damping = Damping()
     """Structural damping."""
     sources: tuple[str, ...] = ()
@@ -215,9 +217,18 @@ class Airframe(Table):
                     ("item", i, "name"), f"is {item.name!r}, which is taken", "Give it a name of its own."
                 )
             self.require_part(("item", i, "attached_to"), item.attached_to, both_sides=item.mirror)
-        for i, item in enumerate(self.hinged):
-            self.require_part(("hinged", i, "attached_to"), item.attached_to, both_sides=item.mirror)
         return self
+
+    @field_validator("hinged", mode="before")
+    @classmethod
+    def _hinges_are_of_effects(cls, value: Any) -> Any:
+        if value:
+            raise MisfitError(
+                (),
+                "has no hinge to hang on, and would weigh nothing",
+                "Write [[airframe.item]], and an [[effect]] with name = 'control-surface' and item = the item's name.",
+            )
+        return value
 
     @model_validator(mode="after")
     def _beams_end_on_the_body(self) -> Self:

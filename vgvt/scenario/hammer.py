@@ -6,7 +6,7 @@ import math
 
 from pydantic import Field
 
-from vgvt.scenario.base import NonNegative, Positive, Switch, Table, Whole
+from vgvt.scenario.base import Node, NonNegative, Positive, Switch, Table
 from vgvt.scenario.instruments import NoiseSpectrum
 
 
@@ -35,7 +35,7 @@ class Hammer(Table):
     """How often the hammer bounces and hits again, half as hard."""
     double_hit_interval_s: Positive = 0.04
     """From a hit to the bounce."""
-    nodes: tuple[Whole, ...] = ()
+    nodes: tuple[Node, ...] = ()
     """Roving hammer: the node of the grid that is hit in each of acquisition.runs; left out, the drive point is."""
     sensitivity_v_per_n: Positive
     """Volts per newton at the converter."""

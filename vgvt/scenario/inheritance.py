@@ -7,14 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from vgvt.data.errors import InputError
+from vgvt.scenario.explain import key_path
 from vgvt.scenario.library import bundled_path, bundled_scenarios
-from vgvt.scenario.rig import KIND_KEYS
+from vgvt.scenario.rig import KIND_KEYS, shakers_apart
 from vgvt.scenario.toml_source import read_toml
 
 KeyPath = tuple[str | int, ...]
 
 OWN_WORDS = ("name", "summary", "lesson")
 """Every file speaks for itself: these are not inherited."""
+
+_MAY_REPEAT: tuple[KeyPath, ...] = (("effect",),)
+"""Arrays in which several entries may have one name; in any other a name means one entry."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +42,11 @@ def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
 
     ``extends`` names a bundled scenario or a file relative to this one. Tables
     merge key by key; arrays of tables whose entries have a name merge entry by
-    entry, new names last; anything else is replaced. ``name``, ``summary`` and
-    ``lesson`` are not inherited, nor are the keys of an excitation's old kind.
-    InputError for a missing parent or a cycle.
+    entry, new names last; anything else is replaced, all shakers together by an
+    array of them. ``name``, ``summary`` and ``lesson`` are not inherited, nor are
+    the keys of an excitation's old kind. Several [[shaker]] come back apart, as
+    ``shaker`` and ``further_shaker``. InputError for a missing parent, a cycle, or
+    a beam or item that one file names twice.
     """
     place = path.resolve()
     if place in chain:
@@ -48,13 +54,15 @@ def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
         raise InputError(
             f"{chain[-1]}: extends", f"the scenarios extend each other: {circle}", "Remove one of these extends lines."
         )
-    tables = read_toml(path)
+    written = read_toml(path)
+    tables = shakers_apart(written)
     if "extends" not in tables:
         return Source(path, tables, dict.fromkeys(_keys(tables), path))
     parent = read_source(_parent_path(path, tables.pop("extends")), (*chain, place))
-    inherited = {key: value for key, value in parent.tables.items() if key not in OWN_WORDS}
+    own = (*OWN_WORDS, "shaker", "further_shaker") if isinstance(written.get("shaker"), list) else OWN_WORDS
+    inherited = {key: value for key, value in parent.tables.items() if key not in own}
     inherited = _without_keys_of_another_kind(inherited, tables.get("excitation"))
-    written_in = {key: file for key, file in parent.written_in.items() if key[0] not in OWN_WORDS}
+    written_in = {key: file for key, file in parent.written_in.items() if key[0] not in own}
     return Source(path, _merged(inherited, tables, (), written_in, path), written_in)
 
 
@@ -106,9 +114,17 @@ def _merged_array(
     written_in: dict[KeyPath, Path],
     path: Path,
 ) -> list[dict[str, Any]]:
+    """Each entry changes the parent's first of its name that no entry before it changed, or is added."""
     result = list(base)
-    for entry in changes:
-        index = next((i for i, old in enumerate(result) if old["name"] == entry["name"]), len(result))
+    changed: set[int] = set()
+    for place, entry in enumerate(changes):
+        name = entry["name"]
+        if at not in _MAY_REPEAT and any(before["name"] == name for before in changes[:place]):
+            where = f"{path}: {key_path((*at, place, 'name'))}"
+            raise InputError(where, f"is {name!r}, which is taken", "Give it a name of its own.")
+        free = (i for i, old in enumerate(base) if i not in changed and old["name"] == name)
+        index = next(free, len(result))
+        changed.add(index)
         if index == len(result):
             result.append({})
             written_in[(*at, index)] = path

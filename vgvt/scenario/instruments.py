@@ -7,7 +7,7 @@ from typing import Self
 
 from pydantic import Field, field_validator, model_validator
 
-from vgvt.scenario.base import Finite, MisfitError, NonNegative, Positive, Table, Whole
+from vgvt.scenario.base import Finite, MisfitError, Node, NonNegative, Positive, Table, Whole
 
 
 class NoiseSpectrum(Table):
@@ -68,7 +68,7 @@ class Transducer(Table):
 class Grid(Table):
     """Where accelerometers can be put: columns of equal length."""
 
-    node: tuple[Whole, ...] = Field(min_length=1)
+    node: tuple[Node, ...] = Field(min_length=1)
     """Number of each point; runs and results name points by it."""
     x_m: tuple[Finite, ...]
     """Aft of the nose."""
@@ -135,7 +135,7 @@ class Acquisition(Table):
     """Full scale of every input, plus and minus."""
     noise_v_per_rthz: NonNegative = 0.0
     """White noise of the converter's inputs, one-sided."""
-    runs: tuple[tuple[Whole, ...], ...] = Field(min_length=1)
+    runs: tuple[tuple[Node, ...], ...] = Field(min_length=1)
     """The nodes that carry an accelerometer in each run, in the order of the channels."""
     repeats: Whole = Field(default=1, ge=1)
     """How often each of them is run, one after the other: records to average, and to see the scatter by."""

@@ -20,6 +20,10 @@ def scenario_json_schema(*, extending: bool = False) -> dict[str, Any]:
         for key, entry in table.get("properties", {}).items():
             if unit := unit_of(key):
                 entry["description"] = f"{entry.get('description', '')} Unit: {unit}.".strip()
+    # One [shaker], or several [[shaker]].
+    shaker = schema["properties"]["shaker"]
+    one = {"$ref": shaker.pop("$ref")}
+    shaker["anyOf"] = [one, {"type": "array", "items": one, "minItems": 1}]
     if extending:
         for table in tables:
             table.pop("required", None)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,7 +17,7 @@ from vgvt.scenario.inheritance import Source, read_source
 from vgvt.scenario.instruments import Grid
 from vgvt.scenario.library import bundled_path
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.placement import placement_problems
+from vgvt.scenario.placement import placement_problems, scenario_placement_problems
 from vgvt.scenario.rig import Shaker, Suspension
 
 _SHOWN_AT_ONCE = 10
@@ -39,18 +38,10 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         scenario = Scenario.model_validate(source.tables)
     except ValidationError as error:
         raise _refusal(source, _with_placement(problems_of(error), source.tables)) from None
-    problems = placement_problems(scenario.airframe, scenario.accelerometers.grid, scenario.shaker, scenario.suspension)
-    for i, further in enumerate(scenario.further_shaker):
-        found = placement_problems(scenario.airframe, None, further, None)
-        problems += tuple(replace(p, key=("further_shaker", i, *p.key[1:])) for p in found)
+    problems = scenario_placement_problems(scenario)
     if problems:
         raise _refusal(source, problems)
     return scenario
-
-
-def _first(table: Any) -> Any:
-    """The first of several tables of a name, or the only one."""
-    return table[0] if isinstance(table, list) and table else table
 
 
 def _with_placement(problems: Sequence[Problem], tables: Mapping[str, Any]) -> tuple[Problem, ...]:
@@ -58,12 +49,13 @@ def _with_placement(problems: Sequence[Problem], tables: Mapping[str, Any]) -> t
     airframe = _valid(Airframe, tables.get("airframe"))
     if airframe is None:
         return tuple(problems)
-    accelerometers = tables.get("accelerometers")
+    accelerometers, further = tables.get("accelerometers"), tables.get("further_shaker")
     placed = placement_problems(
         airframe,
         _valid(Grid, accelerometers.get("grid") if isinstance(accelerometers, dict) else None),
-        _valid(Shaker, _first(tables.get("shaker"))),
+        _valid(Shaker, tables.get("shaker")),
         _valid(Suspension, tables.get("suspension")),
+        [_valid(Shaker, table) for table in further] if isinstance(further, list) else (),
     )
     known = {problem.key for problem in problems}
     return (*problems, *(problem for problem in placed if problem.key not in known))

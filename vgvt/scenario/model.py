@@ -12,7 +12,8 @@ from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.exciters import check_hammer, check_shakers
 from vgvt.scenario.hammer import Hammer
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
-from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension
+from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension, shakers_apart
+from vgvt.scenario.sampling import check_sampling
 from vgvt.scenario.tolerances import Tolerances
 
 
@@ -73,10 +74,7 @@ class Scenario(Table):
     @model_validator(mode="before")
     @classmethod
     def _several_shakers(cls, tables: Any) -> Any:
-        if not isinstance(tables, dict) or not isinstance(tables.get("shaker"), list) or not tables["shaker"]:
-            return tables
-        first, *others = tables["shaker"]
-        return tables | {"shaker": first, "further_shaker": [*others, *tables.get("further_shaker", ())]}
+        return shakers_apart(tables) if isinstance(tables, dict) else tables
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
@@ -100,11 +98,6 @@ class Scenario(Table):
             )
         check_shakers(self.airframe, self.shakers, self.excitation, self.acquisition, nodes)
         check_hammer(self.hammer, self.excitation, self.acquisition, nodes)
-        top_hz, rate_hz = self.excitation.band_hz[1], self.acquisition.sample_rate_hz
-        if top_hz >= rate_hz / 2:
-            raise MisfitError(
-                ("acquisition", "sample_rate_hz"),
-                f"is {rate_hz:g}, but the excitation goes up to {top_hz:g} Hz",
-                f"Sample faster than {2 * top_hz:g} Hz, or excite less far up.",
-            )
+        drives = len(self.shakers)
+        check_sampling(self.excitation, self.acquisition, self.accelerometers, self.transducer, drives)
         return self

@@ -12,6 +12,7 @@ from vgvt.scenario.base import MisfitError
 from vgvt.scenario.explain import Key, Problem
 from vgvt.scenario.instruments import Grid
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
+from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import chord_m, distance_off_m, outlines_m, part_at
 from vgvt.scenario.rig import Shaker, Suspension
 
@@ -30,10 +31,20 @@ LEAST_BOX_MARGIN_M = 0.2
 _FOREIGN_UNITS = {"inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001, "feet": 0.3048}
 
 
+def scenario_placement_problems(scenario: Scenario) -> tuple[Problem, ...]:
+    """All that a scenario attaches to its aircraft and that is off it: sensors, every shaker, the hook."""
+    grid = scenario.accelerometers.grid
+    return placement_problems(scenario.airframe, grid, scenario.shaker, scenario.suspension, scenario.further_shaker)
+
+
 def placement_problems(
-    airframe: Airframe, grid: Grid | None, shaker: Shaker | None, suspension: Suspension | None
+    airframe: Airframe,
+    grid: Grid | None,
+    shaker: Shaker | None,
+    suspension: Suspension | None,
+    further_shakers: Sequence[Shaker | None] = (),
 ) -> tuple[Problem, ...]:
-    """Sensors, shaker and hook that are off the aircraft, each with its distance and the nearest part; None is skipped.
+    """Sensors, shakers, hook that are off the aircraft, each with its distance and the nearest part; None is skipped.
 
     Points on an outline are held to it in plan, since outlines have no height; points on a part
     without one are held to the box of all that is described, and a margin.
@@ -41,15 +52,10 @@ def placement_problems(
     problems: list[Problem | None] = []
     if grid is not None:
         problems += [_sensor_problem(airframe, grid, i) for i in range(len(grid.node))]
-    if shaker is not None:
-        key: Key = ("shaker", "position_m")
-        point, part = shaker.position_m, shaker.attached_to
-        problems.append(
-            _unknown_part(airframe, ("shaker", "attached_to"), part)
-            or _off_the_aircraft(airframe, key, "the drive point", point, part, EDGE_TOLERANCE_M)
-        )
+    problems.append(_shaker_problem(airframe, ("shaker",), shaker))
+    problems += [_shaker_problem(airframe, ("further_shaker", i), further) for i, further in enumerate(further_shakers)]
     if suspension is not None:
-        key = ("suspension", "hook_m")
+        key: Key = ("suspension", "hook_m")
         problems.append(_off_the_aircraft(airframe, key, "the hook", suspension.hook_m, None, HOOK_TOLERANCE_M))
     return tuple(p for p in problems if p is not None)
 
@@ -83,6 +89,15 @@ def _sensor_problem(airframe: Airframe, grid: Grid, i: int) -> Problem | None:
     at: Key = ("accelerometers", "grid")
     return _unknown_part(airframe, (*at, "attached_to", i), part) or _off_the_aircraft(
         airframe, (*at, "x_m", i), f"sensor point {grid.node[i]}", point, part, EDGE_TOLERANCE_M
+    )
+
+
+def _shaker_problem(airframe: Airframe, at: Key, shaker: Shaker | None) -> Problem | None:
+    if shaker is None:
+        return None
+    point, part = shaker.position_m, shaker.attached_to
+    return _unknown_part(airframe, (*at, "attached_to"), part) or _off_the_aircraft(
+        airframe, (*at, "position_m"), "the drive point", point, part, EDGE_TOLERANCE_M
     )
 
 

@@ -9,13 +9,17 @@ from vgvt.data import Direction, Dof
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import Point
 from vgvt.scenario.instruments import Grid
+from vgvt.scenario.mirror import part_name
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import part_at, planform_of, surface_height_m
 
 
 @dataclass(frozen=True, slots=True)
 class SensorPoint:
-    """A place for an accelerometer: its DOF, the part that it is on and its position in aircraft axes."""
+    """A place for an accelerometer: its DOF, the part that it is on (a name after mirroring), and its position.
+
+    The position is in aircraft axes.
+    """
 
     dof: Dof
     part: str
@@ -33,7 +37,8 @@ def _points(airframe: Airframe, grid: Grid) -> tuple[SensorPoint, ...]:
     for k, node in enumerate(grid.node):
         x, y = grid.x_m[k], grid.y_m[k]
         height = grid.z_m[k] if grid.z_m is not None else 0.0
-        part = grid.attached_to[k] if grid.attached_to is not None else part_at(airframe, (x, y, height))
+        stated = grid.attached_to[k] if grid.attached_to is not None else part_at(airframe, (x, y, height))
+        part = part_name(airframe, stated, y)
         if grid.z_m is None:
             height = surface_height_m(airframe, part, x, y)
         direction = Direction.from_label(grid.direction[k] if grid.direction is not None else "+Z")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from collections.abc import Mapping
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from vgvt.scenario.base import MisfitError, NonNegative, Point, Positive, Table, Whole
+from vgvt.scenario.base import MisfitError, Node, NonNegative, Point, Positive, Table, Whole
 
 
 class Suspension(Table):
@@ -33,7 +34,7 @@ class Shaker(Table):
 
     model: str = ""
     """Make and type, in words."""
-    node: Whole = Field(default=100, ge=0)
+    node: Node = 100
     """Node number of the drive point in the campaign's geometry."""
     position_m: Point
     """Drive point on the aircraft, aircraft axes; the shaker stands below it and pushes along +z."""
@@ -68,6 +69,17 @@ class Shaker(Table):
                 "Write the inductance in henry: 0.6 mH is 6e-4.",
             )
         return self
+
+
+def shakers_apart(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """A scenario's tables with several [[shaker]] apart: the first is shaker, the others stand ahead of further_shaker.
+
+    What is no such array is left as it is, to be refused where it stands.
+    """
+    shakers, further = tables.get("shaker"), tables.get("further_shaker", ())
+    if not isinstance(shakers, list) or not shakers or not isinstance(further, list | tuple):
+        return dict(tables)
+    return {**tables, "shaker": shakers[0], "further_shaker": [*shakers[1:], *further]}
 
 
 class Stinger(Table):

@@ -4,74 +4,29 @@ from __future__ import annotations
 
 import difflib
 import itertools
-import math
 import re
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
-import numpy as np
 from pydantic import ValidationError
 
 from vgvt.data.errors import InputError
-from vgvt.scenario.base import Table
+from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.explain import Problem, key_path, problems_of
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.placement import placement_problems
+from vgvt.scenario.placement import scenario_placement_problems
 from vgvt.scenario.rig import KIND_KEYS
 from vgvt.scenario.streams import named_stream
-from vgvt.scenario.vocabulary import inner_table
+from vgvt.scenario.swept_axis import Axis
+from vgvt.scenario.used import comparable, is_there, is_wording, used_tables, why_unused
+from vgvt.scenario.vocabulary import inner_table, table_at
 
 Design = Literal["grid", "list", "latin"]
 DESIGNS: tuple[Design, ...] = ("grid", "list", "latin")
 
-_UNUSED = ("schema_version", "name", "summary", "lesson", "tolerances")  # by a simulation
-
-_RANGE = re.compile(r"^(?P<low>[^,\[\]]+?)\.\.(?P<high>[^,\[\]:]+)(?::(?P<count>\d+))?(?P<log>:log)?$")
 _STEP = re.compile(r"([A-Za-z0-9_-]+)|\[([^\]]+)\]")
-
-
-@dataclass(frozen=True, slots=True)
-class Axis:
-    """One swept key: its values, or the range that a latin hypercube draws from, even in the logarithm if ``log``."""
-
-    key: str
-    values: tuple[Any, ...] = ()
-    low: float = 0.0
-    high: float = 0.0
-    log: bool = False
-
-    @classmethod
-    def parse(cls, text: str) -> Axis:
-        """The axis written as KEY=a,b,c or KEY=low..high[:count][:log]; InputError says what is wrong."""
-        key, equals, values = (part.strip() for part in text.partition("="))
-        if not equals or not key or not values:
-            raise InputError(f"--set {text}", "is not KEY=values", "write excitation.duration_s=30,60 or KEY=1..5:9")
-        span = _RANGE.match(values)
-        if span is None:
-            return cls(key, tuple(_typed(text, v) for v in _listed(values)))
-        low, high = (_typed(text, span[end]) for end in ("low", "high"))
-        if isinstance(low, str) or isinstance(high, str) or not low < high:
-            raise InputError(f"--set {text}", f"{values!r} is no range", "write two rising numbers, like 1..5")
-        if span["log"] and low <= 0:
-            raise InputError(f"--set {text}", "a logarithmic range starts above 0", "drop :log or start higher")
-        axis = cls(key, (), float(low), float(high), bool(span["log"]))
-        if span["count"] is None:
-            return axis
-        if int(span["count"]) < 2:
-            raise InputError(f"--set {text}", "a range has two values at least", "write a count of 2 or more")
-        at = np.linspace(0, 1, int(span["count"]))
-        return cls(key, tuple(axis.at(float(fraction)) for fraction in at), axis.low, axis.high, axis.log)
-
-    def at(self, fraction: float) -> float:
-        """The value at a fraction of the way from ``low`` to ``high``, rounded to ten digits."""
-        if self.log:
-            value = math.exp(math.log(self.low) + fraction * math.log(self.high / self.low))
-        else:
-            value = self.low + fraction * (self.high - self.low)
-        return float(f"{value:.10g}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,26 +44,57 @@ def sweep(
 
     ``grid`` takes every combination, ``list`` the first values of all axes, then the second, and so on;
     ``latin`` draws ``samples`` points of a latin hypercube (McKay, Beckman and Conover,
-    Technometrics 21(2), 1979) from the ranges. InputError names the nearest key for one that does not exist,
-    and refuses one that no simulation depends on.
+    Technometrics 21(2), 1979) from the ranges, each once where whole numbers or lists make some alike. InputError
+    names the nearest key for one that does not exist, and refuses one that no simulation of a variant depends on,
+    and two variants that are the same test.
     """
     keys = [axis.key for axis in axes]
     places = [_place(scenario, key) for key in keys]
     for key, place in zip(keys, places, strict=True):
         if places.count(place) > 1:
             raise InputError(f"--set {key}", "is there twice", "give each key once, all of its values together")
-        if place[0] in _UNUSED:
-            raise InputError(
-                f"--set {key}",
-                "no simulation depends on it: all variants would be alike",
-                "sweep what the test is made of, as excitation.duration_s=30,60",
-            )
+        if is_wording(scenario, place):
+            raise _idle(key, why_unused(scenario, place))
+    axes = [a.in_whole_numbers() if _is_whole(p) else a for a, p in zip(axes, places, strict=True)]
     table = {"grid": _grid, "list": _list}[design](axes) if design != "latin" else _latin(axes, samples, seed)
     rows = [dict(zip(keys, row, strict=True)) for row in table]
     digits = max(3, len(str(len(rows))))
-    return tuple(
+    variants = tuple(
         Variant(changed(scenario, values).model_copy(update={"name": f"{scenario.name}-{k:0{digits}d}"}), values)
         for k, values in enumerate(rows, start=1)
+    )
+    _require_different_tests(variants, dict(zip(keys, places, strict=True)))
+    return variants
+
+
+def _require_different_tests(variants: Sequence[Variant], places: Mapping[str, tuple[str | int, ...]]) -> None:
+    """InputError for a key that no variant uses, and for two variants whose simulations read the same."""
+    tables = [used_tables(variant.scenario) for variant in variants]
+    for key, place in places.items():
+        if not any(is_there(used, place) for used in tables):
+            why = why_unused(variants[0].scenario, place) or "it belongs to no excitation.kind that is tried"
+            raise _idle(key, why)
+    known: dict[Any, Variant] = {}
+    for variant, used in zip(variants, tables, strict=True):
+        same = known.setdefault(comparable(used), variant)
+        if same is variant:
+            continue
+        idle = [key for key, value in variant.values.items() if value != same.values[key]]
+        if not idle:
+            raise InputError(_setting(variant.values), "is there twice", "give each value once")
+        raise InputError(
+            f"--set {' '.join(idle)}",
+            f"changes nothing for {variant.scenario.name} ({_written(variant.values)}): that is the same test as "
+            f"{same.scenario.name} ({_written(same.values)})",
+            "leave out what changes nothing, or write row by row with --design list what is to be tried",
+        )
+
+
+def _idle(key: str, why: str) -> InputError:
+    return InputError(
+        f"--set {key}",
+        f"{why}: all variants would be alike",
+        "sweep what the test is made of, as excitation.duration_s=30,60",
     )
 
 
@@ -128,7 +114,7 @@ def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
         made = Scenario.model_validate(tables)
     except ValidationError as error:
         raise _refusal(values, problems_of(error)) from None
-    problems = placement_problems(made.airframe, made.accelerometers.grid, made.shaker, made.suspension)
+    problems = scenario_placement_problems(made)
     if problems:
         raise _refusal(values, problems)
     return made
@@ -136,11 +122,12 @@ def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 def known_keys(scenario: Scenario) -> tuple[str, ...]:
     """Every key that can be swept, as it is written: of the schema, entries by their name, and of its effects."""
-    return tuple(key for key in _keys(scenario, Scenario, "") if key.partition(".")[0] not in _UNUSED)
+    tables = scenario.model_dump(mode="json")
+    return tuple(k for k in _keys(scenario, Scenario, "") if not why_unused(scenario, _found(tables, k) or ()))
 
 
 def _keys(value: Any, table: type[Table], path: str) -> Iterator[str]:
-    for name, field in table.model_fields.items():
+    for name, field in written_fields(table).items():
         here, inner, own = f"{path}{name}", inner_table(field.annotation), getattr(value, name, None)
         if inner is None:
             yield here
@@ -155,8 +142,16 @@ def _keys(value: Any, table: type[Table], path: str) -> Iterator[str]:
 
 def _place(scenario: Scenario, key: str) -> tuple[str | int, ...]:
     """The path of a key in the tables; InputError with the nearest key for an unknown one."""
+    place = _found(scenario.model_dump(mode="json"), key)
+    if place is None:
+        raise _no_such_key(scenario, key)
+    return place
+
+
+def _found(tables: dict[str, Any], key: str) -> tuple[str | int, ...] | None:
+    """The path of a key in a scenario's tables, None where it leads nowhere or to a table."""
     plain: list[str | int] = []
-    value: Any = scenario.model_dump(mode="json")
+    value: Any = tables
     for step in key_steps(key):
         if isinstance(value, list) and isinstance(step, str):
             names = [entry.get("name") if isinstance(entry, dict) else None for entry in value]
@@ -165,12 +160,22 @@ def _place(scenario: Scenario, key: str) -> tuple[str | int, ...]:
             isinstance(value, list) and isinstance(step, int) and 0 <= step < len(value)
         )
         if not inside and not (isinstance(value, dict) and plain and plain[0] == "effect"):
-            raise _no_such_key(scenario, key)
+            return None
         plain.append(step)
         value = value[step] if inside else None
-    if not plain or isinstance(value, dict):
-        raise _no_such_key(scenario, key)
-    return tuple(plain)
+    return None if not plain or isinstance(value, dict) else tuple(plain)
+
+
+def _is_whole(place: tuple[str | int, ...]) -> bool:
+    """Whether the schema has whole numbers at a place; an effect's parameters are known to the effect alone."""
+    *way, name = (step for step in place if isinstance(step, str))
+    table = table_at(tuple(way))
+    field = table.model_fields.get(name) if table else None
+    return field is not None and _holds_whole_numbers(field.annotation)
+
+
+def _holds_whole_numbers(annotation: Any) -> bool:
+    return annotation is int or any(_holds_whole_numbers(inner) for inner in get_args(annotation))
 
 
 def key_steps(key: str) -> list[str | int]:
@@ -196,24 +201,16 @@ def _put(tables: dict[str, Any], scenario: Scenario, key: str, value: Any) -> No
 
 
 def _refusal(values: Mapping[str, Any], problems: Sequence[Problem]) -> InputError:
-    where = "--set " + " ".join(f"{key}={value}" for key, value in values.items())
     first = problems[0]
-    return InputError(where, f"{key_path(first.key) or 'scenario'} {first.text}", first.advice)
+    return InputError(_setting(values), f"{key_path(first.key) or 'scenario'} {first.text}", first.advice)
 
 
-def _listed(values: str) -> list[str]:
-    """Values between the commas that are outside brackets."""
-    return [part.strip() for part in re.findall(r"(?:\[[^\]]*\]|[^,\[])+", values) if part.strip()]
+def _setting(values: Mapping[str, Any]) -> str:
+    return f"--set {_written(values)}"
 
 
-def _typed(text: str, value: str) -> Any:
-    """A value as TOML reads it; what TOML cannot read is text."""
-    try:
-        return tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        if re.fullmatch(r"[\w .-]+", value.strip()):
-            return value.strip()
-        raise InputError(f"--set {text}", f"{value!r} is no value", "write numbers, words, or lists in [ ]") from None
+def _written(values: Mapping[str, Any]) -> str:
+    return " ".join(f"{key}={value}" for key, value in values.items())
 
 
 def _grid(axes: Sequence[Axis]) -> list[tuple[Any, ...]]:
@@ -234,7 +231,7 @@ def _values(axis: Axis) -> tuple[Any, ...]:
 
 
 def _latin(axes: Sequence[Axis], samples: int, seed: int) -> list[tuple[Any, ...]]:
-    """One point in each of ``samples`` equal strata of every axis, paired at random."""
+    """One point in each of ``samples`` equal strata of every axis, paired at random; equal points once."""
     columns: list[list[Any]] = []
     for axis in axes:
         stream = named_stream(seed, "latin hypercube", axis.key)
@@ -243,4 +240,5 @@ def _latin(axes: Sequence[Axis], samples: int, seed: int) -> list[tuple[Any, ...
             columns.append([axis.values[int(f * len(axis.values))] for f in fractions])
         else:
             columns.append([axis.at(float(f)) for f in fractions])
-    return list(zip(*columns, strict=True))
+    rows = list(zip(*columns, strict=True))
+    return [row for k, row in enumerate(rows) if row not in rows[:k]]

@@ -6,7 +6,7 @@ import difflib
 from functools import cache
 from typing import Any, get_args, get_origin
 
-from vgvt.scenario.base import Table
+from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.model import Scenario
 
 TOP = "at the top of the file, before any [table]"
@@ -81,7 +81,7 @@ def fixed_length(annotation: Any) -> int | None:
 
 def guess(table: type[Table], here: str, key: str) -> str:
     """A sentence about an unknown key of a table, ``here`` in the file: where it belongs, or what was meant."""
-    known = tuple(table.model_fields)
+    known = tuple(written_fields(table))
     owners = _owners()
     elsewhere = [place for place in owners.get(key, ()) if place != here]
     if elsewhere:
@@ -105,7 +105,7 @@ def _owners() -> dict[str, tuple[str, ...]]:
 
     def walk(table: type[Table], path: str, many: bool) -> None:
         place = f"in [[{path}]]" if many else f"in [{path}]" if path else TOP
-        for key, field in table.model_fields.items():
+        for key, field in written_fields(table).items():
             owners.setdefault(key, []).append(place)
             inner = inner_table(field.annotation)
             if inner is not None:

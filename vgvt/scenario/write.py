@@ -13,8 +13,12 @@ _LINE = 110
 
 
 def to_toml(scenario: Scenario) -> str:
-    """The resolved scenario, defaults included, as TOML 1.0 text that loads to an equal scenario."""
-    return "\n".join(_table(scenario.model_dump(exclude_none=True), ())).lstrip("\n") + "\n"
+    """The resolved scenario, defaults included, as TOML 1.0 text that loads to an equal scenario.
+
+    One that effects have hung items on hinges of has no such text: a file cannot write ``airframe.hinged``.
+    """
+    exclude = None if scenario.airframe.hinged else {"airframe": {"hinged"}}
+    return "\n".join(_table(scenario.model_dump(exclude_none=True, exclude=exclude), ())).lstrip("\n") + "\n"
 
 
 def _table(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:

@@ -1,0 +1,64 @@
+"""What the acquisition cannot sample is refused when the scenario is loaded, not after it was simulated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from vgvt.data import InputError
+from vgvt.scenario import bundled_scenarios, load_scenario, spoiled_scenarios
+
+HEAD = 'extends = "quick"\nname = "mine"\nsummary = "A trial."\n'
+
+
+def loaded(folder: Path, lines: str) -> None:
+    path = folder / "mine.toml"
+    path.write_text(HEAD + lines, encoding="utf-8")
+    load_scenario(path)
+
+
+@pytest.mark.parametrize(
+    ("lines", "key", "problem", "advice"),
+    [
+        ("[accelerometers]\nhigh_pass_hz = 500.0", "accelerometers.high_pass_hz", "is 500, but", "0 for none"),
+        ("[transducer]\nhigh_pass_hz = 700.0", "transducer.high_pass_hz", "below 500 Hz", "far below the 3 Hz"),
+        ("[excitation]\nduration_s = 1e-9", "excitation.duration_s", "less than a cycle at 19 Hz", "0.0526 s"),
+        (
+            '[excitation]\nkind = "burst-random"\nblocks = 4\nburst_fraction = 0.01',
+            "excitation.burst_fraction",
+            "leaves 0.04 s",
+            "0.0526 s",
+        ),
+        ("[excitation]\nduration_s = 2e8", "excitation.duration_s", "22 channels", "at most 4.55e+04"),
+        ("[acquisition]\nrepeats = 1000000000000", "acquisition.repeats", "8 GB", "2525 times at most"),
+        ("[excitation]\nring_down_s = 1e6", "excitation.duration_s", "8 GB", "shorten the silence"),
+    ],
+)
+def test_it_is_refused_at_its_key(tmp_path: Path, lines: str, key: str, problem: str, advice: str) -> None:
+    with pytest.raises(InputError) as refused:
+        loaded(tmp_path, lines)
+    assert refused.value.where.endswith(f": {key}")
+    assert problem in refused.value.problem
+    assert advice in refused.value.advice
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "[accelerometers]\nhigh_pass_hz = 499.9",
+        "[excitation]\nduration_s = 0.0527",
+        "[acquisition]\nrepeats = 2525",
+        "[excitation]\nduration_s = 45450.0",
+    ],
+)
+def test_what_just_fits_is_not(tmp_path: Path, lines: str) -> None:
+    loaded(tmp_path, lines)
+
+
+def test_what_is_bundled_is_far_from_too_long() -> None:
+    """The limit is there for slips of the pen: a tenth of it is never in use."""
+    for name in (*bundled_scenarios(), *spoiled_scenarios()):
+        scenario = load_scenario(name)
+        channels = sum(len(nodes) + 2 * len(scenario.shakers) for nodes in scenario.acquisition.run_nodes)
+        assert scenario.excitation.record_s * scenario.acquisition.sample_rate_hz * channels < 1e8

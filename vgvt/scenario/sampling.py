@@ -1,0 +1,90 @@
+"""Does the acquisition fit what it samples: the band, the filters of its channels, and a record of sensible length."""
+
+from __future__ import annotations
+
+import math
+
+from vgvt.scenario.base import MisfitError
+from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
+from vgvt.scenario.rig import Excitation
+
+# Of a campaign, held in memory at once: 8 GB, sixty times the longest that is bundled.
+_MOST_SAMPLES = 1e9
+
+
+def check_sampling(
+    excitation: Excitation,
+    acquisition: Acquisition,
+    accelerometers: Accelerometers,
+    transducer: Transducer,
+    drives: int,
+) -> None:
+    """MisfitError unless ``acquisition`` samples the band and its filters, no moment, and no more than can be held.
+
+    ``drives`` is the number of exciters, of which each has a command and a force.
+    """
+    _check_rate(excitation, acquisition, accelerometers, transducer)
+    _check_shortest(excitation)
+    _check_longest(excitation, acquisition, drives)
+
+
+def _check_rate(
+    excitation: Excitation, acquisition: Acquisition, accelerometers: Accelerometers, transducer: Transducer
+) -> None:
+    top_hz, rate_hz = excitation.band_hz[1], acquisition.sample_rate_hz
+    if top_hz >= rate_hz / 2:
+        raise MisfitError(
+            ("acquisition", "sample_rate_hz"),
+            f"is {rate_hz:g}, but the excitation goes up to {top_hz:g} Hz",
+            f"Sample faster than {2 * top_hz:g} Hz, or excite less far up.",
+        )
+    for table, instrument in (("accelerometers", accelerometers), ("transducer", transducer)):
+        if instrument.high_pass_hz >= rate_hz / 2:
+            raise MisfitError(
+                (table, "high_pass_hz"),
+                f"is {instrument.high_pass_hz:g}, but sampled at {rate_hz:g} Hz only what is below {rate_hz / 2:g} Hz "
+                "can be seen",
+                f"Write the corner of the AC coupling, far below the {excitation.band_hz[0]:g} Hz of the band's start, "
+                "or 0 for none.",
+            )
+
+
+def _check_shortest(excitation: Excitation) -> None:
+    """A dwell and a hit are checked where they are described; here it is what else fades in and out."""
+    if excitation.kind in ("stepped-sine", "impact"):
+        return
+    middle_hz = sum(excitation.band_hz) / 2
+    # To the rounding of one cycle that a scenario states.
+    if excitation.burst_s * middle_hz < 1 - 1e-9:
+        key = "duration_s" if excitation.burst_fraction is None else "burst_fraction"
+        raise MisfitError(
+            ("excitation", key),
+            f"is {getattr(excitation, key):g} and leaves {excitation.burst_s:.3g} s, less than a cycle at "
+            f"{middle_hz:g} Hz, the middle of the band",
+            f"Excite for {1 / middle_hz:.3g} s at least, and better for many cycles of every mode.",
+        )
+
+
+def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int) -> None:
+    rate_hz, repeats = acquisition.sample_rate_hz, acquisition.repeats
+    channels = sum(len(nodes) + 2 * drives for nodes in acquisition.runs)
+    once = excitation.record_s * rate_hz * channels
+    if once * repeats <= _MOST_SAMPLES:
+        return
+    most = f"more than the {8 * _MOST_SAMPLES / 1e9:g} GB that a campaign may have"
+    if once <= _MOST_SAMPLES:
+        raise MisfitError(
+            ("acquisition", "repeats"),
+            f"is {repeats} and makes {8 * once * repeats / 1e9:.3g} GB of samples, {most}",
+            f"Repeat {math.floor(_MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
+        )
+    silence_s = excitation.lead_in_s + excitation.ring_down_s
+    longest_s = _MOST_SAMPLES / (rate_hz * channels) - silence_s
+    raise MisfitError(
+        ("excitation", "duration_s"),
+        f"is {excitation.duration_s:g}: {channels} channels of all runs at {rate_hz:g} Hz make "
+        f"{8 * once / 1e9:.3g} GB of samples, {most}",
+        f"Write at most {longest_s:.3g}, or sample more slowly."
+        if longest_s > 0
+        else "Sample more slowly, or shorten the silence around it.",
+    )
