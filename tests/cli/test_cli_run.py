@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,6 +52,15 @@ def test_run_keeps_the_contract(vgvt, simulations) -> None:
     assert {"modes", "missed", "false", "summary"} <= set(card)
     assert all(set(row) >= SCORE_KEYS and row["status"] in ("found", "missed", "false") for row in card["modes"])
     assert all(value >= 0 for value in document["timing_s"].values())
+
+
+def test_the_contract_s_page_lists_every_key(vgvt, simulations) -> None:
+    page = (Path(__file__).parents[2] / "docs/reference/json-contract.md").read_text(encoding="utf-8")
+    rows = {row.split(" | ")[0]: row.split(" | ", 1)[1] for row in page.splitlines() if row.startswith("| `vgvt ")}
+    keys = re.findall(r"`(\w+)`", re.sub(r"\([^()]*\)", "", rows["| `vgvt run`"]))
+    assert set(vgvt("run", "quick", "--json").document) == set(keys)
+    assert "the first eight of these and `timing_s`" in rows["| `vgvt simulate`"]
+    assert set(vgvt("simulate", "quick", "--json").document) == {*keys[:8], "timing_s"}
 
 
 def test_run_finds_the_plate_and_writes_the_whole_folder(vgvt, simulations) -> None:
@@ -152,6 +162,14 @@ def test_an_interrupt_keeps_nothing_half_done(vgvt, monkeypatch) -> None:
     assert result.document["error"]["kind"] == "interrupted"
     assert "nothing was kept" in result.err
     assert not Path("runs/quick").exists()
+
+
+def test_an_interrupt_takes_back_every_folder_that_was_made_on_the_way(vgvt, monkeypatch) -> None:
+    monkeypatch.setattr("vgvt.simulation.simulate", interrupted)
+    Path("mine").mkdir()
+    for place in ("new/and/deep", "mine/new"):
+        assert vgvt("run", "quick", "--out", place).status == 130
+    assert [path.name for path in Path().rglob("*")] == ["mine"]
 
 
 def test_an_interrupt_after_the_simulation_keeps_the_campaign(vgvt, simulations, monkeypatch) -> None:

@@ -80,6 +80,8 @@ y_m = 2.2
         (("--no-picture", "--mode", 7), "--no-picture"),
         (("--mode", 999), "no mode 999"),
         (("--out", "rig.jpg"), ".png"),
+        (("--out", "/dev/null/x.png"), "/dev/null/x.png: cannot be written"),
+        (("--out", "/dev/null/x"), "/dev/null/x/quick.png: cannot be written"),
     ],
 )
 def test_bad_input(vgvt, arguments: tuple[object, ...], words: str) -> None:
@@ -96,7 +98,7 @@ def test_without_opengl_exit_status_1_and_advice(vgvt, monkeypatch: pytest.Monke
         raise AttributeError("no eglQueryString")
 
     monkeypatch.setattr(mujoco, "Renderer", broken)
-    result = vgvt("show", "quick", "--out", "pictures")
+    result = vgvt("show", "quick", "--out", "some/pictures", "--mode", 7)
     assert result.status == 1
     assert "--no-picture" in result.err
     assert list(Path().iterdir()) == []

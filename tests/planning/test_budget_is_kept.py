@@ -13,7 +13,7 @@ VOLTS = 2.0
 
 
 def order(free: str, minutes: float, sensors: int, **changes) -> Order:
-    fields = {"seeds": 0, "largest_amplitude_v": VOLTS} | changes
+    fields = {"seeds": 0, "largest_peak_v": VOLTS} | changes
     return Order(Budget(minutes, sensors), frozenset(free.split(",")), **fields)
 
 
@@ -53,7 +53,7 @@ def test_no_plan_breaks_the_budget(light, free, minutes, sensors) -> None:
         ("mount,sensors", 1, 10, {}, ["--minutes", "take 1.8", "--free: sweep-time"]),
         ("level", 20, 10, {"points": 5}, ["--points", "measure 10"]),
         ("level", 20, 10, {"points": 12}, ["--points", "measure 10"]),
-        ("sweep-time", 20, 10, {"largest_amplitude_v": 0.1}, ["--max-volts", "add level to --free"]),
+        ("sweep-time", 20, 10, {"largest_peak_v": 0.1}, ["--max-volts", "add level to --free"]),
     ],
 )
 def test_what_stays_and_breaks_a_limit_is_refused_before_any_work(

@@ -53,7 +53,7 @@ def test_nothing_free_that_helps_means_nothing_to_gain(light) -> None:
 
 
 def test_more_level_is_worth_what_it_is(light) -> None:
-    result = plan_test(light, order(free=frozenset({"level"}), largest_amplitude_v=3.0))
+    result = plan_test(light, order(free=frozenset({"level"}), largest_peak_v=3.0))
     assert result.verdict is Verdict.BETTER
     assert result.gain == pytest.approx(3.0, rel=1e-6)
 

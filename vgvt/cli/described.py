@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from vgvt.cli.console import log
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -30,6 +32,15 @@ def described_scenario(name: str, *, own_runs: bool = True) -> Scenario:
     except InputError as error:
         raise _in_its_file(error, scenario, scenario_path(name)) from error
     return scenario
+
+
+def say_what_goes_to_no_mode(scenario: Scenario) -> None:
+    """A line on stderr where damping ratios of the airframe as described reach none of its modes."""
+    from vgvt.simulation.once import damping_once
+
+    words = damping_once(scenario.airframe).without_effect(scenario.airframe.damping)
+    if words is not None:
+        log(f"vgvt: warning: {words}")
 
 
 def _in_its_file(error: InputError, scenario: Scenario, path: Path) -> InputError:

@@ -37,7 +37,7 @@ def plan(
     ] = None,
     max_volts: Annotated[
         float | None,
-        typer.Option(min=1e-6, help="Largest amplitude of the command. Default: what it is now.", rich_help_panel=_LAB),
+        typer.Option(min=1e-6, help="Largest peak of the command. Default: what it is now.", rich_help_panel=_LAB),
     ] = None,
     max_automac: Annotated[
         float, typer.Option(min=0.01, max=1.0, help="Two shapes may be this alike at the points.", rich_help_panel=_LAB)
@@ -90,7 +90,7 @@ def plan(
         free=checked_free([word.strip() for word in free.split(",") if word.strip()]),
         modes_hz=_frequencies(modes),
         points=points,
-        largest_amplitude_v=max_volts,
+        largest_peak_v=max_volts,
         largest_mac=max_automac,
         seeds=seeds,
         confirmed=confirm,
@@ -158,6 +158,7 @@ def _extends(name: str, folder: Path) -> str:
 
 
 def _facts(best: Proposal, order: Order) -> Any:
+    from vgvt.simulation.command import peak_command_v
     from vgvt.view.lab_card import CardFacts, ExpectedMode
 
     budget, expected = order.budget, best.prediction
@@ -170,6 +171,7 @@ def _facts(best: Proposal, order: Order) -> Any:
             ExpectedMode(m.label, m.frequency_hz, m.frequency_std_hz, 100 * m.damping_ratio, m.relative_damping_std)
             for m in best.modes
         ),
+        peak_command_v=peak_command_v(best.scenario),
         peak_force_n=expected.peak_force_n,
         peak_acceleration_m_per_s2=expected.peak_acceleration_m_per_s2,
         peak_drive_mm=expected.peak_drive_mm,
@@ -214,6 +216,8 @@ def _more(result: PlanningResult) -> str:
 
 
 def _words(plan: Proposal) -> tuple[str, ...]:
+    from vgvt.scenario.rig import RANDOM_KINDS
+
     scenario, e = plan.scenario, plan.scenario.excitation
     x, y, _ = scenario.shaker.position_m
     repeats = f"{scenario.acquisition.repeats} × " if scenario.acquisition.repeats > 1 else ""
@@ -222,6 +226,7 @@ def _words(plan: Proposal) -> tuple[str, ...]:
         f"{plan.minutes:.1f}",
         f"{x:.3f}, {y:.3f} on {scenario.shaker.attached_to}",
         plan.mount.name,
-        f"{repeats}{e.kind} {e.start_hz:g}-{e.stop_hz:g} Hz in {e.duration_s:g} s, {e.amplitude_v:g} V",
+        f"{repeats}{e.kind} {e.start_hz:g}-{e.stop_hz:g} Hz in {e.duration_s:g} s, {e.amplitude_v:g} V"
+        + (" rms" if e.kind in RANDOM_KINDS else ""),
         str(len(scenario.acquisition.runs)),
     )

@@ -13,6 +13,7 @@ import typer
 from vgvt.cli.boundary import CommandError
 from vgvt.cli.console import log, show
 from vgvt.cli.document import write_document
+from vgvt.cli.new_folders import none_left_empty
 from vgvt.cli.options import JsonOption, ScenarioArgument
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def show_scenario(
     as_json: JsonOption = False,
 ) -> int:
     """Show a scenario's rig: a picture, mass properties, modes and the rig's own resonances."""
-    from vgvt.cli.described import described_scenario
+    from vgvt.cli.described import described_scenario, say_what_goes_to_no_mode
     from vgvt.data import InputError
 
     if no_picture and (out is not None or mode is not None):
@@ -61,6 +62,7 @@ def show_scenario(
     from vgvt.simulation import truth_of
     from vgvt.simulation.attitude import attitudes_deg
 
+    say_what_goes_to_no_mode(loaded)
     truth, hangs_deg = truth_of(loaded), attitudes_deg(loaded)
     _check_mode(truth, mode)
     animation = _render(loaded, picture, mode, width, height) if picture is not None else None
@@ -76,7 +78,7 @@ def _picture_path(out: Path | None, name: str) -> Path:
 
     if out is None:
         return Path(f"{name}.png")
-    if out.suffix.lower() == ".png":
+    if out.suffix.lower() == ".png" and not out.is_dir():
         return out
     if out.suffix and not out.is_dir():
         raise InputError("--out", f"{out} is neither a folder nor a .png file", "name a folder or a file like rig.png")
@@ -98,20 +100,20 @@ def _check_mode(truth: Truth, mode: int | None) -> None:
 
 
 def _render(scenario: Scenario, picture: Path, mode: int | None, width: int, height: int) -> Path | None:
+    from vgvt.files.atomically import replacing
     from vgvt.simulation.picture import RenderingError, drawing_of, write_animation, write_picture
 
     drawing = drawing_of(scenario, width=width, height=height)
     animation = None if mode is None else picture.with_name(f"{picture.stem}-mode-{mode}.webp")
-    made = not picture.parent.exists()
-    picture.parent.mkdir(parents=True, exist_ok=True)
     try:
-        write_picture(drawing, picture)
-        if mode is not None and animation is not None:
-            log(f"animate mode {mode} of {scenario.name}")
-            write_animation(drawing, mode, animation)
+        with none_left_empty(picture.parent):
+            with replacing(picture) as temporary:
+                write_picture(drawing, temporary)
+            if mode is not None and animation is not None:
+                log(f"animate mode {mode} of {scenario.name}")
+                with replacing(animation) as temporary:
+                    write_animation(drawing, mode, temporary)
     except RenderingError as error:
-        if made:
-            picture.parent.rmdir()
         advice = "on Debian: apt install libegl1 libgl1-mesa-dri, then MUJOCO_GL=egl; or go without: --no-picture"
         raise CommandError(str(error), advice) from error
     return animation

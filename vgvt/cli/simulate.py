@@ -14,6 +14,7 @@ import typer
 from vgvt.cli.boundary import CommandError
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
+from vgvt.cli.new_folders import none_left_empty
 from vgvt.cli.options import EngineOption, JsonOption, ScenarioArgument, SeedOption
 
 if TYPE_CHECKING:
@@ -73,14 +74,10 @@ def simulated(name: str, out: Path | None, seed: int | None, engine: str | None,
     scenario = resolved_scenario(name, seed, engine)
     path = out if out is not None else default_folder(scenario, original.seed, original.simulation.engine)
     was_there = path.exists()
-    try:
+    # Ctrl-C may come at any point after the folders were made, of which a run's last is that of the truth.
+    with none_left_empty(path / "sealed"):
         folder, reusable = prepared_folder(path, scenario_sha256(scenario), force)
         timing = {} if reusable else _simulate_into(folder, scenario, was_there)
-    except BaseException:
-        # Ctrl-C may come at any point after the folder was made.
-        if not was_there:
-            _remove_empty(path)
-        raise
     if reusable:
         log(f"took the campaign that {path} already holds; --force simulates it again")
     from vgvt.files import read_campaign
@@ -120,8 +117,10 @@ def overloads(campaign: Campaign) -> dict[int, list[str]]:
 
 
 def _simulate_into(folder: RunFolder, scenario: Scenario, was_there: bool) -> dict[str, float]:
+    from vgvt.cli.described import say_what_goes_to_no_mode
     from vgvt.simulation import simulate as simulate_scenario
 
+    say_what_goes_to_no_mode(scenario)
     try:
         with (
             _untouched_on_failure(folder.path, was_there, "simulating"),
@@ -169,9 +168,3 @@ def _untouched_on_failure(path: Path, was_there: bool, doing: str) -> Iterator[N
         kept = f"{path} is as it was" if was_there else f"nothing was kept in {path}"
         log(f"stopped while {doing}; {kept}")
         raise
-
-
-def _remove_empty(path: Path) -> None:
-    for folder in (path / "sealed", path):
-        if folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()

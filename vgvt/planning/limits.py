@@ -8,6 +8,7 @@ from vgvt.data import InputError
 from vgvt.planning.budget import Mount
 from vgvt.planning.wish import Wish
 from vgvt.scenario.model import Scenario
+from vgvt.simulation.command import peak_command_v
 
 _SHORTENS = ("sweep-time", "sensors", "mount")  # what may make a test shorter where it is free
 
@@ -21,12 +22,13 @@ def check_what_stays(scenario: Scenario, wish: Wish) -> None:
             f"is {wish.budget.sensors}, but the runs stay as they are and record {at_once} accelerometers at once",
             f"add sensors to --free, or write --sensors {at_once}",
         )
-    amplitude_v = scenario.excitation.amplitude_v
-    if "level" not in wish.free and amplitude_v > wish.largest_amplitude_v:
+    peak_v = peak_command_v(scenario) if "level" not in wish.free else 0.0
+    if peak_v > wish.largest_peak_v:
+        least_v = math.ceil(1000 * peak_v - 1e-6) / 1000
         raise InputError(
             "--max-volts",
-            f"is {wish.largest_amplitude_v:g}, but the command stays as it is and has {amplitude_v:g} V",
-            f"add level to --free, or write --max-volts {amplitude_v:g}",
+            f"is {wish.largest_peak_v:g}, but the command stays as it is and has peaks of {least_v:g} V",
+            f"add level to --free, or write --max-volts {least_v:g}",
         )
     if "sweep-time" not in wish.free and not any(has_time_for(scenario, wish, mount) for mount in wish.mounts):
         raise too_long(scenario, wish)

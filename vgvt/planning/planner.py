@@ -18,6 +18,7 @@ from vgvt.planning.search import best_plans
 from vgvt.planning.selection import dealt
 from vgvt.planning.wish import FREE, Wish
 from vgvt.scenario.model import Scenario
+from vgvt.simulation.command import peak_command_v
 
 Progress = Callable[[float, str], None]
 
@@ -27,7 +28,7 @@ class Order:
     """What a planner is asked for; ``modes_hz`` are frequencies near the modes that count, empty for all in the band.
 
     ``points`` are how many places are measured over all runs (default: as many as now, or as there
-    are accelerometers), ``largest_amplitude_v`` what the command may rise to (default: what it is),
+    are accelerometers), ``largest_peak_v`` what the command may rise to (default: what it does now),
     ``confirmed`` how many of the best plans are simulated with ``seeds`` campaigns.
     """
 
@@ -35,7 +36,7 @@ class Order:
     free: frozenset[str] = frozenset(FREE)
     modes_hz: tuple[float, ...] = ()
     points: int | None = None
-    largest_amplitude_v: float | None = None
+    largest_peak_v: float | None = None
     largest_mac: float = 0.25
     seeds: int = 20
     confirmed: int = 1
@@ -60,8 +61,8 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     """
     report = progress or (lambda _fraction, _text: None)
     share = 0.5 if order.seeds else 1.0
-    amplitude_v = order.largest_amplitude_v or scenario.excitation.amplitude_v
-    wish = Wish(order.free, order.budget, _points(scenario, order), amplitude_v, order.largest_mac)
+    peak_v = order.largest_peak_v or peak_command_v(scenario)
+    wish = Wish(order.free, order.budget, _points(scenario, order), peak_v, order.largest_mac)
     check_what_stays(scenario, wish)
     report(0.0, "the scenario as it is")
     prediction = predict(scenario)

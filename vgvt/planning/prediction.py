@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from vgvt.planning.system import System, run_information, systems_of
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import RANDOM_KINDS
 from vgvt.simulation.fisher import mean_deviation
 from vgvt.simulation.information import Seen
 
 Array = NDArray[np.float64]
+# Of Gaussian noise over its root mean square: one in 16 000 independent values goes beyond.
+_NOISE_PEAK = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,12 +101,19 @@ def predicted(systems: tuple[System, ...]) -> Prediction:
 
 
 def _expected(system: System, seen: Seen) -> Array:
-    """Largest steady acceleration of the sensors, force, and motion of the drive point in mm, of a swept sine."""
-    amplitude = system.layout.scenario.excitation.amplitude_v
-    force = np.abs(system.force_per_volt(seen.lines.frequency_hz)) * amplitude
+    """Largest acceleration of the sensors, force, and motion of the drive point in mm: of a sine that dwells, of noise.
+
+    The peaks of noise are Gaussian ones, of a multisine as well, whose command may be flatter but not its responses.
+    """
+    e, frequency = system.layout.scenario.excitation, seen.lines.frequency_hz
+    force = np.abs(system.force_per_volt(frequency)) * e.amplitude_v
     drive = len(system.layout.grid)
-    moved = np.abs(seen.response[drive, 0]) * force / (2 * np.pi * seen.lines.frequency_hz) ** 2
-    return np.array([(np.abs(seen.response[list(system.sensors), 0]) * force).max(), force.max(), 1000 * moved.max()])
+    moved = 1000 * np.abs(seen.response[drive, 0]) * force / (2 * np.pi * frequency) ** 2
+    accelerated = np.abs(seen.response[list(system.sensors), 0]) * force
+    if e.kind not in RANDOM_KINDS:
+        return np.array([accelerated.max(), force.max(), moved.max()])
+    share = seen.lines.width_hz / seen.lines.width_hz.sum()
+    return _NOISE_PEAK * np.sqrt([(g**2 @ share).max() for g in (accelerated, force, moved)])
 
 
 def _loading(system: System, mode: int, frequency_hz: float) -> float:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vgvt.data import InputError
 from vgvt.planning.budget import Mount
 from vgvt.planning.limits import has_time_for, too_long
 from vgvt.planning.wish import Wish
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.rig import Excitation
+from vgvt.scenario.rig import RANDOM_KINDS, Excitation
+from vgvt.simulation.command import peak_command_v
 
 _BELOW, _ABOVE = (0.6, 0.75, 0.85), (1.1, 1.25)
 
@@ -38,7 +40,7 @@ def affordable_sweeps(scenario: Scenario, wish: Wish) -> dict[Mount, tuple[Sweep
         sweeps = []
         for excitation in _excitations(scenario.excitation, wish):
             try:
-                sweeps.append(_timed(scenario, _at_level(excitation, wish), wish, mount))
+                sweeps.append(_at_level(scenario, _timed(scenario, excitation, wish, mount), wish))
             except InputError as error:
                 refused.append(error)
         if sweeps:
@@ -53,19 +55,29 @@ def _excitations(e: Excitation, wish: Wish) -> Iterator[Excitation]:
     yield e
     if "band" not in wish.free:
         return
+    # A sine of the same root mean square, where that is what the amplitude is of.
+    amplitude_v = e.amplitude_v * (math.sqrt(2) if e.kind in RANDOM_KINDS else 1.0)
     low, high = wish.targets[0][1], wish.targets[-1][1]
     starts = {round(low * factor, 1) for factor in _BELOW} | {e.band_hz[0]}
     stops = {round(high * factor, 1) for factor in _ABOVE} | {e.band_hz[1]}
     for kind in ("linear-chirp", "logarithmic-chirp"):
         for start in sorted(s for s in starts if s > 0):
             for stop in sorted(s for s in stops if s > start):
-                keys = {"kind": kind, "start_hz": start, "stop_hz": stop, "amplitude_v": e.amplitude_v}
+                keys = {"kind": kind, "start_hz": start, "stop_hz": stop, "amplitude_v": amplitude_v}
                 silences = {"lead_in_s": e.lead_in_s, "ring_down_s": e.ring_down_s, "taper_s": e.taper_s}
                 yield Excitation(duration_s=e.duration_s, **keys, **silences)  # type: ignore[arg-type]
 
 
-def _at_level(e: Excitation, wish: Wish) -> Excitation:
-    return e.model_copy(update={"amplitude_v": wish.largest_amplitude_v}) if "level" in wish.free else e
+def _at_level(scenario: Scenario, sweep: Sweep, wish: Wish) -> Sweep:
+    """The sweep at the level whose largest peak is the wish's, where that is free."""
+    if "level" not in wish.free:
+        return sweep
+    e, amplitude_v = sweep.excitation, wish.largest_peak_v
+    if e.kind in RANDOM_KINDS:
+        peak_v = peak_command_v(sweep.in_place_of(scenario), wish.run_count(scenario) * sweep.repeats)
+        # Of noise that lasts as long as before the rounding leaves what it was.
+        amplitude_v = float(f"{amplitude_v * e.amplitude_v / peak_v:.6g}")
+    return replace(sweep, excitation=e.model_copy(update={"amplitude_v": amplitude_v}))
 
 
 def _timed(scenario: Scenario, e: Excitation, wish: Wish, mount: Mount) -> Sweep:

@@ -19,7 +19,7 @@ class Wish:
     free: frozenset[str]
     budget: Budget
     points: int
-    largest_amplitude_v: float
+    largest_peak_v: float
     largest_mac: float = 0.25
     targets: tuple[tuple[str, float], ...] = ()
 

@@ -8,6 +8,7 @@ from importlib.resources import files
 
 from vgvt._version import __version__
 from vgvt.scenario import Scenario, SensorPoint, sensor_points
+from vgvt.scenario.rig import RANDOM_KINDS, Excitation
 from vgvt.view.html_page import escaped
 from vgvt.view.plan_drawing import INCH_M, plan_drawing, run_colour
 
@@ -28,13 +29,14 @@ class ExpectedMode:
 
 @dataclass(frozen=True, slots=True)
 class CardFacts:
-    """What a card says beside the scenario: how the transducer is fixed, the minutes, what to expect."""
+    """What a card says beside the scenario: how the transducer is fixed, the minutes, what to set and to expect."""
 
     mount: str
     mount_minutes: float
     setup_minutes: float
     minutes: float
     modes: tuple[ExpectedMode, ...]
+    peak_command_v: float
     peak_force_n: float
     peak_acceleration_m_per_s2: float
     peak_drive_mm: float
@@ -66,10 +68,9 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
     shaker, e, acquisition = scenario.shaker, scenario.excitation, scenario.acquisition
     hook = scenario.suspension.hook_m
     runs, repeats = len(acquisition.runs), acquisition.repeats
-    sweeps = "one sweep" if repeats == 1 else f"{repeats} sweeps, one after the other"
+    one = "record" if e.kind in RANDOM_KINDS else "sweep"
+    sweeps = f"one {one}" if repeats == 1 else f"{repeats} {one}s, one after the other"
     silences = [f"{s:g} s of silence {w}" for s, w in ((e.lead_in_s, "before"), (e.ring_down_s, "after")) if s > 0]
-    kind = _KINDS.get(e.kind, e.kind.replace("-", " "))
-    unit = "V" if shaker.drive == "voltage" else "A"
     return [
         ("Hang", f"the aircraft by the hook {_place(hook)}. Let it come to rest; it must hang level."),
         (
@@ -85,19 +86,17 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
         ),
         (
             "Set the generator",
-            f"{kind} from {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s"
-            f"{', ' + ', '.join(silences) if silences else ''}; {e.amplitude_v:g} V peak "
-            f"({e.amplitude_v * shaker.amplifier_gain:.3g} {unit} at the coil). Record at "
+            f"{', '.join([_command(e), *silences])}; {_level(scenario, facts)}. Record at "
             f"{acquisition.sample_rate_hz:g} samples a second, {e.record_s:g} s a record.",
         ),
         ("Record silence", "for 10 s with the amplifier off: no hum, no channel dead, no channel twice as noisy."),
         (
-            "Sweep",
+            one.capitalize(),
             f"{sweeps}{'' if runs == 1 else f' a run; then move the accelerometers to the next run, {runs} in all'}. "
             "Do not touch aircraft or cables meanwhile.",
         ),
         (
-            "Check after the first sweep",
+            f"Check after the first {one}",
             f"force at most {facts.peak_force_n:.3g} N, acceleration at most "
             f"{facts.peak_acceleration_m_per_s2 / 9.80665:.2g} g, drive point moving at most "
             f"±{facts.peak_drive_mm:.2g} mm (within the shaker's stroke?). "
@@ -105,9 +104,39 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
         ),
         (
             "At the end",
-            "repeat a minute of the first sweep if there is time: a peak that moved says that something did.",
+            f"repeat a minute of the first {one} if there is time: a peak that moved says that something did.",
         ),
     ]
+
+
+def _command(e: Excitation) -> str:
+    """What the generator is to send: shape, band, and what it is made of."""
+    text = (
+        f"{_KINDS.get(e.kind, e.kind.replace('-', ' '))} from {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s"
+    )
+    if e.taper_s > 0:
+        text += f", {'each burst' if e.kind == 'burst-random' else 'all of it'} rising and falling in {e.taper_s:g} s"
+    if e.points is not None:
+        dwell = f"{e.points} dwells of {e.duration_s / e.points:.4g} s"
+        text += f", {dwell}, of which {e.settle_s or 0:g} s to settle"
+    if e.blocks is not None and e.burst_fraction is not None:
+        text += f", {e.blocks} blocks of {e.duration_s / e.blocks:.4g} s, the first {e.burst_s:.4g} s of each noise"
+    elif e.blocks is not None:
+        text += f", {e.blocks} periods of {e.duration_s / e.blocks:.4g} s"
+    if e.lines is not None:
+        text += f", {'all' if e.lines == 'full' else 'odd'} lines"
+    return text
+
+
+def _level(scenario: Scenario, facts: CardFacts) -> str:
+    """The amplitude in volts of the generator and at the coil: the peak of a sine, else root mean square and peak."""
+    e, shaker = scenario.excitation, scenario.shaker
+    unit = "V" if shaker.drive == "voltage" else "A"
+    at_coil = f"{facts.peak_command_v * shaker.amplifier_gain:.3g} {unit}"
+    if e.kind not in RANDOM_KINDS:
+        return f"{e.amplitude_v:g} V peak ({at_coil} at the coil)"
+    where = " inside the bursts" if e.kind == "burst-random" else ""
+    return f"{e.amplitude_v:g} V rms{where} (peaks of about {facts.peak_command_v:.3g} V, {at_coil} at the coil)"
 
 
 def _place(position_m: Sequence[float]) -> str:

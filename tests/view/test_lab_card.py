@@ -1,0 +1,75 @@
+"""The test card: what a technician is to set is what the command is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.scenario.rig import Excitation
+from vgvt.simulation.command import drive_commands, peak_command_v, sample_times_s
+from vgvt.view.lab_card import CardFacts, ExpectedMode, card_page
+
+MODES = (ExpectedMode("1st symmetric bending", 8.137, 1e-4, 1.1, 1e-3),)
+
+
+def excited(**keys: object) -> Scenario:
+    quick = load_scenario("quick")
+    excitation = {"start_hz": 3.0, "stop_hz": 35.0, "duration_s": 16.0, "amplitude_v": 0.7}
+    return quick.model_copy(update={"excitation": Excitation.model_validate(excitation | keys)})
+
+
+def generator_step(scenario: Scenario) -> str:
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4)
+    return re.findall(r"<b>Set the generator</b> (.*?)</li>", card_page(scenario, "a test", facts))[0]
+
+
+def test_a_sine_s_amplitude_is_its_peak() -> None:
+    gain = load_scenario("quick").shaker.amplifier_gain
+    step = generator_step(excited(ring_down_s=2.0, taper_s=0.5))
+    assert step.startswith("linear sine sweep from 3 to 35 Hz in 16 s, all of it rising and falling in 0.5 s, 2 s of")
+    assert f"; 0.7 V peak ({0.7 * gain:.3g} A at the coil)" in step
+    assert "rms" not in step
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"kind": "random"}, "random from 3 to 35 Hz in 16 s; 0.7 V rms (peaks"),
+        (
+            {"kind": "burst-random", "blocks": 4, "burst_fraction": 0.6, "taper_s": 0.05},
+            "each burst rising and falling in 0.05 s, 4 blocks of 4 s, the first 2.4 s of each noise; 0.7 V rms inside",
+        ),
+        (
+            {"kind": "multisine", "blocks": 4, "lines": "odd", "crest_iterations": 50},
+            "4 periods of 4 s, odd lines; 0.7 V rms (peaks",
+        ),
+    ],
+)
+def test_that_of_noise_is_a_root_mean_square_with_the_peaks_beside_it(keys: dict[str, object], words: str) -> None:
+    scenario = excited(**keys)
+    step = generator_step(scenario)
+    assert words in step
+    assert "V peak" not in step
+    (volts,) = re.findall(r"peaks of about ([\d.]+) V", step)
+    largest = np.abs(drive_commands(scenario, 0, sample_times_s(scenario))).max()
+    assert float(volts) == pytest.approx(largest, rel=0.03)
+    (ampere,) = re.findall(r"V, ([\d.]+) A at the coil", step)
+    assert float(ampere) == pytest.approx(largest * scenario.shaker.amplifier_gain, rel=0.03)
+
+
+def test_dwells_are_on_it() -> None:
+    step = generator_step(excited(kind="stepped-sine", points=8, settle_s=1.0))
+    assert "stepped sine from 3 to 35 Hz in 16 s, 8 dwells of 2 s, of which 1 s to settle; 0.7 V peak" in step
+
+
+def test_noise_is_recorded_and_not_swept() -> None:
+    scenario = excited(kind="random")
+    several = scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update={"repeats": 3})})
+    facts = replace(CardFacts("glue", 5.0, 0.5, 6.0, MODES, 3.0, 3.0, 9.0, 0.4), minutes=9.0)
+    page = card_page(several, "a test", facts)
+    assert "<b>Record</b> 3 records, one after the other" in page
+    assert "sweep" not in page.lower()
