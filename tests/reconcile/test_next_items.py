@@ -16,10 +16,10 @@ from vgvt.reconcile.fitting.fit import FAR, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.search import next_items
-from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.candidates import candidates, freed
 from vgvt.reconcile.search.from_stated import _sizes
 from vgvt.reconcile.search.next_items import at_next_items
-from vgvt.reconcile.search.scan import in_band, tuned_alike
+from vgvt.reconcile.search.scan import in_band, tuned_alike, where_it_swings
 from vgvt.reconcile.work.progress import silent
 
 TRUE: dict[str, Any] = {"item": "flap-middle", "side": "left"}
@@ -76,6 +76,66 @@ def test_from_the_stated_values_a_flap_is_looked_for_all_over_the_band(
     assert in_band(case, root) == () and len(_sizes(found, root)) > 3
     absorber = Hypothesis(available_effects()["local-absorber"], {"x_m": 0.7, "y_m": 0.5})
     assert in_band(case, absorber) == ()
+
+
+def test_a_thing_on_both_sides_swings_at_two_places(case: Problem, offered: tuple[Hypothesis, ...]) -> None:
+    left, right, both = (where_it_swings(case, of(offered, "flap-middle", side)) for side in ("left", "right", "both"))
+    assert len(left) == len(right) == 1 and set(both) == {*left, *right}
+    assert left[0][1] < 0 < right[0][1]
+
+
+ABSORBER = available_effects()["local-absorber"]
+SWINGING = {"mass_kg": 0.05, "frequency_hz": 12.0, "damping_ratio": 0.04}
+
+
+def test_an_absorber_where_an_item_is_may_be_that_item(
+    case: Problem, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of items within 0.3 m the nearest first, as fast as the absorber, with its damping; else, or unasked, none."""
+    (item,) = where_it_swings(case, of(offered, "flap-middle"))
+    tried: list[tuple[Hypothesis, dict[str, float]]] = []
+    monkeypatch.setattr(
+        next_items, "_fitted_there", lambda f, hypothesis, values, t: tried.append((hypothesis, values))
+    )
+
+    def absorber(x_m: float, y_m: float, evidence_nats: float = 50.0) -> Any:
+        freed = Hypothesis(ABSORBER, {})
+        told = {n: (v, 0.0, "") for n, v in {**SWINGING, "x_m": x_m, "y_m": y_m}.items()}
+        return SimpleNamespace(
+            problem=case, hypotheses=(freed,), evidence_nats=evidence_nats, values=lambda k: told
+        )  # fmt: skip
+
+    current: Any = SimpleNamespace(evidence_nats=0.0)
+    near = absorber(item[0] + 0.01, item[1])
+    assert at_next_items(current, [near], offered, silent) == [] and not tried
+    at_next_items(current, [near], offered, silent, placed=True)
+    assert {(h.settings["item"], h.settings["side"]) for h, _ in tried[:2]} == {
+        ("flap-middle", "left"), ("flap-middle", "both"),
+    }  # fmt: skip
+    assert 2 <= len(tried) <= 4
+    for h, values in tried:
+        assert min(math.dist(item, place) for place in where_it_swings(case, h)) < 0.31
+        assert values["damping_ratio"] == SWINGING["damping_ratio"]
+        assert hertz(case, of(offered, h.settings["item"]), values) == pytest.approx(12.0, rel=0.03)
+    tried.clear()
+    at_next_items(current, [absorber(0.1, 0.0)], offered, silent, placed=True)
+    at_next_items(current, [near, absorber(0.1, 0.0, 1000.0)], offered, silent, placed=True)
+    assert not tried, "there is no item there, and what gains little beside another effect is not worth the walk"
+
+
+@pytest.mark.slow
+def test_from_an_absorber_the_loose_item_is_found(case: Problem, offered: tuple[Hypothesis, ...]) -> None:
+    u = drawn_scores(case, 1)
+    null = fit(case, (), u, np.zeros(0), ())
+    (item,) = where_it_swings(case, of(offered, "flap-middle"))
+    hypothesis = freed(Hypothesis(ABSORBER, {"x_m": item[0] + 0.05, "y_m": item[1] - 0.05}))
+    start = {"mass_kg": 0.04, "frequency_hz": hertz(case, of(offered, "flap-middle"), size()), "damping_ratio": 0.05}
+    begun = hypothesis.scores({**start, "x_m": item[0] + 0.05, "y_m": item[1] - 0.05})
+    arrived = fit(case, (hypothesis,), u, begun, FAR)
+    best = max(at_next_items(null, [arrived], offered, silent, placed=True), key=lambda f: f.evidence_nats)
+    assert best.hypotheses[-1].settings == TRUE
+    assert best.evidence_nats > arrived.evidence_nats + 10
+    assert best.chi2_per_dof < 1.2
 
 
 @pytest.mark.slow

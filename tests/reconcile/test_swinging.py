@@ -33,7 +33,7 @@ def test_a_surge_is_tuned_by_the_springs_mass(case: Problem) -> None:
     assert found is not None
     spring = case.scenario.suspension
     assert found[0]["mass_kg"] == pytest.approx(spring.stiffness_n_per_m / (2 * 9.0) ** 2, rel=1e-6)
-    assert found[1] == spring.hook_m[:2]
+    assert found[1] == (spring.hook_m[:2],)
 
 
 def test_nothing_swings_where_nothing_can(case: Problem) -> None:

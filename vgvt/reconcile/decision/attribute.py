@@ -309,7 +309,7 @@ def _fit_all(
     if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
         found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
     found += in_other_courses(current, found, hypotheses, part(later, 0.0, 0.5), team)
-    found += at_next_items(current, found, hypotheses, part(later, 0.5, 1.0), team)
+    found += at_next_items(current, found, hypotheses, part(later, 0.5, 1.0), team, placed=not near)
     return against(current, distinct([best_course(f, hypotheses) for f in found]))
 
 

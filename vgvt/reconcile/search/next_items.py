@@ -20,26 +20,34 @@ from vgvt.reconcile.work.team import ALONE, Task, Team
 
 # Of the best fit's gain, from which on a thing is worth a look beside it; how many are next to it; how far it may walk.
 _AHEAD, _NEXT, _STEPS = 0.25, 4, 3
+BY_ITSELF_M = 0.3
+"""How far a bent calibration may see something from where it sits."""
 
 
 def at_next_items(
-    current: Fit, found: Sequence[Fit], hypotheses: Sequence[Hypothesis], tell: Progress, team: Team = ALONE
+    current: Fit,
+    found: Sequence[Fit],
+    hypotheses: Sequence[Hypothesis],
+    tell: Progress,
+    team: Team = ALONE,
+    *,
+    placed: bool = False,
 ) -> list[Fit]:
     """The best fit of a thing at an item, at the items next to that, and on from there while one of these does better.
 
-    ``hypotheses`` are all variants; those that were fitted already are not fitted again.
+    Where ``placed`` asks for it, what swings at a place of its own is tried at the items there. ``hypotheses`` are all
+    variants; those that were fitted already are not fitted again.
     """
-    things = [f for f in found if _is_thing(f.hypotheses[-1])]
+    things = [f for f in found if _is_thing(f.hypotheses[-1]) or (placed and _swings_at_a_place(f))]
     best = max(things, key=lambda f: f.evidence_nats, default=None)
     ahead = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
     if best is None or best.evidence_nats - current.evidence_nats <= _AHEAD * ahead:
         return []
-    own = best.hypotheses[-1].cls
-    fitted = [f.hypotheses[-1].settings for f in things if f.hypotheses[-1].cls is own]
+    fitted = [(f.hypotheses[-1].cls, f.hypotheses[-1].settings) for f in things]
     more: list[Fit] = []
     for step in range(_STEPS):
-        tries = [(h, start) for h, start in _next_to(best, hypotheses) if h.settings not in fitted][:_NEXT]
-        fitted += [h.settings for h, _ in tries]
+        tries = [(h, start) for h, start in _next_to(best, hypotheses) if (h.cls, h.settings) not in fitted][:_NEXT]
+        fitted += [(h.cls, h.settings) for h, _ in tries]
         tasks: list[Task] = [(_fitted_there, (best, h, start)) for h, start in tries]
         reached = [f for f in team.work_off(tasks, part(tell, step / _STEPS, (step + 1) / _STEPS)) if f is not None]
         more += reached
@@ -54,27 +62,42 @@ def _is_thing(hypothesis: Hypothesis) -> bool:
     return hypothesis.linear and "item" in hypothesis.settings
 
 
+def _swings_at_a_place(found: Fit) -> bool:
+    """Whether a fit's last effect is something that swings where it says itself."""
+    own = found.hypotheses[-1]
+    places = {"x_m", "y_m"} & ({*own.settings} | {p.name for p in own.parameters})
+    return own.linear and bool(places) and bool(where_it_swings(found.problem, own))
+
+
 def _next_to(found: Fit, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[Hypothesis, dict[str, float]]]:
     """Other variants of a fit's last effect, with values that swing as fast as what was fitted.
 
     The same item on the other side, or on both, which does most of the same, and then the nearest ones on its own side.
+    Of what has a place of its own: things at the items nearest to it.
     """
     problem, own = found.problem, found.hypotheses[-1]
     values = {name: value[0] for name, value in found.values(len(found.hypotheses) - 1).items()}
-    here = where_it_swings(problem, own)
+    here = where_it_swings(problem, own, values)
     away: list[tuple[float, Hypothesis]] = []
-    for h in hypotheses:
-        there = where_it_swings(problem, h) if h.cls is own.cls and h.settings != own.settings else None
-        if here is None or there is None:
-            continue
-        if h.settings["item"] == own.settings["item"]:
-            away.append((0.0, h))
-        elif h.settings.get("side") == own.settings.get("side"):
-            away.append((float(np.hypot(*np.subtract(there, here))), h))
+    for h in hypotheses if here else ():
+        if not _is_thing(own):
+            there = where_it_swings(problem, h) if _is_thing(h) else ()
+            nearest = min((_apart(here[0], place) for place in there), default=BY_ITSELF_M)
+            away += [(nearest, h)] if nearest < BY_ITSELF_M else []
+        elif h.cls is own.cls and h.settings != own.settings and (there := where_it_swings(problem, h)):
+            if h.settings["item"] == own.settings["item"]:
+                away.append((0.0, h))
+            elif h.settings.get("side") == own.settings.get("side"):
+                away.append((_apart(here[0], there[0]), h))
     for _, h in sorted(away, key=lambda a: a[0]):
         alike = tuned_alike(problem, own, values, h)
         if alike is not None:
             yield h, alike
+
+
+def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """How far two places (x, y) are from each other, in metres."""
+    return float(np.hypot(one[0] - other[0], one[1] - other[1]))
 
 
 def _fitted_there(found: Fit, hypothesis: Hypothesis, values: dict[str, float], tell: Progress) -> Fit | None:

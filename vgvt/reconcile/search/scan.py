@@ -86,7 +86,7 @@ def _is_whole_thing(problem: Problem, hypothesis: Hypothesis, scanned: Parameter
     """Whether what is scanned is the size of a thing on the structure that is not sharp: a flap on its hinge."""
     own = start_values(hypothesis)
     sharp = any(value > _SHARP * own[name] * (1 + 1e-9) for name, value in wide.items())
-    return bool(wide) and not sharp and scanned.neutral is not None and where_it_swings(problem, hypothesis) is not None
+    return bool(wide) and not sharp and scanned.neutral is not None and bool(where_it_swings(problem, hypothesis))
 
 
 def _turned(hypothesis: Hypothesis, defaults: dict[str, float]) -> list[dict[str, float]]:
@@ -169,56 +169,64 @@ def _beyond(
 
 def tuned_to(
     problem: Problem, hypothesis: Hypothesis, hz: float
-) -> tuple[dict[str, float], tuple[float, float]] | None:
+) -> tuple[dict[str, float], tuple[tuple[float, float], ...]] | None:
     """The value by name at which what an effect adds first resonates at a frequency, and where it sits, (x, y) in m.
 
     None where nothing that it adds to the structure does at a plausible value. A spring's surge has a frequency as an
     absorber has, though no parameter of it is one.
     """
     found = _resonant(problem, hypothesis)
-    place = where_it_swings(problem, hypothesis)
-    if found is None or place is None:
+    places = where_it_swings(problem, hypothesis)
+    if found is None or not places:
         return None
     p = found[0]
     low = _resonance(problem, hypothesis, {p.name: p.low})[0]
     value = p.low * (2 * math.pi * hz / low) ** (1 / _power(problem, hypothesis, p))
-    return ({p.name: value}, place) if p.low <= value <= p.high else None
+    return ({p.name: value}, places) if p.low <= value <= p.high else None
 
 
-def where_it_swings(problem: Problem, hypothesis: Hypothesis) -> tuple[float, float] | None:
-    """Where what an effect adds to the structure swings, in every run; None where nothing of it does."""
-    effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
+def where_it_swings(
+    problem: Problem, hypothesis: Hypothesis, values: dict[str, float] | None = None
+) -> tuple[tuple[float, float], ...]:
+    """Where what an effect adds to the structure swings in every run, (x, y) in m each; empty where nothing of it does.
+
+    ``values`` are its parameters', by default those in the middle of what is plausible.
+    """
+    effect = hypothesis.effect(values or {p.name: p.at(0.5) for p in hypothesis.parameters})
     if effect is None:
-        return None
+        return ()
     try:
         elements = effect.act(problem.scenario, 0).elements
     except ValueError:
-        return None
+        return ()
+    found: list[tuple[float, float]] = []
     for e in elements:
         if isinstance(e, Absorber):
-            return float(e.position_m[0]), float(e.position_m[1])
-        if isinstance(e, HingedFlap):
-            return float(e.centre_of_gravity_m[0]), float(e.centre_of_gravity_m[1])
-        if isinstance(e, SuspensionFrame):
+            found.append((float(e.position_m[0]), float(e.position_m[1])))
+        elif isinstance(e, HingedFlap):
+            found.append((float(e.centre_of_gravity_m[0]), float(e.centre_of_gravity_m[1])))
+        elif isinstance(e, SuspensionFrame):
             x, y, _ = problem.scenario.suspension.hook_m
-            return float(x), float(y)
-    return None
+            found.append((float(x), float(y)))
+    return tuple(dict.fromkeys(found))
 
 
 def tuned_alike(
     problem: Problem, one: Hypothesis, values: dict[str, float], other: Hypothesis
 ) -> dict[str, float] | None:
-    """Values with which a variant of an effect swings as fast as ``one`` does with its; None where nothing swings.
+    """Values with which another effect swings as fast as ``one`` does with its; None where nothing swings.
 
-    As far as what tunes it reaches: a heavier flap may need a hinge that is stiffer than plausible.
+    What both have by the same name is kept, the rest is in its middle. As far as what tunes it reaches: a heavier flap
+    may need a hinge that is stiffer than plausible.
     """
     found = _resonant(problem, other)
-    here, there = (_resonance(problem, h, values)[0] for h in (one, other))
+    own = {p.name: values.get(p.name, p.at(0.5)) for p in other.parameters}
+    here, there = _resonance(problem, one, values)[0], _resonance(problem, other, own)[0]
     if found is None or not here or not there:
         return None
     p = found[0]
-    value = values[p.name] * (here / there) ** (1 / _power(problem, other, p))
-    return {**values, p.name: min(max(value, p.low), p.high)}
+    value = own[p.name] * (here / there) ** (1 / _power(problem, other, p))
+    return {**own, p.name: min(max(value, p.low), p.high)}
 
 
 def _power(problem: Problem, hypothesis: Hypothesis, p: Parameter) -> float:

@@ -19,6 +19,7 @@ from vgvt.reconcile.search.candidates import freed
 from vgvt.reconcile.search.closer_look import SLOTS, held
 from vgvt.reconcile.search.from_stated import bent, from_stated
 from vgvt.reconcile.search.likeness import beside_likeness
+from vgvt.reconcile.search.next_items import BY_ITSELF_M
 from vgvt.reconcile.search.scan import tuned_to
 from vgvt.reconcile.search.screen import WORTH_CHECKING, joined, screen, sizing
 from vgvt.reconcile.search.screened import Screened
@@ -34,8 +35,6 @@ _COARSE = ((0.6, 4), (0.1, 8))
 # Of the evidence that a name needs, this share must be in sight of the screen: a fit that frees a place, a frequency or
 # a damping may find the rest, one that only settles sizes finds what the closed form says.
 _OPEN, _SETTLED = 0.25, 0.75
-# How far a bent calibration may see something from where it sits.
-_BY_ITSELF_M = 0.3
 
 
 def swallowed(current: Fit, before: Residual) -> bool:
@@ -273,10 +272,11 @@ def _swinging(current: Fit, screened: Sequence[Screened], place: Place) -> list[
     for s in (s for s in screened if "x_m" not in s.hypothesis.settings):
         known = tuned_to(current.problem, s.hypothesis, place.size)
         if known is not None:
-            values, (there_x, there_y) = known
-            own.append((float(np.hypot(there_x - x, there_y - y)), replace(s, values=values, start=start)))
+            values, there = known
+            away = min(float(np.hypot(there_x - x, there_y - y)) for there_x, there_y in there)
+            own.append((away, replace(s, values=values, start=start)))
     for away, s in sorted(own, key=lambda o: o[0]):
-        if away < _BY_ITSELF_M and s.hypothesis.name not in {f.hypothesis.name for f in found}:
+        if away < BY_ITSELF_M and s.hypothesis.name not in {f.hypothesis.name for f in found}:
             found.append(s)
     return found
 
