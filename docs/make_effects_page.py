@@ -24,9 +24,12 @@ mass_kg = 0.08
 frequency_hz = 14.0
 ```
 
-All effects are at work together: an aircraft does not know in which order its tables stand. Only what changes one
-channel's samples in time (interference, hum, lost samples) follows that order. At its neutral value a parameter
-switches the effect off. The plausible range is for an aircraft of some kilograms and three metres of span, with the
+All effects are at work together: an aircraft does not know in which order its tables stand. What gives between a
+shaker and the aircraft is in series; what is said of one root joint adds (cubic stiffness, friction, gaps), and effects
+that would give a rigid root different stiffness are refused. Only what changes one channel's samples in time follows
+the order of the tables (interference and hum among themselves, and lost samples, which come after), and so do exchanges
+of sensors that share a node. At its neutral value a parameter switches the effect off. The plausible
+range is for an aircraft of some kilograms and three metres of span, with the
 source of the numbers, or *guess*. `vgvt list effects` prints the same catalogue, with `--json` for programs, and
 installed plugins beside it. Each effect has a small scenario that shows it, `spoiled-NAME`: see [the
 scenarios](../../scenarios/README.md).

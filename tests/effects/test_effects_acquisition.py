@@ -134,17 +134,64 @@ def test_closed_up_samples_bring_the_rest_early(short: Scenario) -> None:
     assert lead[-1] == 7
 
 
+def noisy(scenario: Scenario, **acquisition: object) -> Scenario:
+    """The scenario with a converter whose noise is some hundred steps: without losses hardly a sample is repeated."""
+    changes = {"noise_v_per_rthz": 1e-5, **acquisition}
+    return scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update=changes)})
+
+
+def losing(scenario: Scenario, *tables: dict[str, str]) -> list[Record]:
+    """The records with devices that lose samples."""
+    effects = tuple(EffectTable(name="dropped-samples", losses=20.0, samples_lost=3.0, **table) for table in tables)
+    return list(simulated_campaign(scenario.model_copy(update={"effect": effects})).runs)
+
+
+def changed(got: Record, plain: Record) -> list[set[int]]:
+    """Which samples of each channel are not what they would be."""
+    return [set(map(int, np.flatnonzero(row))) for row in got.samples != plain.samples]
+
+
+def test_a_lost_sample_is_the_one_before_it_to_the_last_bit(short: Scenario) -> None:
+    """The converter's noise and rounding are in what is repeated: that is how a drop-out is found."""
+    scenario = noisy(short)
+    (plain,), (got,) = losing(scenario), losing(scenario, {})
+    steps = np.diff(got.samples, axis=1)
+    lost = sorted(changed(got, plain)[2])
+    assert 20 < len(lost) <= 60
+    assert (steps[2, np.array(lost) - 1] == 0).all()
+    assert np.mean(np.diff(plain.samples[2]) == 0) < 0.01
+    kept = np.setdiff1d(np.arange(got.samples.shape[1]), lost)
+    np.testing.assert_array_equal(got.samples[2, kept], plain.samples[2, kept])
+
+
+def test_what_is_closed_up_are_the_samples_as_they_were_converted(short: Scenario) -> None:
+    scenario = noisy(short)
+    (plain,), (got,) = losing(scenario), losing(scenario, {"kind": "closed-up"})
+    last = int(np.flatnonzero(got.samples[2] != plain.samples[2, -1])[-1]) + 1
+    assert 20 < plain.samples.shape[1] - 1 - last <= 60, "the last sample fills up the end"
+    remaining = iter(plain.samples[2])
+    assert all(sample in remaining for sample in got.samples[2, : last + 1]), "the others are there in their order"
+
+
 def test_all_channels_of_a_device_lose_the_same_samples_and_other_runs_others(short: Scenario) -> None:
-    effect = make_effect("dropped-samples", "test", losses=5.0)
-    samples = np.arange(500.0)
+    scenario = noisy(short, runs=2 * short.acquisition.runs)
+    plain, got = losing(scenario), losing(scenario, {})
+    first, second = (changed(g, p) for g, p in zip(got, plain, strict=True))
+    assert first[2] == first[3]
+    assert first[:2] == [set(), set()]
+    assert len(first[2] & second[2]) < 10
 
-    def change(run: int, stream: int) -> NDArray[np.float64]:
-        (one,) = effect.act(short, run).channels
-        assert isinstance(one, ChannelTransform)
-        return one.change(samples, RATE_HZ, np.random.default_rng(stream))
 
-    np.testing.assert_array_equal(change(0, 1), change(0, 2))
-    assert not np.array_equal(change(0, 1), change(1, 1))
+@pytest.mark.parametrize(("other", "row"), [("force", 1), ("10+Z", 3), ("response", 3)])
+def test_two_devices_lose_samples_of_their_own(short: Scenario, other: str, row: int) -> None:
+    """And what the first one loses does not depend on the other."""
+    scenario, one = noisy(short), {"channels": "1+Z"}
+    (plain,), (alone,), (both,) = losing(scenario), losing(scenario, one), losing(scenario, one, {"channels": other})
+    ours, of_both = changed(alone, plain)[2], changed(both, plain)
+    assert 20 < len(ours) <= 60
+    assert 20 < len(of_both[row]) <= 60
+    assert len(ours & of_both[row]) < 10
+    assert of_both[2] == (ours | of_both[3] if other == "response" else ours)
 
 
 @pytest.mark.parametrize("skew", [3e-4, -3e-4])

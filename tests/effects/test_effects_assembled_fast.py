@@ -74,6 +74,19 @@ def test_a_surge_beside_a_known_frame_is_what_assembling_gives() -> None:
     assert largest_error(accelerance(base), accelerance(wanted)) > 1.0
 
 
+@pytest.mark.parametrize("y_m", [0.6, -1.07])
+def test_a_payload_beside_a_known_aircraft_is_shared_as_assembling_shares_it(y_m: float) -> None:
+    """By the two links around it, to a thousandth of what it adds: the rest is what its weight bends."""
+    scenario = example_scenario()
+    payload: tuple[str, dict[str, object]] = ("payload-change", {"mass_kg": 0.02, "x_m": 0.75, "y_m": y_m})
+    plain, laden = (plans(s)[1] for s in (scenario, on_top(scenario, payload)))
+    base, wanted = (structure(layout, layout.run_points(1)) for layout in (plain, laden))
+    beside = attach(base, plain, laden.elements)
+    assert beside is not None
+    added = wanted.mass - base.mass
+    assert np.abs(beside.mass - wanted.mass).max() < 1e-2 * np.abs(added).max()
+
+
 def test_a_surging_spring_on_a_frame_looks_the_same_to_both_engines() -> None:
     """Stepped in time it is what the linear model says, and not what either effect alone would be."""
     scenario = on_top(example_scenario(), SURGE, FRAME)

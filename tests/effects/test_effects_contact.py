@@ -12,36 +12,43 @@ from numpy.typing import NDArray
 from vgvt.data import InputError
 from vgvt.effects.elements import MountCompliance, RattlingMass
 from vgvt.simulation.airframe import ROOT, cut_airframe
+from vgvt.simulation.assembly import plan
 from vgvt.simulation.elements import add_elements
+from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.rig import GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass
 
 MASS_KG = 0.02
 STEP_S = 1e-5
+PUSH = plan(hung_hati()).drive
 
 
-def on_the_ground(element: MountCompliance | RattlingMass, gravity: bool) -> mujoco.MjModel:
-    """The element on a body that is fixed to the ground, a mount with a transducer of MASS_KG."""
+def on_the_ground(*elements: MountCompliance | RattlingMass, gravity: bool) -> mujoco.MjModel:
+    """The elements on a body that holds still, mounts with a transducer of MASS_KG; its coordinate is the first.
+
+    It could slide sideways: several joints on the ground itself MuJoCo takes for those of so many directions.
+    """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.timestep = STEP_S
     spec.option.gravity = [0.0, 0.0, -GRAVITY_M_PER_S2 if gravity else 0.0]
-    spec.worldbody.add_body(name=ROOT)
+    ground = spec.worldbody.add_body(name=ROOT, mass=1.0, inertia=[1.0, 1.0, 1.0], explicitinertial=True)
+    ground.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[1.0, 0.0, 0.0])
     parts = cut_airframe(hung_hati().airframe)
-    if isinstance(element, MountCompliance):
+    if isinstance(elements[0], MountCompliance):
         add_point_mass(spec, parts, TRANSDUCER, ROOT, np.array(parts.origin_m[ROOT]), MASS_KG)
-    add_elements(spec, parts, [("it", element)])
+    add_elements(spec, parts, [(f"it-{k}", element) for k, element in enumerate(elements)], (PUSH,))
     model: mujoco.MjModel = spec.compile()
     return model
 
 
 def motion(model: mujoco.MjModel, start_m: float, duration_s: float) -> NDArray[np.float64]:
-    """The one coordinate, let go at a place, (steps + 1,)."""
+    """The one coordinate of what is on the ground, let go at a place, (steps + 1,)."""
     data = mujoco.MjData(model)
-    data.qpos[0] = start_m
+    data.qpos[1] = start_m
     place = np.empty(round(duration_s / STEP_S) + 1)
     for k in range(place.size):
-        place[k] = data.qpos[0]
+        place[k] = data.qpos[1]
         mujoco.mj_step(model, data)
     return place
 
@@ -93,6 +100,56 @@ def test_a_preloaded_mount_follows_the_ordinary_differential_equation(preload: f
     assert slow == pytest.approx(1.0, abs=1e-3) if preload > 0.5 else slow > 1.2
 
 
+@pytest.mark.parametrize(
+    "laws",
+    [
+        ((1e4, 0.1 / 6.3),),
+        ((1e4, 0.3 / 63.0), (4e3, 0.1 / 63.0)),
+        # Neither is like the other: glue with clay that loses all it takes at 1 Hz, and something without a loss.
+        ((5e6, 0.05 / 220.0), (4e3, 1.0 / 6.3), (8e3, 0.0)),
+    ],
+)
+def test_mounts_in_series_add_their_compliances(laws: tuple[tuple[float, float], ...]) -> None:
+    """F/x = k - ω² m, 1/k the sum of 1/(k + iωc), but for what gives 25 µs late; a single mount does not."""
+    model = on_the_ground(*(MountCompliance(k, k * late) for k, late in laws), gravity=False)
+    linear = linearise(model, np.zeros(model.nq))
+    stiffness = linear.stiffness + np.diag([1.0, *(0.0 for _ in laws)])
+    omega = 2 * np.pi * np.linspace(1.0, 40.0, 40)
+    together = np.array([0.0, *(1.0 for _ in laws)])
+    got = np.array([
+        together @ np.linalg.solve(stiffness + 1j * w * linear.damping - w**2 * linear.mass, together)
+        for w in omega
+    ])  # fmt: skip
+    give = sum(1 / (k * (1 + 1j * omega * late)) for k, late in laws)
+    allowed = 1e-8 if len(laws) == 1 else omega * 2.5e-5
+    assert np.all(np.abs(1 / (1 / got + omega**2 * MASS_KG) / give - 1) < allowed)
+    state = np.block([[np.zeros((model.nq, model.nq)), np.eye(model.nq)], [-stiffness, -linear.damping]])
+    state[model.nq :] = np.linalg.solve(linear.mass, state[model.nq :])
+    poles = np.linalg.eigvals(state)
+    assert poles.real.max() < 1e-9 * np.abs(poles).max()
+    # Nothing is faster than what makes them late: it can be stepped in time.
+    assert len(laws) == 1 or np.abs(poles).max() < 4.1e4
+
+
+@pytest.mark.parametrize("pull_n", [-0.5, 0.2, 0.7, 1.5, 3.0])
+def test_what_gives_in_series_is_the_sum_of_what_each_gives(pull_n: float) -> None:
+    """A joint with play on a mount that lifts off, on one that only gives: pulled, each goes by its own law."""
+    play = MountCompliance(1e4, 5.0, preload_n=0.6, gap_m=2e-4)
+    lifting = MountCompliance(2e4, 5.0, tension_ratio=0.3, preload_n=1.1)
+    plain = MountCompliance(5e3, 5.0)
+    model = on_the_ground(play, lifting, plain, gravity=True)
+    model.opt.gravity[2] = -pull_n / MASS_KG
+    beyond = max(0.0, pull_n - lifting.preload_n) * (1 / lifting.tension_ratio - 1)
+    wanted = -np.array([
+        pull_n / play.stiffness_n_per_m + (play.gap_m if pull_n > play.preload_n else 0.0),
+        (pull_n + beyond) / lifting.stiffness_n_per_m,
+        pull_n / plain.stiffness_n_per_m,
+    ])  # fmt: skip
+    # The preload of the play is the pull of a spring of 1 km: 1e-3 of its stiffness across the gap.
+    model.jnt_stiffness[0] = 1.0
+    np.testing.assert_allclose(settle(model)[1:], wanted, rtol=1e-4, atol=2e-8)
+
+
 @pytest.mark.parametrize("height_m", [2e-4, 8e-4])
 def test_a_rattling_mass_bounces_as_on_a_spring(height_m: float) -> None:
     """Dropped: 2 v/g in the air and (2/ω)(π - atan(v ω/g)) on the spring, v = sqrt(2 g h); it loses nothing."""
@@ -112,13 +169,15 @@ def test_a_rattling_mass_rests_where_it_lies_and_is_stopped_above() -> None:
     """At zero its weight is carried; thrown up in a narrow gap it turns around before it would in the open."""
     stiffness = MASS_KG * (2 * np.pi * 150.0) ** 2
     at_rest = motion(
-        on_the_ground(RattlingMass("body", (0.48, 0.0, 0.0), MASS_KG, 1e-3, stiffness, 0.0), True), 0.0, 0.02
+        on_the_ground(RattlingMass("body", (0.48, 0.0, 0.0), MASS_KG, 1e-3, stiffness, 0.0), gravity=True), 0.0, 0.02
     )
     assert np.abs(at_rest).max() < 1e-12
     pressed_m = -1e-3
     tops = [
         motion(
-            on_the_ground(RattlingMass("body", (0.48, 0.0, 0.0), MASS_KG, gap, stiffness, 0.0), True), pressed_m, 0.12
+            on_the_ground(RattlingMass("body", (0.48, 0.0, 0.0), MASS_KG, gap, stiffness, 0.0), gravity=True),
+            pressed_m,
+            0.12,
         ).max()
         for gap in (1e-3, 1.0)
     ]

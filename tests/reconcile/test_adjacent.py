@@ -84,6 +84,27 @@ def test_beside_a_known_structure_is_what_assembling_gives(case: Problem, name: 
     assert np.linalg.norm(fast - exact) < 0.1 * np.linalg.norm(exact - before)
 
 
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("swapped-sensors", {"node": 1, "other_node": 20}),
+        ("sensor-position-error", {"node": 1, "dy_m": -0.3}),
+    ],
+)
+def test_cables_are_carried_along_with_their_sensors(case: Problem, name: str, values: dict[str, Any]) -> None:
+    """A sensor that turns out to sit elsewhere takes its cable there, which all other channels notice."""
+    u, none = scattered(case), np.zeros(0)
+    cable = fixed("cable-drag", {"stiffness_n_per_m": 30.0, "damping_n_s_per_m": 0.3, "sensors": "1+Z"})
+    both = (cable, fixed(name, values))
+    known = anchor(case, u, both[:1], none, slopes=False)
+    exact = anchor(case, u, both, none, slopes=False).predict(u, none)
+    fast = anchor(case, u, both, none, slopes=False, beside=known.assembled).predict(u, none)
+    others = [k for k, c in enumerate(case.measured.channels) if c.dof.node not in values.values()]
+    moved = exact[others] - known.predict(u, none)[others]
+    assert np.linalg.norm(moved) > 1e-3 * np.linalg.norm(exact[others])
+    assert np.linalg.norm((fast - exact)[others]) < 0.1 * np.linalg.norm(moved)
+
+
 @pytest.mark.parametrize("shares", [{"bending": -0.15, "torsion": 0.0}, {"bending": 0.0, "torsion": 0.15}])
 def test_a_share_of_the_stiffness_is_one_of_what_there_is(case: Problem, shares: dict[str, Any]) -> None:
     """Not of the stated wing's: 15 % of one that is far from it had been off by as much as a resonance is wide."""

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from enum import IntEnum
 
 from vgvt.effects.action import NOTHING, Action
+from vgvt.effects.elements import Element, GroundSpring
+from vgvt.effects.point_error import seats
 from vgvt.effects.protocol import Effect
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.points import sensor_points
 
 
 class Turn(IntEnum):
@@ -18,11 +22,13 @@ class Turn(IntEnum):
 
     STATED = 0
     """It adds to, or scales, what is stated."""
-    IN_THE_RIG = 1
+    TO_ALL_OF_IT = 1
+    """It scales all that the airframe has of something then: every spring of it that is stated, or added."""
+    IN_THE_RIG = 2
     """It is a part of the rig as it is then: the surges of a spring that is softer than stated, hung elsewhere."""
-    AT_ROOTS = 2
+    AT_ROOTS = 3
     """It is a share of what a beam is then: a soft root by the compliance of the beam."""
-    IN_JOINTS = 3
+    IN_JOINTS = 4
     """It gives a law to a joint that is there, or is made by then."""
 
 
@@ -35,11 +41,31 @@ def acted(
     """The scenario as a run (counted from 0) has it, and what each of the effects does, in the order of ``effects``.
 
     ``act(effect, scenario, run)`` is the effect's own by default. Turns follow each other; within one, effects act in
-    their order.
+    their order. Springs on accelerometers are where the effects together put these.
     """
     actions = [NOTHING] * len(effects)
     for k in sorted(range(len(effects)), key=lambda k: getattr(effects[k], "turn", Turn.STATED)):
         actions[k] = effects[k].act(scenario, run) if act is None else act(effects[k], scenario, run)
         changed = actions[k].scenario
         scenario = scenario if changed is None else changed
-    return scenario, tuple(actions)
+    return scenario, _on_sensors(scenario, tuple(actions))
+
+
+def _on_sensors(scenario: Scenario, actions: tuple[Action, ...]) -> tuple[Action, ...]:
+    """The actions with every spring on an accelerometer where that really sits."""
+    errors = [e for action in actions for e in action.points]
+    astray = {e.node for e in errors}
+    if not astray:
+        return actions
+    places, at = {p.dof.node: p for p in sensor_points(scenario)}, seats(action.points for action in actions)
+
+    def moved(element: Element) -> Element:
+        if not isinstance(element, GroundSpring) or element.node is None or element.node not in astray:
+            return element
+        node = element.node
+        seat = places[at.get(node, node)]
+        shifts = [e.shift_m for e in errors if e.node == node]
+        x, y, z = (sum(along) for along in zip(seat.position_m, *shifts, strict=True))
+        return replace(element, part=seat.part, position_m=(x, y, z))
+
+    return tuple(replace(action, elements=tuple(map(moved, action.elements))) for action in actions)

@@ -14,7 +14,13 @@ from vgvt.effects.point_error import PointError
 from vgvt.scenario.model import Scenario
 
 Array = NDArray[np.float64]
-Stage = Literal["sensor", "converter"]
+Stage = Literal["sensor", "conditioner", "converter", "record"]
+"""Where on its way a channel is changed, in the order of the way.
+
+'sensor': what is sensed, in SI units, before the sensor's own noise. 'conditioner': the sensor's volts, with its noise.
+'converter': the volts at the converter's inputs, behind all that conditioners do. 'record': the volts as they were
+converted, with all noise, clipped and rounded: nothing is added to them any more.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +28,7 @@ class ChannelFilter:
     """A linear change of some channels: ``response(frequency_hz (F,)) -> (F,)`` complex multiplies their spectra.
 
     ``channels`` is 'force', 'drive', 'response' (all accelerometers), 'all', or a DOF label like '12+Z'.
-    ``stage`` 'sensor' acts before the sensor's noise, 'converter' on the volts at the converter.
+    ``stage`` says where it acts: behind the sensor, whose own noise passes it, too, or before that noise comes in.
     """
 
     channels: str
@@ -34,14 +40,15 @@ class ChannelFilter:
 class ChannelTransform:
     """Any other change of some channels, in the time domain.
 
-    ``change(samples (N,), sample_rate_hz, generator) -> (N,)`` in SI units at stage
-    'sensor', in volts at stage 'converter'; ``generator`` is a random stream of this
-    channel, run and effect alone.
+    ``change(samples (N,), sample_rate_hz, generator) -> (N,)`` in SI units at stage 'sensor', in volts at the others;
+    ``generator`` is a random stream of this channel, run and effect alone, or with ``together`` of this run and effect
+    alone: it draws the same on all channels that the effect changes.
     """
 
     channels: str
     change: Callable[[Array, float, np.random.Generator], Array]
     stage: Stage = "sensor"
+    together: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

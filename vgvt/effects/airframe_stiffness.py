@@ -1,4 +1,9 @@
-"""The airframe with all of its stiffness, or damping, scaled: what ageing, warmth and moisture do."""
+"""The airframe with all of its stiffness, or damping, scaled: what ageing, warmth and moisture do.
+
+All is what the airframe states, or has been given: sections, roots and carry-through. Left alone are the suspension,
+what effects hang on the airframe or tie two places of it with (absorbers, hinges of control surfaces, cables), and of
+the law of a root's joint its k3, friction and play, and the spring that such an effect gives to a rigid root.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +15,15 @@ _ROOTS = ("root_bending_stiffness_n_m_per_rad", "root_torsional_stiffness_n_m_pe
 
 
 def with_stiffness_scaled(airframe: Airframe, factor: float) -> Airframe:
-    """EI, GJ and root springs of every beam times ``factor``; modal damping ratios stay. InputError unless positive."""
+    """EI, GJ and root springs of every beam and the carry-through times ``factor``; modal damping ratios stay.
+
+    InputError unless positive.
+    """
     _require_positive(factor, "stiffness")
-    return airframe.model_copy(update={"beam": tuple(_scaled(beam, factor) for beam in airframe.beam)})
+    body, name = airframe.body, "carry_through_stiffness_n_m_per_rad"
+    own = getattr(body, name)
+    between = body if own is None else body.model_copy(update={name: own * factor})
+    return airframe.model_copy(update={"beam": tuple(_scaled(beam, factor) for beam in airframe.beam), "body": between})
 
 
 def with_damping_scaled(airframe: Airframe, factor: float) -> Airframe:

@@ -17,7 +17,10 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class AntiAliasDelay:
-    """A Butterworth low-pass of order n; at low frequency it is a delay of 1/(ω_c sin(π/2n)), which names it here."""
+    """A Butterworth low-pass of order n; at low frequency it is a delay of 1/(ω_c sin(π/2n)), which names it here.
+
+    It stands before the converter: the sensor's own noise passes it like the signal, that of the converter does not.
+    """
 
     name: ClassVar[str] = "anti-alias-delay"
     summary: ClassVar[str] = "Responses pass an anti-alias filter that the force does not"
@@ -49,7 +52,7 @@ class AntiAliasDelay:
         if self.delay_s == 0:
             return NOTHING
         where = chosen_channels(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
+        return Action(channels=tuple(ChannelFilter(c, self._response, "conditioner") for c in where))
 
     @property
     def corner_hz(self) -> float:

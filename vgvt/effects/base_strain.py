@@ -20,14 +20,19 @@ class BaseStrain:
     """The gauge reads F + s M, with M = -k θ - c θ' the moment of a stinger that resists rotation about one axis.
 
     The moment path is its own, so that the effect stands alone and is gone with it: where nothing resists, nothing is
-    read. For a drive point on the centre body only.
+    read. For a drive point on the centre body only. The moment path stiffens the aircraft as a stinger's does, and
+    what is read by mistake is divided out of A/F: that has its poles where F + s M is zero, which are not the
+    aircraft's. They move with the sign of s, by as much as the drive point's rotation has to do with a mode.
     """
 
     name: ClassVar[str] = "base-strain"
     summary: ClassVar[str] = "The force gauge reads part of the stinger's bending moment as force"
     family: ClassVar[Family] = Family.DRIVE_PATH
     linear: ClassVar[bool] = True
-    signature: ClassVar[str] = "one factor on all channels of A/F, coherent with the rotation of the drive point"
+    signature: ClassVar[str] = (
+        "one factor on all channels of A/F, coherent with the rotation of the drive point; it moves the poles of A/F, "
+        "up or down with the sign of s, while those of A per command stay"
+    )
     confused_with: ClassVar[tuple[str, ...]] = ("stinger-moment", "transducer-mass", "drive-point-offset")
     separating_test: ClassVar[str] = "turn the gauge by 90 degrees about its own axis"
     reference: ClassVar[str] = (

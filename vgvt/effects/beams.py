@@ -9,9 +9,11 @@ import numpy as np
 
 from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
+from vgvt.effects.shakers import with_shakers
 from vgvt.scenario.airframe import Airframe, Beam, mirrored_names
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import Shaker
 
 Side = Literal["both", "right", "left"]
 
@@ -60,17 +62,18 @@ def scaled(column: Iterable[float], factor: float) -> tuple[float, ...]:
 
 def written_out(scenario: Scenario) -> Scenario:
     """The same aircraft with every mirrored table as two, so that the sides can differ; references follow."""
-    airframe, grid, shaker = scenario.airframe, scenario.accelerometers.grid, scenario.shaker
+    airframe, grid = scenario.airframe, scenario.accelerometers.grid
     if grid.attached_to is not None:
         parts = tuple(part_name(airframe, p, y) for p, y in zip(grid.attached_to, grid.y_m, strict=True))
         grid = grid.model_copy(update={"attached_to": parts})
-    part = part_name(airframe, shaker.attached_to, shaker.position_m[1])
-    tables = {
-        "shaker": shaker.model_copy(update={"attached_to": part}),
-        "accelerometers": scenario.accelerometers.model_copy(update={"grid": grid}),
-    }
+
+    def on_its_side(shaker: Shaker) -> Shaker:
+        part = part_name(airframe, shaker.attached_to, shaker.position_m[1])
+        return shaker.model_copy(update={"attached_to": part})
+
     split = with_airframe(scenario, beam=expanded_beams(airframe), item=expanded_items(airframe))
-    return split.model_copy(update=tables)
+    split = with_shakers(split, tuple(range(len(scenario.shakers))), on_its_side)
+    return split.model_copy(update={"accelerometers": scenario.accelerometers.model_copy(update={"grid": grid})})
 
 
 def on_side(scenario: Scenario, names: tuple[str, ...], side: Side, effect: str) -> tuple[Scenario, tuple[str, ...]]:

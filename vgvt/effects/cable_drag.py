@@ -17,6 +17,7 @@ from vgvt.scenario.model import Scenario
 class CableDrag:
     """Spring and dashpot from each accelerometer of the run to the ground, at rest as hung.
 
+    A cable hangs from its accelerometer, wherever other effects put that.
     To first order a pole moves by Δω = φ² k / (2 ω m_r) and its damping by Δζ = φ² c / (2 ω m_r).
     """
 
@@ -42,8 +43,7 @@ class CableDrag:
         if self.stiffness_n_per_m == 0 and self.damping_n_s_per_m == 0:
             return NOTHING
         where = chosen_sensors(scenario, run, self.sensors, self.name)
+        stiffness, damping = self.stiffness_n_per_m, self.damping_n_s_per_m
         return Action(
-            elements=tuple(
-                GroundSpring(p.part, p.position_m, self.stiffness_n_per_m, self.damping_n_s_per_m) for p in where
-            )
+            elements=tuple(GroundSpring(p.part, p.position_m, stiffness, damping, node=p.dof.node) for p in where)
         )

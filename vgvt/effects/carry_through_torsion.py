@@ -5,10 +5,12 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.data import InputError
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.beams import with_airframe
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
+from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 
 
@@ -49,11 +51,18 @@ class CarryThroughTorsion:
             raise ValueError("a compliance cannot be negative")
 
     def act(self, scenario: Scenario, run: int) -> Action:
-        """Add the compliance to what the body has already, in every run."""
+        """Add the compliance to what the body has already, in every run; InputError where no wing is on each half."""
         del run
         if self.compliance_rad_per_n_m == 0:
             return NOTHING
         body = scenario.airframe.body
+        tips = [b.stations.position_m[-1][1] for b in expanded_beams(scenario.airframe) if b.parent == "body"]
+        if not any(y > 0 for y in tips) or not any(y < 0 for y in tips):
+            raise InputError(
+                f"scenario {scenario.name}: effect {self.name}",
+                "the body carries no beam to the right and one to the left, whose roots could pitch against each other",
+                "Leave the effect out: it is for wings that hang on the body itself.",
+            )
         own = body.carry_through_stiffness_n_m_per_rad
         stiffness = 1 / (self.compliance_rad_per_n_m + (0.0 if own is None else 1 / own))
         halved = body.model_copy(update={"carry_through_stiffness_n_m_per_rad": stiffness})

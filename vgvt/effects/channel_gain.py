@@ -17,7 +17,11 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ChannelGain:
-    """Some channels read 1 + ε times what they should, at all frequencies; on the force, A/F shrinks by 1 + ε."""
+    """Some channels read 1 + ε times what they should, at all frequencies; on the force, A/F shrinks by 1 + ε.
+
+    That goes for the sensor's own noise, too: it is stated as what it would have to sense to read it, so it follows
+    the sensor's volts per unit and the conditioner's gain, whichever is off. The converter's noise stays.
+    """
 
     name: ClassVar[str] = "channel-gain"
     summary: ClassVar[str] = "The sensitivity of some channels is off by a constant factor"
@@ -36,7 +40,7 @@ class ChannelGain:
         if self.gain_error == 0:
             return NOTHING
         where = chosen_channels(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
+        return Action(channels=tuple(ChannelFilter(c, self._response, "conditioner") for c in where))
 
     def _response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         return np.full(frequency_hz.shape, 1.0 + self.gain_error, dtype=complex)

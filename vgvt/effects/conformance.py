@@ -60,12 +60,17 @@ def declaration_checks() -> tuple[Check, ...]:
 
 def size_parameter(effect: type) -> Parameter | None:
     """The parameter that says how big the effect is: the first with a neutral value."""
-    return next((p for p in parameters_of(effect) if p.neutral is not None), None)
+    return next(iter(sizes(effect)), None)
+
+
+def sizes(effect: type) -> tuple[Parameter, ...]:
+    """All parameters that can each switch the effect off, or a part of it: those with a neutral value."""
+    return tuple(p for p in parameters_of(effect) if p.neutral is not None)
 
 
 def neutral(effect: type) -> Effect:
     """The effect switched off: every parameter that has a neutral value at it, the rest at their defaults."""
-    return cast(Effect, effect(**{p.name: p.neutral for p in parameters_of(effect) if p.neutral is not None}))
+    return cast(Effect, effect(**{p.name: p.neutral for p in sizes(effect)}))
 
 
 def switched_on(effect: type, **values: float) -> Effect:
@@ -172,6 +177,7 @@ def _facts(action: Action) -> list[Any]:
         if isinstance(change, ChannelFilter):
             facts.append(change.response(_FREQUENCY_HZ))
         else:
+            facts.append(change.together)
             facts.append(_unchanged(signal, lambda x, c=change: c.change(x, _RATE_HZ, np.random.default_rng(1))))
     return facts
 

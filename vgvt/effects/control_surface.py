@@ -56,14 +56,16 @@ class ControlSurface:
     def act(self, scenario: Scenario, run: int) -> Action:
         """Take the item off the airframe and hang it on its hinge, in every run."""
         del run
-        if self.compliance_rad_per_n_m == 0:
-            return NOTHING
+        return NOTHING if self.compliance_rad_per_n_m == 0 else self.hung(scenario, self.name)
+
+    def hung(self, scenario: Scenario, effect: str) -> Action:
+        """The item off the airframe and on its hinge; InputError, naming the ``effect``, where there is none."""
         items = expanded_items(scenario.airframe)
         moving = [i for i in items if self._means(i)]
         if not moving or any(i.attached_to == "body" for i in moving):
             known = tuple(dict.fromkeys(i.name for i in scenario.airframe.item if i.attached_to != "body"))
-            where = f"effect {self.name}: item"
-            raise InputError(where, f"no beam has an item {self.item!r} there", choose_one_of(self.item, known))
+            advice = choose_one_of(self.item, known) if known else "No beam has any item: leave the effect out."
+            raise InputError(f"effect {effect}: item", f"no beam has an item {self.item!r} there", advice)
         beams = {b.name: b for b in expanded_beams(scenario.airframe)}
         fixed = tuple(i for i in items if i not in moving)
         flaps: tuple[Element, ...] = tuple(self._flap(beams[i.attached_to], i) for i in moving)

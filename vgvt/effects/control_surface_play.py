@@ -62,9 +62,10 @@ class ControlSurfaceFreeplay:
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Take the item off the airframe and hang it on its loose hinge, in every run."""
+        del run
         if self.gap_rad == 0:
             return NOTHING
         hinge = ControlSurface(self.compliance_rad_per_n_m, self.arm_m, self.damping_ratio, self.item, self.side)
-        hung = hinge.act(scenario, run)
+        hung = hinge.hung(scenario, self.name)
         loose = (dataclasses.replace(e, gap_rad=self.gap_rad) for e in hung.elements if isinstance(e, HingedFlap))
         return dataclasses.replace(hung, elements=tuple(loose))

@@ -13,15 +13,15 @@ from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
 from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.streams import named_stream
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class DroppedSamples:
     """Now and then the device loses a few samples, at the same instants on all of its channels.
 
-    'repeated' writes the sample before them once more; 'closed-up' writes nothing, so that all that
-    follows comes early.
+    They are lost behind the converter: 'repeated' writes the sample before them once more, equal to the last bit;
+    'closed-up' writes nothing, so that all that follows comes early, and the last sample fills up the record's end.
+    Every such effect of a scenario is a device of its own, which loses its own samples.
     """
 
     name: ClassVar[str] = "dropped-samples"
@@ -53,20 +53,17 @@ class DroppedSamples:
         """Lose samples, other ones in every run."""
         if round(self.losses) == 0:
             return NOTHING
-        seed = scenario.seed
-
-        def change(
-            samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator
-        ) -> NDArray[np.float64]:
-            del sample_rate_hz, generator
-            # A stream of the device, not of the channel: all its channels lose the same samples.
-            lost = self._lost(named_stream(seed, self.name, run), samples.size)
-            if self.kind == "repeated":
-                return samples[np.maximum.accumulate(np.where(lost, 0, np.arange(samples.size)))]
-            return np.concatenate([samples[~lost], np.full(int(lost.sum()), samples[-1])])
-
         where = chosen_channels(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelTransform(c, change, "converter") for c in where))
+        return Action(channels=tuple(ChannelTransform(c, self._written, "record", together=True) for c in where))
+
+    def _written(
+        self, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator
+    ) -> NDArray[np.float64]:
+        del sample_rate_hz
+        lost = self._lost(generator, samples.size)
+        if self.kind == "repeated":
+            return samples[np.maximum.accumulate(np.where(lost, 0, np.arange(samples.size)))]
+        return np.concatenate([samples[~lost], np.full(int(lost.sum()), samples[-1])])
 
     def _lost(self, generator: np.random.Generator, size: int) -> NDArray[np.bool_]:
         """Which samples of a record are lost; never the first."""

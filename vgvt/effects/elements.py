@@ -19,6 +19,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 class PointMass:
     """A lumped mass; negative values are not possible: take it from an item of the airframe instead.
 
+    One of the airframe is shared by the rigid bodies around it, as the airframe's own items are.
     ``frame_kg`` rides on the frame that the suspension hangs from besides, and counts where an effect lets that move.
     """
 
@@ -31,7 +32,10 @@ class PointMass:
 
 @dataclass(frozen=True, slots=True)
 class GroundSpring:
-    """Spring and dashpot from a point of the aircraft to the ground, along a direction, at rest as hung."""
+    """Spring and dashpot from a point of the aircraft to the ground, along a direction, at rest as hung.
+
+    With a ``node`` it holds the accelerometer of that label, wherever other effects put this.
+    """
 
     part: str
     position_m: Vector
@@ -39,6 +43,7 @@ class GroundSpring:
     damping_n_s_per_m: float = 0.0
     direction: Vector = _UP
     owner: Owner = "rig"
+    node: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,11 +106,21 @@ class ModalDrag:
 
 
 @dataclass(frozen=True, slots=True)
+class GivenRoot:
+    """The stiffness that an effect, by its name, gives a root which it does not find jointed, and whether it did."""
+
+    effect: str
+    stiffness_n_m_per_rad: float
+    was_rigid: bool
+
+
+@dataclass(frozen=True, slots=True)
 class JointLaw:
     """Another force law for a root joint of a beam: k θ + k3 θ³, Coulomb friction, play around zero.
 
     ``stiffness_n_m_per_rad`` replaces the joint's own; ``play_rad`` is the half gap.
-    The scenario must give the beam that root joint; ``beam`` is a name after mirroring.
+    The scenario must give the beam that root joint; ``beam`` is a name after mirroring. ``root`` is what the effect
+    would have made of a rigid one.
     """
 
     beam: str
@@ -115,6 +130,7 @@ class JointLaw:
     friction_n_m: float = 0.0
     play_rad: float = 0.0
     owner: Owner = "airframe"
+    root: GivenRoot | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +212,7 @@ class RattlingMass:
 class Relaxation:
     """Maxwell branches (spring and dashpot in series) beside the airframe's stiffness, the same for every elastic mode.
 
+    Its modes are those with all locked that hangs on it by springs of another kind, and with no ties between places.
     ``branches`` are pairs of a branch's spring over the stiffness it stands beside and its
     corner: in hertz, or, ``relative``, in multiples of each mode's own frequency. To
     that come a plain spring and a plain dashpot, the latter by its share of the stiffness at

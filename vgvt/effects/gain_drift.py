@@ -18,7 +18,10 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class GainDrift:
-    """Some channels are multiplied by 1 + drift · s(run), with s from 0 in the first run to 1 in the last."""
+    """Some channels are multiplied by 1 + drift · s(run), with s from 0 in the first run to 1 in the last.
+
+    It is the conditioner's gain: the sensor's own noise drifts with the signal, the converter's noise stays.
+    """
 
     name: ClassVar[str] = "gain-drift"
     summary: ClassVar[str] = "The gain of some channels drifts from run to run"
@@ -50,4 +53,4 @@ class GainDrift:
         if gain == 1:
             return NOTHING
         where = chosen_channels(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(c, response) for c in where))
+        return Action(channels=tuple(ChannelFilter(c, response, "conditioner") for c in where))

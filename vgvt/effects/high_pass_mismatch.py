@@ -17,7 +17,10 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class HighPassMismatch:
-    """Some channels pass another first-order high-pass: G(f) is multiplied by i f / (f_c + i f), f_c = 1/(2π DTC)."""
+    """Some channels pass another first-order high-pass: G(f) is multiplied by i f / (f_c + i f), f_c = 1/(2π DTC).
+
+    It is behind the stated coupling of the sensor, whose own noise passes it, too.
+    """
 
     name: ClassVar[str] = "high-pass-mismatch"
     summary: ClassVar[str] = "Some channels are AC coupled more than stated"
@@ -46,7 +49,7 @@ class HighPassMismatch:
         if self.corner_hz == 0:
             return NOTHING
         where = chosen_channels(scenario, run, self.channels, self.name)
-        return Action(channels=tuple(ChannelFilter(c, self._response) for c in where))
+        return Action(channels=tuple(ChannelFilter(c, self._response, "conditioner") for c in where))
 
     def _response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         return np.asarray(1j * frequency_hz / (self.corner_hz + 1j * frequency_hz))

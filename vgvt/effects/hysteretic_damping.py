@@ -21,6 +21,7 @@ _LOSS, _STIFFENING = 10 / 101 + 0.5 + 0.1, 100 / 101 + 0.5
 class HystereticDamping:
     """A loss factor η beside the scenario's viscous ratios: η/2 more damping of every mode, of another kind.
 
+    The material is that of beams, roots and carry-through; what hangs on these keeps the damping of its own.
     No causal law in time has a constant loss factor; two Maxwell branches and a dashpot a mode keep it within
     15 % from a tenth of its frequency to three times it, and its stiffness at resonance as it was. Against as much
     viscous damping, the kind changes |H| by a quarter of η of its peak, on the flanks: 0.25 % for η = 1 %, less

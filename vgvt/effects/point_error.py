@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from vgvt.data import Direction
@@ -13,7 +14,8 @@ from vgvt.effects.elements import Vector
 class PointError:
     """The accelerometer of a node sits elsewhere, or senses along another axis, than its label says.
 
-    It sits at the place of ``at_node`` (swapped sensors) and ``shift_m`` from there, in aircraft axes.
+    It sits at the place of ``at_node`` (swapped sensors) and ``shift_m`` from there, in aircraft axes. Effects that
+    exchange sensors one after another each take them from where they have come to sit (:func:`seats`).
     It reads motion . (direction + ``lean`` + ``cross_sensitivity``), all fixed to the part: the housing leans, while
     what a sensor feels across its axis is its own and is seen on no housing. Several errors of one node add up.
     For the shaker's node only ``lean`` counts: the push turns to the unit vector along direction + lean.
@@ -25,6 +27,17 @@ class PointError:
     shift_m: Vector = (0.0, 0.0, 0.0)
     lean: Vector = (0.0, 0.0, 0.0)
     cross_sensitivity: Vector = (0.0, 0.0, 0.0)
+
+
+def seats(points: Iterable[Sequence[PointError]]) -> dict[int, int]:
+    """At whose places sensors sit, both by the nodes of their labels; those that are not named sit at their own.
+
+    ``points`` are those of one effect after another: what a later one exchanges is what earlier ones left.
+    """
+    at: dict[int, int] = {}
+    for errors in points:
+        at |= {e.node: at.get(e.at_node, e.at_node) for e in errors if e.at_node is not None}
+    return at
 
 
 def across(direction: Direction, azimuth_rad: float) -> Vector:

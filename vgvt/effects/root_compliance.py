@@ -52,9 +52,13 @@ class RootCompliance:
         del run
         if self.bending == self.torsion == 0:
             return NOTHING
-        names = chosen_beams(scenario.airframe, self.beam, self.name)
-        changed, names = on_side(scenario, names, self.side, self.name)
-        return Action(scenario=with_beams(changed, names, self._softer))
+        return Action(scenario=self.softened(scenario, self.name))
+
+    def softened(self, scenario: Scenario, effect: str) -> Scenario:
+        """The scenario with that compliance; InputError, naming the ``effect``, where there is no such beam or side."""
+        names = chosen_beams(scenario.airframe, self.beam, effect)
+        changed, names = on_side(scenario, names, self.side, effect)
+        return with_beams(changed, names, self._softer)
 
     def _softer(self, beam: Beam) -> Beam:
         return beam.model_copy(

@@ -59,4 +59,5 @@ class RootCreep:
         done = progress(self.shape, run, runs, self.time_constant_runs, self.from_run)
         if done * max(self.bending, self.torsion) == 0:
             return NOTHING
-        return RootCompliance(self.bending * done, self.torsion * done, self.side, self.beam).act(scenario, run)
+        gained = RootCompliance(self.bending * done, self.torsion * done, self.side, self.beam)
+        return Action(scenario=gained.softened(scenario, self.name))

@@ -59,7 +59,9 @@ class CubicRootStiffness:
         stiffness = self.root_stiffness_n_m_per_rad
         jointed, joints = root_joints(scenario, self.beam, self.side, self.kind, stiffness, self.name)
         laws = tuple(
-            JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, cubic_n_m_per_rad3=self.cubic_n_m_per_rad3)
+            JointLaw(
+                j.beam, self.kind, j.stiffness_n_m_per_rad, cubic_n_m_per_rad3=self.cubic_n_m_per_rad3, root=j.root
+            )
             for j in joints
         )
         return Action(scenario=jointed, elements=laws)

@@ -60,6 +60,7 @@ class RootFriction:
         stiffness = self.root_stiffness_n_m_per_rad
         jointed, joints = root_joints(scenario, self.beam, self.side, self.kind, stiffness, self.name)
         laws = tuple(
-            JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, friction_n_m=self.friction_n_m) for j in joints
+            JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, friction_n_m=self.friction_n_m, root=j.root)
+            for j in joints
         )
         return Action(scenario=jointed, elements=laws)

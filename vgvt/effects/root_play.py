@@ -64,5 +64,7 @@ class RootFreeplay:
             return NOTHING
         stiffness = self.root_stiffness_n_m_per_rad
         jointed, joints = root_joints(scenario, self.beam, self.side, self.kind, stiffness, self.name)
-        laws = tuple(JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, play_rad=self.gap_rad / 2) for j in joints)
+        laws = tuple(
+            JointLaw(j.beam, self.kind, j.stiffness_n_m_per_rad, play_rad=self.gap_rad / 2, root=j.root) for j in joints
+        )
         return Action(scenario=jointed, elements=laws)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.airframe_stiffness import with_stiffness_scaled
 from vgvt.effects.parameter import parameter
@@ -15,11 +16,16 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class RunDrift:
-    """All EI, GJ and root springs times 1 + drift · s(run), with s from 0 in the first run to 1 in the last."""
+    """All EI, GJ, roots and carry-through times 1 + drift · s(run), with s from 0 in the first run to 1 in the last.
+
+    Those that other effects soften or add are among them. The suspension stays, and so do springs of what hangs on the
+    airframe or ties two places of it: absorbers, hinges of control surfaces, cables.
+    """
 
     name: ClassVar[str] = "run-drift"
     summary: ClassVar[str] = "The airframe's stiffness drifts from run to run"
     family: ClassVar[Family] = Family.BETWEEN_RUNS
+    turn: ClassVar[Turn] = Turn.TO_ALL_OF_IT
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = (
         "all natural frequencies move by half the drift, in the order of time and not of the sensors' places"

@@ -14,7 +14,10 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class SwappedSensors:
-    """The sensor labelled with one node sits at the other, and the other way round, in every run that uses them."""
+    """The sensor labelled with one node sits at the other, and the other way round, in every run that uses them.
+
+    Two exchanges that share a node follow each other in the order of their tables, labels from where they then sit.
+    """
 
     name: ClassVar[str] = "swapped-sensors"
     summary: ClassVar[str] = "Two accelerometers are exchanged"

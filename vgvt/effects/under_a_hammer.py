@@ -21,20 +21,22 @@ def act_on(effect: Effect, scenario: Scenario, run: int) -> Action:
     try:
         action = effect.act(scenario, run)
     except InputError as error:
-        # What it misses about the shaker is beside the point.
-        raise (shaken if effect.family in (Family.MOUNT, Family.DRIVE_PATH) else error) from error
+        # What it misses about the shaker is beside the point. An effect that can choose a shaker is on one.
+        on_a_shaker = effect.family in (Family.MOUNT, Family.DRIVE_PATH) or hasattr(effect, "shaker")
+        raise (shaken if on_a_shaker else error) from error
     if _needs_shaker(action, scenario):
         raise shaken
     return action
 
 
 def _needs_shaker(action: Action, scenario: Scenario) -> bool:
-    """Whether an action is on what a hammer test lacks; a hammer that does not rove hits a moved drive point."""
+    """Whether an action is on what a hammer test lacks; one that does not rove hits a moved or leaning drive point."""
     changed = action.scenario or scenario
     roving = scenario.hammer is not None and bool(scenario.hammer.nodes)
+    drives = {shaker.node for shaker in scenario.shakers}
     return (
         action.command is not None
         or any(isinstance(element, MountCompliance | RotationSpring) for element in action.elements)
         or (changed.stinger, changed.transducer) != (scenario.stinger, scenario.transducer)
-        or (roving and changed.shakers != scenario.shakers)
+        or (roving and (changed.shakers != scenario.shakers or any(p.node in drives for p in action.points)))
     )

@@ -18,7 +18,8 @@ class ViscoelasticStiffness:
     """EI and GJ times 1 + (rise/3) Σ jωτ/(1 + jωτ): three Maxwell branches, corners evenly spaced in log f.
 
     The stated stiffness is that at rest; far above the corners it is 1 + rise times as much. In between it
-    grows with log f, and the loss that goes with it comes on top of the scenario's damping.
+    grows with log f, and the loss that goes with it comes on top of the scenario's damping. Roots, carry-through and
+    couplings relax alike; springs of what hangs on the airframe, or ties two places of it, do not.
     """
 
     name: ClassVar[str] = "viscoelastic-stiffness"

@@ -34,7 +34,7 @@ def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDA
     ``command_v`` (shakers, samples), none for a hammer; ``readings`` (points + forces, samples) hold
     the run's accelerations, m/s^2, and the forces, N. Each channel is AC coupled, gets its
     sensor's and the converter's noise from a random stream of its own, is clipped
-    and rounded to the converter's steps.
+    and rounded to the converter's steps. Effects change it at the stages of :data:`vgvt.effects.action.Stage`.
     """
     scenario = layout.scenario
     points = layout.run_points(run)
@@ -105,6 +105,7 @@ def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64]) ->
         density = np.array(chain.noise.density) * chain.noise_unit
         row += coloured_noise(generator, row.size, rate, chain.noise.frequency_hz, density)
     row *= chain.channel.sensitivity_v_per_unit
+    row[:] = changed_by_effects(layout, chain.channel, run, "conditioner", row)
     row[:] = changed_by_effects(layout, chain.channel, run, "converter", row)
     if acquisition.noise_v_per_rthz > 0:
         generator = named_stream(scenario.seed, "converter noise", run, name)
@@ -113,5 +114,6 @@ def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64]) ->
     highest = acquisition.range_v - step
     clipped = bool(np.any((row < -acquisition.range_v) | (row > highest)))
     np.clip(np.round(row / step) * step, -acquisition.range_v, highest, out=row)
+    row[:] = changed_by_effects(layout, chain.channel, run, "record", row)
     row /= chain.channel.sensitivity_v_per_unit
     return clipped

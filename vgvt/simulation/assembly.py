@@ -13,6 +13,7 @@ from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, RotationSpring
+from vgvt.effects.point_error import seats
 from vgvt.effects.registry import effects_of
 from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
@@ -109,8 +110,7 @@ class Plan:
         errors = [e for action in self.actions for e in action.points if e.node == node]
         if not errors:
             return labelled
-        elsewhere = [e.at_node for e in errors if e.at_node is not None]
-        seat = by_node[elsewhere[-1]] if elsewhere else labelled
+        seat = by_node[seats(action.points for action in self.actions).get(node, node)]
         position = seat.position_m + np.sum([e.shift_m for e in errors], axis=0)
         return MeasurementPoint(
             labelled.dof,
@@ -316,7 +316,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
         spec.body(transducer).add_site(name=drive.site)
     for point in () if layout.strike is None else (*layout.drives, layout.strike):
         _add_site(spec, layout, point)
-    add_elements(spec, layout.parts, ((n, e) for n, e in layout.elements if e.owner == "rig"))
+    add_elements(spec, layout.parts, ((n, e) for n, e in layout.elements if e.owner == "rig"), layout.drives)
     return spec, [name for name, element in layout.elements if isinstance(element, TRIMMED)]
 
 

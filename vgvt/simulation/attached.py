@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from vgvt.effects.elements import Absorber, Element, GroundSpring, HingedFlap, PointMass, RotationSpring
 from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.elements import sharing, turned_by
 from vgvt.simulation.reduced import Structure
 from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
@@ -35,10 +36,13 @@ def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]
     inner = tuple(_own_joint(name, e) for name, e in simple if isinstance(e, Absorber | HingedFlap))
     wide = base.onto((*base.joints, *inner))
     wide = replace(wide, mass=wide.mass.copy(), damping=wide.damping.copy(), stiffness=wide.stiffness.copy())
+    turns = np.eye(wide.drive.size)
+    turns[:6, :6] = wide.root
     for name, element in simple:
         if isinstance(element, RotationSpring):
             turned = np.zeros(wide.drive.size)
-            turned[:6] = wide.root[wide.joints.index(element.axis)]
+            for joint in map(wide.joints.index, turned_by(element, layout.drives[element.exciter].carrier)):
+                turned += turns[joint]
             _spring(wide, turned, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)
             # What the gauge feels of the moment is on the force's side of the equation.
             felt = element.gauge_per_m * np.outer(wide.drive, turned)
@@ -53,7 +57,11 @@ def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]
 
 def point_rows(structure: Structure, layout: Plan, part: str, position_m: Array) -> tuple[Array, Array]:
     """Displacement rows (3, n) of a point (3,) of a part in world axes, and the attitude (3, 3) of what carries it."""
-    carrier = layout.parts.carrier(part, position_m)
+    return carried_rows(structure, layout, layout.parts.carrier(part, position_m), position_m)
+
+
+def carried_rows(structure: Structure, layout: Plan, carrier: str, position_m: Array) -> tuple[Array, Array]:
+    """The same of a point (3,) that a rigid body of that name carries."""
     k = structure.body_names.index(carrier)
     turn = structure.attitude[k]
     arm = turn @ (position_m - layout.parts.origin_m[carrier])
@@ -87,7 +95,9 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
     # Of the frame that the suspension hangs from, where that moves.
     frame = [k for k, j in enumerate(s.joints) if j.endswith("/frame")]
     if isinstance(element, PointMass):
-        s.mass[:] += element.mass_kg * rows.T @ rows
+        for carrier, share in sharing(layout.parts, element):
+            rows, _ = carried_rows(s, layout, carrier, np.array(element.position_m))
+            s.mass[:] += share * element.mass_kg * rows.T @ rows
         s.mass[frame, frame] += element.frame_kg
     elif isinstance(element, GroundSpring):
         _spring(s, _unit(element.direction) @ rows, element.stiffness_n_per_m, element.damping_n_s_per_m)

@@ -14,7 +14,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import outlines_m
 from vgvt.simulation.acquisition import record
 from vgvt.simulation.assembly import Plan, Rig, driven_rig, plan, plans
-from vgvt.simulation.command import drive_commands, excitation_in_words, excitation_notes, sample_times_s, sent_commands
+from vgvt.simulation.command import drive_commands, excitation_in_words, excitation_notes, sent_commands
 from vgvt.simulation.converter import Converter
 from vgvt.simulation.linear_engine import prepared, respond
 from vgvt.simulation.mujoco_engine import Progress, step_runs
@@ -78,9 +78,10 @@ class _Made:
         else:
             readings = _mujoco_readings(layouts, self._rigs, self.models, self._progress)
         self.clock.lap("simulate")
-        times = sample_times_s(scenario)
+        converter = Converter.of(scenario)
+        times = converter.times_s()
         records = tuple(
-            record(layout, run, drive_commands(scenario, run, times), readings[run])
+            record(layout, run, converter.delivered(drive_commands(scenario, run, times)), readings[run])
             for run, layout in enumerate(layouts)
         )
         self.clock.lap("acquire")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,25 +11,37 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from vgvt.data import Channel, ChannelRole
 from vgvt.effects.action import ChannelFilter, Stage
+from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.simulation.assembly import Plan
 
 Array = NDArray[np.float64]
+# After so many time constants e to minus that is left of what a filter remembers: 1e-13.
+_TIME_CONSTANTS = 30.0
+# Samples of silence at most, an hour at 1 kHz: what remembers longer wraps only the record's share of that around.
+_LONGEST = 2**22
 
 
 def changed_by_effects(layout: Plan, channel: Channel, run: int, stage: Stage, samples: Array) -> Array:
     """The samples (N,) of a channel after every effect that acts on it at a stage, in the scenario's order."""
     scenario = layout.scenario
-    for i, action in enumerate(layout.actions):
+    for stream, action in zip(_streams(scenario), layout.actions, strict=True):
         for change in action.channels:
             if change.stage != stage or not selects(change.channels, channel):
                 continue
             if isinstance(change, ChannelFilter):
                 samples = filtered(samples, scenario.acquisition.sample_rate_hz, change.response)
             else:
-                generator = named_stream(scenario.seed, "effect", i, run, channel.name)
+                whose = () if change.together else (channel.name,)
+                generator = named_stream(scenario.seed, "effect", *stream, run, *whose)
                 samples = change.change(samples, scenario.acquisition.sample_rate_hz, generator)
     return samples
+
+
+def _streams(scenario: Scenario) -> list[tuple[str, int]]:
+    """What each effect's random streams are called by: its name and which of that name it is, wherever it stands."""
+    names = [table.name for table in scenario.effect]
+    return [(name, names[:i].count(name)) for i, name in enumerate(names)]
 
 
 def selects(channels: str, channel: Channel) -> bool:
@@ -42,9 +55,26 @@ def selects(channels: str, channel: Channel) -> bool:
 
 
 def filtered(samples: Array, sample_rate_hz: float, response: Callable[[Array], NDArray[np.complex128]]) -> Array:
-    """Samples (N,) through a linear response, with silence before and after so that nothing wraps around."""
-    length = next_fast_len(3 * samples.size, real=True)
-    spectrum = rfft(samples, length) * response(
-        np.asarray(np.fft.rfftfreq(length, 1 / sample_rate_hz), dtype=np.float64)
-    )
-    return np.asarray(irfft(spectrum, length)[: samples.size])
+    """Samples (N,) through a linear response, with silence before and after so that nothing wraps around.
+
+    It is twice as long as they are, or as a slow filter needs to come to rest.
+    """
+    silence = 2 * samples.size
+    while True:
+        length = next_fast_len(samples.size + silence, real=True)
+        factor = response(np.asarray(np.fft.rfftfreq(length, 1 / sample_rate_hz), dtype=np.float64))
+        silence = min(math.ceil(_TIME_CONSTANTS * _memory(factor, length)), _LONGEST)
+        if samples.size + silence <= length:
+            return np.asarray(irfft(rfft(samples, length) * factor, length)[: samples.size])
+
+
+def _memory(factor: NDArray[np.complex128], length: int) -> float:
+    """How many samples a filter remembers, from its values (length // 2 + 1,) at the lines of so many samples.
+
+    The time constant of the slowest decay, or the delay, is the steepest slope over angular frequency, in parts of the
+    largest value. Where lines are too far apart to follow a slope this is about a sixth of ``length``, or more.
+    """
+    largest = float(np.abs(factor).max())
+    if not 0 < largest < math.inf:  # nothing passes, or what is no number
+        return 0.0
+    return float(np.abs(np.diff(factor)).max()) / largest * length / (2 * np.pi)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.rig import Excitation
+from vgvt.scenario.rig import RANDOM_KINDS, Excitation
 from vgvt.scenario.streams import named_stream
 from vgvt.signals import (
     DwellSchedule,
@@ -25,6 +25,8 @@ from vgvt.signals import (
 from vgvt.simulation.assembly import Plan
 
 _T = TypeVar("_T")
+# Of the highest frequency, where a peak is looked for: it is seen to 0.2 %.
+_INSTANTS_PER_PERIOD = 50.0
 
 
 def sample_times_s(scenario: Scenario) -> NDArray[np.float64]:
@@ -76,6 +78,22 @@ def drive_commands(scenario: Scenario, run: int, time_s: NDArray[np.float64]) ->
     if scenario.excitation.kind == "impact":
         return np.empty((0, time_s.size))
     return np.array([drive_command(scenario, run, time_s, k) for k in range(len(scenario.shakers))])
+
+
+def peak_command_v(scenario: Scenario, runs: int | None = None) -> float:
+    """The largest that the command becomes in the first ``runs`` runs (default: all), V; 0 under a hammer.
+
+    That is the amplitude of a sine; noise and multisines, whose amplitude is a root mean square, go beyond it.
+    """
+    e = scenario.excitation
+    if e.kind == "impact":
+        return 0.0
+    if e.kind not in RANDOM_KINDS:
+        return e.amplitude_v
+    rate_hz = max(scenario.acquisition.sample_rate_hz, _INSTANTS_PER_PERIOD * e.band_hz[1])
+    times = np.arange(round(e.record_s * rate_hz) + 1) / rate_hz
+    count = len(scenario.acquisition.run_nodes) if runs is None else runs
+    return max(float(np.abs(drive_commands(scenario, run, times)).max()) for run in range(count))
 
 
 def sent_commands(layout: Plan, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,6 +15,8 @@ from vgvt.effects.elements import BendTwist, HingedFlap, SuspensionFrame
 from vgvt.simulation.airframe import AirframeParts
 from vgvt.simulation.rig import FRAME_SITE, GRAVITY_M_PER_S2
 
+# What couplings leave on the model for those of the same beam that come after them.
+_COUPLED = "/bend-twist"
 # Radius of gyration of a lump whose inertia is not stated: MuJoCo needs one.
 _SMALL_M = 1e-3
 
@@ -83,23 +85,32 @@ def add_bend_twist(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
     """Couple each cell's bending and torsion hinge by a fixed tendon, at unchanged EI and GJ.
 
     A tendon of stiffness |κ| over sqrt(k_b) θ_b ± sqrt(k_t) θ_t adds κ sqrt(k_b k_t) off the
-    diagonal and |κ| k_b, |κ| k_t on it; the hinges give those back.
+    diagonal and |κ| k_b, |κ| k_t on it; the hinges give those back. Several couplings of a beam add up, each
+    by the hinges as the beam was cut; InputError where their sum leaves no positive strain energy.
     """
     chain = parts.chains[element.beam]
     size = abs(element.coupling)
+    note = f"{element.beam}{_COUPLED}"
+    coupled = spec.numeric(note) or spec.add_numeric(name=note, data=[0.0])
+    coupled.data = [float(coupled.data[0]) + element.coupling]
+    if abs(coupled.data[0]) >= 1:
+        raise InputError(
+            f"effects that couple bending and torsion of {element.beam}",
+            f"their couplings are {coupled.data[0]:g} together, and the beam would be unstable",
+            "Keep the sum between -1 and 1.",
+        )
     for link in chain.links:
-        if {"bending", "torsion"} > {hinge.kind for hinge in link.hinges} or link.name.endswith("-root"):
+        own = {hinge.kind: hinge.stiffness_n_m_per_rad for hinge in link.hinges}
+        if {"bending", "torsion"} > set(own) or link.name.endswith("-root"):
             continue
         tangent, normal, aft = chain.table.frame(link.start_arc_m)
         # Torsion turns about the outboard axis, which is leading edge up on one side and down on the other.
         up = -np.sign(np.cross(tangent, aft) @ normal)
-        bending, torsion = (spec.joint(f"{link.name}/{kind}") for kind in ("bending", "torsion"))
-        stiffness = np.array([bending.stiffness[0], torsion.stiffness[0]])
         tendon = spec.add_tendon(name=f"{name}-{link.name}", stiffness=[size, 0.0, 0.0])
-        tendon.wrap_joint(bending.name, float(np.sqrt(stiffness[0])))
-        tendon.wrap_joint(torsion.name, float(-up * np.sign(element.coupling) * np.sqrt(stiffness[1])))
-        for joint, value in zip((bending, torsion), stiffness, strict=True):
-            joint.stiffness = [(1 - size) * float(value), 0.0, 0.0]
+        for kind, way in (("bending", 1.0), ("torsion", float(-up * np.sign(element.coupling)))):
+            joint = spec.joint(f"{link.name}/{kind}")
+            tendon.wrap_joint(joint.name, way * float(np.sqrt(own[kind])))
+            joint.stiffness = [float(joint.stiffness[0]) - size * own[kind], 0.0, 0.0]
 
 
 def add_hinged_flap(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: HingedFlap) -> None:

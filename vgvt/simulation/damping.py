@@ -23,6 +23,8 @@ from vgvt.simulation.linear import mass_matrix
 RIGID_MODES = 6
 MODAL_DAMPING = "modal-damping-"
 _HIGHEST_RATIO = 0.7
+# Modes that are named where there are many.
+_TOLD = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,13 +32,15 @@ class StructuralDamping:
     """Dampers of a bare airframe: of every elastic joint in proportion to its stiffness, and of some modes besides.
 
     ``per_stiffness_s`` times a joint's stiffness is its damper. A mode's damper ``coefficients`` (modes,) acts on
-    ``weights`` (modes, elastic joints) times the velocities of ``joints``, by name.
+    ``weights`` (modes, elastic joints) times the velocities of ``joints``, by name: of the first of all elastic modes,
+    whose frequencies are ``natural_frequency_hz``.
     """
 
     per_stiffness_s: float
     joints: tuple[str, ...]
     coefficients: NDArray[np.float64]
     weights: NDArray[np.float64]
+    natural_frequency_hz: NDArray[np.float64]
 
     @classmethod
     def of(cls, spec: mujoco.MjSpec, damping: Damping) -> StructuralDamping:
@@ -67,7 +71,28 @@ class StructuralDamping:
         addresses = [address for address, _ in elastic]
         names = tuple(name for _, name in elastic)
         own = (2 * ratios * omega - per_stiffness * omega**2)[exact]
-        return cls(float(per_stiffness), names, own, (mass @ shapes[:, exact])[addresses].T)
+        return cls(float(per_stiffness), names, own, (mass @ shapes[:, exact])[addresses].T, omega / (2 * np.pi))
+
+    def without_effect(self, damping: Damping) -> str | None:
+        """What is to be said of the last ratios of ``damping.modal``, where they go to no mode; None where all do.
+
+        Not an error: a fit or a change of stiffness may carry a mode across the limit.
+        """
+        given, exact, count = len(damping.modal), self.coefficients.size, self.natural_frequency_hz.size
+        if given <= exact:
+            return None
+        what = f"airframe.damping.modal has {given} ratios, of which the last {given - exact} go to no mode"
+        if given > count:
+            what += f": there are {count} elastic modes"
+        above = self.natural_frequency_hz[exact:given]
+        if not above.size:
+            return f"{what}; leave them out"
+        theirs = ", ".join(f"{100 * np.pi * self.per_stiffness_s * hz:.2f} % at {hz:.5g} Hz" for hz in above[:_TOLD])
+        theirs += " …" if above.size > _TOLD else ""
+        return (
+            f"{what}{' and' if given > count else ':'} above limit_hz {damping.limit_hz:g} damping grows with "
+            f"frequency, {theirs}; write limit_hz = {np.ceil(above[-1]) + 1:g}, or leave them out"
+        )
 
     def damp_joints(self, spec: mujoco.MjSpec) -> None:
         """Add the joints' own dampers to the airframe's ``spec``."""

@@ -15,21 +15,23 @@ Each check takes the effect's class, which must be installed (entry-point group
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Record
+from vgvt.effects.action import Action
 from vgvt.effects.conformance import (
     Check,
     as_checks,
     declaration_checks,
     neutral,
-    size_parameter,
+    sizes,
     switched_on,
     with_effect,
 )
-from vgvt.effects.parameter import parameters_of
+from vgvt.effects.parameter import Parameter, parameters_of
 from vgvt.effects.protocol import Effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation.campaign import SimulationResult, simulate
@@ -85,10 +87,9 @@ def vanishes_at_its_neutral_values(effect: type) -> None:
     """At its neutral values it does nothing, or truth and records equal those without it to round-off."""
     off, scenario = neutral(effect), example_scenario()
     actions = [off.act(scenario, run) for run in range(len(scenario.acquisition.run_nodes))]
-    if all(
-        (a.scenario is None or a.scenario == scenario) and not a.elements and a.command is None and not a.channels
-        for a in actions
-    ):
+    warmest = max(abs(a.warming_k) for a in actions)
+    assert warmest == 0, f"at neutral values a thermometer beside the aircraft shows {warmest:g} K more"
+    if all(a.command is None and not a.channels and _as_ideal(a, scenario) for a in actions):
         return
     with_it, without = simulate(with_effect(scenario, off), engine="linear"), _bare("linear", QUIET_V)
     for one, other in zip(with_it.campaign.runs, without.campaign.runs, strict=True):
@@ -104,6 +105,11 @@ def vanishes_at_its_neutral_values(effect: type) -> None:
         assert moved < ROUND_OFF, f"at neutral values true frequencies move by {moved:.1e}"
 
 
+def _as_ideal(action: Action, scenario: Scenario) -> bool:
+    """Whether an action leaves aircraft, rig and sensors' places as a scenario has them."""
+    return action.same_rig(Action(scenario=None if action.scenario is None else scenario))
+
+
 def simulates_over_its_plausible_range(effect: type) -> None:
     """With its defaults, and with every parameter at either end of its range, the records are finite."""
     cases = [{p.name: value} for p in parameters_of(effect) for value in (p.low, p.high)]
@@ -113,17 +119,33 @@ def simulates_over_its_plausible_range(effect: type) -> None:
 
 
 def changes_the_records(effect: type) -> None:
-    """Switched on it shows, and the more the bigger it is; nonlinear effects need only show at one end."""
-    size = size_parameter(effect)
-    if size is None:
-        # Switched by a choice, like which two sensors are swapped: only its own tests know one that shows.
-        return
-    low, high = (switched_on(effect, **{size.name: value}) for value in (size.low, size.high))
+    """Switched on it shows, and the more the bigger it is; nonlinear effects need only show at one end.
+
+    That goes for every parameter with a neutral value: on its own, or where it is nothing alone beside the others.
+    """
+    # One that is switched by a choice, like which two sensors are swapped, has none: its own tests know what shows.
+    for size in sizes(effect):
+        others: dict[str, float] = {p.name: cast(float, p.neutral) for p in sizes(effect) if p != size}
+        if others and not _shows(effect, size, others):
+            others = {p.name: p.high for p in sizes(effect) if p != size}
+        _changes_by(effect, size, others)
+
+
+def _shows(effect: type, size: Parameter, others: dict[str, float]) -> bool:
+    """Whether the upper end of a parameter's range is seen at all beside values of the others."""
+    high, off = (effect(**others, **{size.name: value}) for value in (size.high, size.neutral))
+    engine, amplitude_v = ("linear", QUIET_V) if getattr(effect, "linear", False) else ("mujoco", LOUD_V)
+    return _change(high, engine, amplitude_v, off) > LEAST_CHANGE
+
+
+def _changes_by(effect: type, size: Parameter, others: dict[str, float]) -> None:
+    """The check of one parameter, beside values of the others."""
+    low, high, off = (effect(**others, **{size.name: value}) for value in (size.low, size.high, size.neutral))
     if not getattr(effect, "linear", False):
-        shown = _change(high, "mujoco", LOUD_V) > LEAST_CHANGE or _change(low, "mujoco", LOUD_V) > LEAST_CHANGE
+        shown = any(_change(made, "mujoco", LOUD_V, off) > LEAST_CHANGE for made in (high, low))
         assert shown, f"neither {size.name} = {size.low:g} nor {size.high:g} changes a loud test"
         return
-    smaller, bigger = (_change(made, "linear", QUIET_V) for made in (low, high))
+    smaller, bigger = (_change(made, "linear", QUIET_V, off) for made in (low, high))
     assert bigger > LEAST_CHANGE, f"{size.name} = {size.high:g} changes nothing"
     if size.neutral is not None and size.low < size.neutral:
         assert smaller > LEAST_CHANGE, f"{size.name} = {size.low:g} changes nothing"
@@ -163,11 +185,15 @@ def _bare(engine: str, amplitude_v: float) -> SimulationResult:
     return simulate(example_scenario(amplitude_v), engine=engine)
 
 
-def _change(effect: Effect, engine: str, amplitude_v: float) -> float:
-    """Largest rms change of a channel in any run, relative to its rms without the effect."""
-    changed = simulate(with_effect(example_scenario(amplitude_v), effect), engine=engine).campaign
+def _change(effect: Effect, engine: str, amplitude_v: float, off: Effect) -> float:
+    """Largest rms change of a channel in any run by an effect, relative to its rms with one that is switched off."""
+    scenario = example_scenario(amplitude_v)
+    changed = simulate(with_effect(scenario, effect), engine=engine).campaign
+    without = (
+        _bare(engine, amplitude_v) if off == neutral(type(off)) else simulate(with_effect(scenario, off), engine=engine)
+    )
     largest = 0.0
-    for one, other in zip(changed.runs, _bare(engine, amplitude_v).campaign.runs, strict=True):
+    for one, other in zip(changed.runs, without.campaign.runs, strict=True):
         if one.samples.shape != other.samples.shape:
             return float("inf")
         rms = np.sqrt(np.mean(other.samples**2, axis=1))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -28,9 +30,16 @@ from vgvt.effects.elements import (
     SuspensionFrame,
     WarmUp,
 )
+from vgvt.effects.root_joint import one_law
 from vgvt.scenario.mirror import part_name
-from vgvt.simulation.airframe import AirframeParts
-from vgvt.simulation.contact_elements import add_mount, add_point_pair, add_rattling_mass, add_suspension_cubic
+from vgvt.simulation.airframe import CARRY_THROUGH, LEFT_HALF, AirframeParts
+from vgvt.simulation.contact_elements import (
+    Drive,
+    add_mounts,
+    add_point_pair,
+    add_rattling_mass,
+    add_suspension_cubic,
+)
 from vgvt.simulation.coupled_elements import (
     add_bend_twist,
     add_hinged_flap,
@@ -51,30 +60,51 @@ _FAR_M = 1000.0
 _AT_ONCE_S, _RIGID = 1e-9, 0.9999
 
 
-def add_elements(spec: mujoco.MjSpec, parts: AirframeParts, elements: Iterable[tuple[str, Element]]) -> None:
+def add_elements(
+    spec: mujoco.MjSpec, parts: AirframeParts, elements: Iterable[tuple[str, Element]], drives: Sequence[Drive] = ()
+) -> None:
     """Add elements to ``spec``, each under a unique name; in which order they come changes nothing.
 
-    A joint is given its gap when it has all else; what relaxes beside the airframe's modes asks for these when all that
-    is elastic is there, and nothing yet that relaxes; what softens springs takes in those that others bring.
+    ``drives`` is where each exciter pushes: what is between one and the aircraft asks for it. What several say of a
+    joint is one law; what relaxes beside the airframe's modes asks for these when all that is elastic is there, and
+    nothing yet that relaxes; what softens springs takes in those that others bring. InputError for a joint that is
+    not there, and for laws of one that contradict each other.
     """
-    named = sorted(elements, key=lambda e: isinstance(e[1], JointLaw) and e[1].play_rad > 0)
+    named = list(elements)
     for name, element in named:
-        if not isinstance(element, Relaxation):
-            _add(spec, parts, name, element)
-    add_relaxations(spec, [(name, element) for name, element in named if isinstance(element, Relaxation)])
+        if not isinstance(element, Relaxation | MountCompliance | JointLaw):
+            _add(spec, parts, drives, name, element)
+    for name, law in _joint_laws(parts, named):
+        _add_joint_law(spec, name, law)
+    add_mounts(spec, drives, [(name, element) for name, element in named if isinstance(element, MountCompliance)])
+    add_relaxations(spec, parts, [(name, element) for name, element in named if isinstance(element, Relaxation)])
     if any(element.owner == "airframe" for _, element in named):
         warm_springs(spec, parts)
 
 
-def _add(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Element) -> None:
+def turned_by(spring: RotationSpring, carrier: str) -> tuple[str, ...]:
+    """The joints whose angles add up to the rotation that a spring resists of what an exciter pushes on.
+
+    The left one of two halves of the centre body hangs on the right one.
+    """
+    return (spring.axis, CARRY_THROUGH) if (spring.axis, carrier) == ("pitch", LEFT_HALF) else (spring.axis,)
+
+
+def sharing(parts: AirframeParts, mass: PointMass) -> tuple[tuple[str, float], ...]:
+    """The rigid bodies that share a mass, and their fractions: an airframe's as its items do, the rig's by one."""
+    position = np.array(mass.position_m)
+    if mass.owner == "airframe":
+        return parts.shares(mass.part, position)
+    return ((parts.carrier(mass.part, position), 1.0),)
+
+
+def _add(spec: mujoco.MjSpec, parts: AirframeParts, drives: Sequence[Drive], name: str, element: Element) -> None:
     """Add one element."""
     adders: dict[type, Callable[..., None]] = {
         PointMass: _add_mass,
         GroundSpring: _add_ground_spring,
-        RotationSpring: _add_rotation_spring,
+        RotationSpring: partial(_add_rotation_spring, drives),
         Absorber: _add_absorber,
-        MountCompliance: add_mount,
-        JointLaw: _add_joint_law,
         ModalDrag: _add_modal_drag,
         SuspensionFrame: add_suspension_frame,
         SuspensionCubic: add_suspension_cubic,
@@ -101,7 +131,9 @@ def trim_ground_springs(
 
 def _add_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: PointMass) -> None:
     position = np.array(element.position_m)
-    add_point_mass(spec, parts, name, parts.carrier(element.part, position), position, element.mass_kg)
+    for k, (carrier, share) in enumerate(sharing(parts, element)):
+        shared = name if k == 0 else f"{name}-{k + 1}"
+        add_point_mass(spec, parts, shared, carrier, position, share * element.mass_kg)
     if element.frame_kg > 0:
         load_frame(spec, spec.body(name), element.frame_kg)
 
@@ -121,14 +153,17 @@ def _add_ground_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, ele
     rod.wrap_site(f"{name}/here")
 
 
-def _add_rotation_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: RotationSpring) -> None:
+def _add_rotation_spring(
+    drives: Sequence[Drive], spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: RotationSpring
+) -> None:
     del parts
     rod = spec.add_tendon(
         name=name,
         stiffness=[element.stiffness_n_m_per_rad, 0.0, 0.0],
         damping=[element.damping_n_m_s_per_rad, 0.0, 0.0],
     )
-    rod.wrap_joint(element.axis, 1.0)
+    for joint in turned_by(element, drives[element.exciter].carrier):
+        rod.wrap_joint(joint, 1.0)
 
 
 def _add_absorber(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Absorber) -> None:
@@ -162,22 +197,30 @@ def _add_modal_drag(spec: mujoco.MjSpec, parts: AirframeParts, name: str, elemen
     del parts, name
     for tendon in spec.tendons:
         if tendon.name.startswith(MODAL_DAMPING):
-            tendon.damping = [tendon.damping[0], element.drag_per_rtkg_m, 0.0]
+            tendon.damping = [tendon.damping[0], tendon.damping[1] + element.drag_per_rtkg_m, 0.0]
 
 
-def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: JointLaw) -> None:
-    beam = part_name(parts.airframe, element.beam, 1.0)
-    joint: Any = spec.joint(f"{beam}-root/{element.kind}")
+def _joint_laws(parts: AirframeParts, elements: Iterable[tuple[str, Element]]) -> list[tuple[str, JointLaw]]:
+    """The law of every joint that has one, for a beam as it is called in the model, by the first of its names."""
+    said: dict[tuple[str, str], list[tuple[str, JointLaw]]] = {}
+    for name, law in elements:
+        if isinstance(law, JointLaw):
+            law = replace(law, beam=part_name(parts.airframe, law.beam, 1.0))
+            said.setdefault((law.beam, law.kind), []).append((name, law))
+    return [(laws[0][0], one_law([law for _, law in laws])) for laws in said.values()]
+
+
+def _add_joint_law(spec: mujoco.MjSpec, name: str, element: JointLaw) -> None:
+    joint: Any = spec.joint(f"{element.beam}-root/{element.kind}")
     if joint is None:
         raise InputError(
             f"effect on beam {element.beam}",
             f"the beam has no {element.kind} spring at its root",
             f"Give the beam a root_{element.kind}_stiffness_n_m_per_rad (torsion: root_torsional_…).",
         )
-    cubic = float(joint.stiffness[2]) + element.cubic_n_m_per_rad3
-    joint.stiffness = [element.stiffness_n_m_per_rad, 0.0, cubic]
+    joint.stiffness = [element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3]
     if element.friction_n_m > 0:
-        joint.frictionloss = float(joint.frictionloss) + element.friction_n_m
+        joint.frictionloss = element.friction_n_m
         joint.solref_friction = [_AT_ONCE_S, 1.0]
         joint.solimp_friction = [_RIGID, _RIGID, 1e-3, 0.5, 2.0]
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
@@ -185,7 +228,7 @@ def _add_joint_law(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
         joint.stiffness = [0.0, 0.0, 0.0]
         tendon = spec.add_tendon(
             name=name,
-            stiffness=[element.stiffness_n_m_per_rad, 0.0, cubic],
+            stiffness=[element.stiffness_n_m_per_rad, 0.0, element.cubic_n_m_per_rad3],
             springlength=[-element.play_rad, element.play_rad],
         )
         tendon.wrap_joint(joint.name, 1.0)

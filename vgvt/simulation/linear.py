@@ -16,6 +16,12 @@ from numpy.typing import NDArray
 
 # Forces here are linear up to geometry: this step leaves truncation and round-off near 1e-9 of the spring.
 _STEP = 1e-5
+# Of the largest stiffness, what lets the weight move a joint that nothing holds.
+_HARDLY_HELD = 1e-10
+# Newton's method is through in so many steps, but where it rests so near a stop that a difference reaches past it.
+_THROUGH = 10
+# Of what the weight does to the joints: the sums that should cancel leave up to 5e-16 of it.
+_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,25 +130,42 @@ def site_row(
     return turned @ jacobian
 
 
+def at_rest_n(data: mujoco.MjData, least_n: float) -> float:
+    """The force, N or N m, that may be left on a joint at rest: ``least_n``, or more where the weight's rounding is.
+
+    ``data`` is as :func:`joint_force` leaves it, without velocity.
+    """
+    return max(least_n, _ROUNDING * float(np.abs(data.qfrc_bias).max()))
+
+
 def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 50) -> NDArray[np.float64]:
     """The stable static equilibrium (nq,) by Newton's method from the unloaded shape.
 
+    ``tolerance_n`` is left on the joints of an aircraft of 10 t or less; rounding leaves more on heavier ones.
     Raises RuntimeError, with the reason, where there is none nearby or the one
     found would turn over.
     """
     qpos = np.zeros(model.nq)
     data = mujoco.MjData(model)
-    for _ in range(iterations):
+    for k in range(iterations):
         data.qpos[:], data.qvel[:] = qpos, 0.0
         force = joint_force(model, data)
+        rests = np.abs(force).max() < at_rest_n(data, tolerance_n)
         stiffness = stiffness_matrix(model, data, qpos)
-        if np.abs(force).max() < tolerance_n:
+        if rests:
             if np.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0] <= 0:
                 raise RuntimeError("the hung aircraft would turn over")
             return qpos
-        step = np.linalg.solve(stiffness, force)
+        try:
+            step = np.linalg.solve(stiffness, force)
+        except np.linalg.LinAlgError:
+            # A joint with play, within its gap: the weight moves it to one of its stops.
+            held = _HARDLY_HELD * float(np.abs(np.diag(stiffness)).max())
+            step = np.linalg.solve(stiffness + held * np.eye(model.nv), force)
         # Far from equilibrium the spring's geometry bends the path: never turn or swing by more than this at once.
-        qpos = qpos + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
+        share = min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
+        # Beside a stop the stiffness is between none and all of it: whole steps go back and forth.
+        qpos = qpos + step * (share if k < _THROUGH else 0.5 * share)
     raise RuntimeError(f"the hung aircraft finds no rest (force of {np.abs(force).max():.2g} N left)")
 
 

@@ -1,4 +1,10 @@
-"""How much noise a measuring chain adds: sensor or transducer, converter and rounding, as one-sided densities."""
+"""How much noise a measuring chain adds: sensor or transducer, converter and rounding, as one-sided densities.
+
+All of it as what would have to be sensed to read it by the stated sensitivity. A filter or a gain that an effect puts
+behind the sensor changes what is sensed and the sensor's noise alike, so that one stands out of the other as before:
+what is said here of the sensor holds with such an effect, too. Of the converter's part, which it does not change, this
+leaves the effect out.
+"""
 
 from __future__ import annotations
 

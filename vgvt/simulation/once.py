@@ -22,13 +22,23 @@ def cut_once(airframe: Airframe) -> AirframeParts:
     return cut_airframe(airframe)
 
 
-@lru_cache(maxsize=4)
 def damped_airframe(airframe: Airframe) -> mujoco.MjSpec:
     """Airframe and structural damping, dear to find. To be copied, not changed."""
+    return _damped_once(airframe)[0]
+
+
+def damping_once(airframe: Airframe) -> StructuralDamping:
+    """The structural damping of :func:`damped_airframe`."""
+    return _damped_once(airframe)[1]
+
+
+@lru_cache(maxsize=4)
+def _damped_once(airframe: Airframe) -> tuple[mujoco.MjSpec, StructuralDamping]:
     parts = cut_once(airframe)
     spec = airframe_spec(parts)
-    add_structural_damping(spec, structural_damping(parts, spec))
-    return spec
+    damping = structural_damping(parts, spec)
+    add_structural_damping(spec, damping)
+    return spec, damping
 
 
 def _with_dampers(parts: AirframeParts) -> tuple[mujoco.MjSpec, StructuralDamping]:

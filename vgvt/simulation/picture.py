@@ -61,13 +61,13 @@ def drawing_of(scenario: Scenario, run: int = 0, width: int = 1280, height: int 
 
 
 def write_picture(drawing: Drawing, path: Path) -> None:
-    """Render the rig at rest into a PNG file; RenderingError without OpenGL."""
+    """Render the rig at rest into a PNG file, whatever its name; RenderingError without OpenGL."""
     with _camera_man(drawing, [drawing.rig.qpos]) as shoot:
-        Image.fromarray(shoot(drawing.rig.qpos)).save(path)
+        Image.fromarray(shoot(drawing.rig.qpos)).save(path, format="PNG")
 
 
 def write_animation(drawing: Drawing, mode: int, path: Path) -> None:
-    """Animate a mode of the rig as tested (counted from 1, as in the truth) as an endless WebP.
+    """Animate a mode of the rig as tested (counted from 1, as in the truth) as an endless WebP, whatever its name.
 
     The largest travel is 6 % of the span, less where joints would turn too far. Raises
     InputError for a mode that there is not, RenderingError without OpenGL.
@@ -76,7 +76,7 @@ def write_animation(drawing: Drawing, mode: int, path: Path) -> None:
     positions = [drawing.rig.qpos + np.sin(angle) * swing for angle in 2 * np.pi * np.arange(_FRAMES) / _FRAMES]
     with _camera_man(drawing, [drawing.rig.qpos, *positions[:: _FRAMES // 4]]) as shoot:
         frames = [Image.fromarray(shoot(qpos)) for qpos in positions]
-    frames[0].save(path, save_all=True, append_images=frames[1:], duration=_FRAME_MS, loop=0, quality=82)
+    frames[0].save(path, format="WEBP", save_all=True, append_images=frames[1:], duration=_FRAME_MS, loop=0, quality=82)
 
 
 def mode_swing(drawing: Drawing, mode: int) -> NDArray[np.float64]:

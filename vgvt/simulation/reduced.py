@@ -22,7 +22,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
 from vgvt.simulation.damping import StructuralDamping
-from vgvt.simulation.elements import TRIMMED, add_elements
+from vgvt.simulation.elements import TRIMMED, add_elements, turned_by
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
@@ -187,9 +187,9 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt[0])
     damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
-        joint = names.index(spring.axis)
-        stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
-        damping[:, joint] -= drive * spring.gauge_per_m * spring.damping_n_m_s_per_rad
+        for joint in map(names.index, turned_by(spring, layout.drives[spring.exciter].carrier)):
+            stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
+            damping[:, joint] -= drive * spring.gauge_per_m * spring.damping_n_m_s_per_rad
     places = tuple(p.site for p in points)
     built = {model.body(k).name for k in range(model.nbody)}
     body_names = tuple(name for name in layout.parts.origin_m if name in built)
@@ -239,7 +239,7 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     drive = layout.drive
     add_point_mass(spec, parts, TRANSDUCER, drive.carrier, drive.position_m, carried)
     spec.body(TRANSDUCER).add_site(name=DRIVE_SITE)
-    add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "rig"))
+    add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "rig"), layout.drives)
     return spec, [name for name, element in layout.elements if isinstance(element, TRIMMED)], damped
 
 

@@ -5,6 +5,9 @@ body: it gets the mass c / p for a rate p far above the band, so that the branch
 most half of ω/p of its own spring. Branches stand beside modal coordinates (Mφ)ᵀq:
 for a material that relaxes alike everywhere the modes stay uncoupled, and a node a mode
 says the same as one in every hinge.
+
+The material is that of the airframe's own joints and of what effects have laid across these. What is bolted on,
+or ties one place to another, has springs of another kind: modes are those with every such thing locked, or untied.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Relaxation, WarmUp
-from vgvt.simulation.airframe import AirframeParts, elastic_joints
+from vgvt.simulation.airframe import ROOT_JOINTS, AirframeParts, elastic_joints
 from vgvt.simulation.damping import RIGID_MODES
 from vgvt.simulation.linear import linearise
 
@@ -34,10 +37,10 @@ _SIDES = {0: "", 1: "-above", -1: "-below"}
 _ANY_N_M = 1e9
 
 
-def add_relaxations(spec: mujoco.MjSpec, elements: Sequence[tuple[str, Relaxation]]) -> None:
+def add_relaxations(spec: mujoco.MjSpec, parts: AirframeParts, elements: Sequence[tuple[str, Relaxation]]) -> None:
     """Put each element's branches beside the stiffness of every elastic mode up to its limit, none beside another's."""
     if elements:
-        modes = list(_elastic_modes(spec, 2 * np.pi * max(element.limit_hz for _, element in elements)))
+        modes = list(_elastic_modes(spec, parts, 2 * np.pi * max(element.limit_hz for _, element in elements)))
         for name, element in elements:
             _add_relaxation(spec, name, element, modes)
 
@@ -118,18 +121,30 @@ def _airframe_springs(spec: mujoco.MjSpec, parts: AirframeParts) -> Iterator[_Sp
             yield _Spring(mujoco.mjtTrn.mjTRN_TENDON, tendon.name, float(tendon.stiffness[0]), rest, side)
 
 
-def _elastic_modes(spec: mujoco.MjSpec, limit_rad_per_s: float) -> Iterator[Mode]:
-    """Angular frequency and modal coordinate, as joints with their weights, of the elastic modes of the airframe."""
+def _elastic_modes(spec: mujoco.MjSpec, parts: AirframeParts, limit_rad_per_s: float) -> Iterator[Mode]:
+    """Angular frequency and modal coordinate, as joints with their weights, of the elastic modes of the airframe.
+
+    Of its own springs alone, and all that hangs on it by other joints locked: it is carried along.
+    """
     model = spec.compile()
+    material = {spring.of for spring in _airframe_springs(spec, parts) if spring.kind == mujoco.mjtTrn.mjTRN_TENDON}
+    for t in range(model.ntendon):
+        if model.tendon(t).name not in material:
+            model.tendon_stiffness[t] = 0.0
     bare = linearise(model, np.zeros(model.nq))
-    eigenvalues, shapes = scipy.linalg.eigh(bare.stiffness, bare.mass)
+    own = {*ROOT_JOINTS, *elastic_joints(parts)}
     joints = sorted((int(model.joint(j).dofadr[0]), model.joint(j).name) for j in range(model.njnt))
+    joints = [(address, name) for address, name in joints if name in own]
+    kept = np.ix_(*[[address for address, _ in joints]] * 2)
+    mass = bare.mass[kept]
+    eigenvalues, shapes = scipy.linalg.eigh(bare.stiffness[kept], mass)
     for square, shape in list(zip(eigenvalues, shapes.T, strict=True))[RIGID_MODES:]:
         if not 0 < square <= limit_rad_per_s**2:
             continue
-        momentum: NDArray[np.float64] = bare.mass @ shape
+        momentum: NDArray[np.float64] = mass @ shape
         least = _NOTHING * np.abs(momentum).max()
-        yield float(np.sqrt(square)), [(j, momentum[a]) for a, j in joints if abs(momentum[a]) > least]
+        weights = zip(joints, momentum, strict=True)
+        yield float(np.sqrt(square)), [(name, weight) for (_, name), weight in weights if abs(weight) > least]
 
 
 def _wrap(tendon: mujoco.MjsTendon, weights: Iterable[tuple[str, float]]) -> None:

@@ -133,24 +133,29 @@ def _force_row(
     """Row of the force at the sensing element: the stinger's push less the inertia of what lies between."""
     model, stinger, drive = rig.model, layout.scenario.stinger, layout.drives[exciter]
     n = model.nv
-    data = _at_rest(rig)
-    rod = model.tendon(numbered(STINGER, exciter)).id
-    length_row = np.zeros(n)
-    for j in range(n):
-        data.qvel[:] = 0.0
-        data.qvel[j] = 1.0
-        mujoco.mj_fwdVelocity(model, data)
-        length_row[j] = data.ten_velocity[rod]
+    length_row = _length_row(rig, numbered(STINGER, exciter))
     drive_row = site_row(model, _at_rest(rig), drive.site, drive.axis)
     inertia = mass_above_element_kg(layout)
     row = -inertia * (drive_row @ rate_rows)
     row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * tilt_rows(rig, (drive,))[0]
     row[n:] -= stinger.axial_damping_n_s_per_m * length_row
-    for _, spring in layout.gauged_springs(exciter):
-        joint = model.joint(spring.axis).dofadr[0]
-        row[joint] -= spring.gauge_per_m * spring.stiffness_n_m_per_rad
-        row[n + joint] -= spring.gauge_per_m * spring.damping_n_m_s_per_rad
+    for name, spring in layout.gauged_springs(exciter):
+        turn_row = _length_row(rig, name)
+        row[:n] -= spring.gauge_per_m * spring.stiffness_n_m_per_rad * turn_row
+        row[n:] -= spring.gauge_per_m * spring.damping_n_m_s_per_rad * turn_row
     return row, -inertia * drive_row @ rate_input
+
+
+def _length_row(rig: Rig, tendon: str) -> NDArray[np.float64]:
+    """What a unit of each coordinate does to the length of a tendon, or to the sum of joints that it is, (nv,)."""
+    data, rod = _at_rest(rig), rig.model.tendon(tendon).id
+    row = np.zeros(rig.model.nv)
+    for j in range(row.size):
+        data.qvel[:] = 0.0
+        data.qvel[j] = 1.0
+        mujoco.mj_fwdVelocity(rig.model, data)
+        row[j] = data.ten_velocity[rod]
+    return row
 
 
 def _at_rest(rig: Rig) -> mujoco.MjData:

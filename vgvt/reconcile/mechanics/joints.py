@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import JointLaw
+from vgvt.effects.root_joint import one_law
 from vgvt.reconcile.mechanics.describing import Law
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.assembly import Plan
@@ -37,24 +38,13 @@ def joint_laws(layout: Plan, s: Structure) -> dict[int, Law]:
 
     What several effects say of one joint is one law.
     """
-    said: dict[int, JointLaw] = {}
+    said: dict[int, list[JointLaw]] = {}
     for _, element in layout.elements:
         if isinstance(element, JointLaw):
             name = f"{part_name(layout.parts.airframe, element.beam, 1.0)}-root/{element.kind}"
-            index = s.joints.index(name)
-            said[index] = element if index not in said else _together(said[index], element)
-    laws = {index: Law.of(element, float(s.equilibrium[index])) for index, element in said.items()}
+            said.setdefault(s.joints.index(name), []).append(element)
+    laws = {index: Law.of(one_law(together), float(s.equilibrium[index])) for index, together in said.items()}
     return {index: law for index, law in laws.items() if law.cubic or law.friction or law.play}
-
-
-def _together(one: JointLaw, other: JointLaw) -> JointLaw:
-    """What two effects make of one joint, whose stiffness both know."""
-    return replace(
-        one,
-        cubic_n_m_per_rad3=one.cubic_n_m_per_rad3 + other.cubic_n_m_per_rad3,
-        friction_n_m=one.friction_n_m + other.friction_n_m,
-        play_rad=max(one.play_rad, other.play_rad),
-    )
 
 
 def joints_of(

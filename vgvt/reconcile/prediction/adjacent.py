@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vgvt.data import InputError
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
+from vgvt.effects.elements import Element, GroundSpring
 from vgvt.effects.protocol import Effect
 from vgvt.reconcile.prediction.grouping import Group, assembled, cells_at, effects_at, home, refined_rows
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -169,8 +170,11 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
     kinds: list[tuple[Scenario, Scenario, tuple[Action, ...], list[int]]] = []
     filtered = False
     for run in range(len(start.scenario.acquisition.run_nodes)):
-        scenario, _ = acted(others, start.scenario, run)
+        scenario, found = acted(others, start.scenario, run)
         edited, actions = acted((*others, effect), start.scenario, run)
+        carried = _carried_along(found, actions)
+        if carried:
+            actions = (*actions[:-1], replace(actions[-1], elements=(*actions[-1].elements, *carried)))
         filtered = filtered or bool(actions[-1].channels)
         for before, after, known, runs in kinds:
             alike = [(a.elements, a.points) for a in actions] == [(a.elements, a.points) for a in known]
@@ -184,6 +188,17 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
         Change(frozenset(runs), actions[-1], before, _layout(start, after, actions), filtered)
         for before, after, actions, runs in kinds
     )
+
+
+def _carried_along(before: Sequence[Action], after: Sequence[Action]) -> list[Element]:
+    """What takes the springs of other effects that an effect carries along with their sensors off, and puts them on."""
+    elements: list[Element] = []
+    for one, other in zip(before, after, strict=False):
+        for old, new in zip(one.elements, other.elements, strict=False):
+            if isinstance(old, GroundSpring) and isinstance(new, GroundSpring) and old.node is not None and old != new:
+                off = replace(old, stiffness_n_per_m=-old.stiffness_n_per_m, damping_n_s_per_m=-old.damping_n_s_per_m)
+                elements += [off, new]
+    return elements
 
 
 def _layout(start: Nominal, scenario: Scenario, actions: tuple[Action, ...]) -> Plan:
