@@ -84,6 +84,7 @@ def test_a_thing_on_both_sides_swings_at_two_places(case: Problem, offered: tupl
     assert left[0][1] < 0 < right[0][1]
 
 
+MASS = available_effects()["added-mass"]
 ABSORBER = available_effects()["local-absorber"]
 SWINGING = {"mass_kg": 0.05, "frequency_hz": 12.0, "damping_ratio": 0.04}
 
@@ -119,8 +120,16 @@ def test_an_absorber_where_an_item_is_may_be_that_item(
         assert hertz(case, of(offered, h.settings["item"]), values) == pytest.approx(12.0, rel=0.03)
     tried.clear()
     at_next_items(current, [absorber(0.1, 0.0)], offered, silent, placed=True)
-    at_next_items(current, [near, absorber(0.1, 0.0, 1000.0)], offered, silent, placed=True)
+    mass: Any = SimpleNamespace(problem=case, hypotheses=(Hypothesis(MASS, {}),), evidence_nats=1000.0)
+    at_next_items(current, [near, mass], offered, silent, placed=True)
     assert not tried, "there is no item there, and what gains little beside another effect is not worth the walk"
+    # An item keeps its walk beside an absorber that is ahead of it and near none.
+    told = {name: (value, 0.0, "") for name, value in size().items()}
+    wrong: Any = SimpleNamespace(
+        problem=case, hypotheses=(of(offered, "servo-middle"),), evidence_nats=40.0, values=lambda k: told
+    )
+    at_next_items(current, [wrong, absorber(0.1, 0.0)], offered, silent, placed=True)
+    assert TRUE in [h.settings for h, _ in tried]
 
 
 @pytest.mark.slow

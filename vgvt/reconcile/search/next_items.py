@@ -7,11 +7,13 @@ there; an item is a setting.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from vgvt.reconcile.fitting.fit import FAR, Fit, fit
+from vgvt.reconcile.fitting.fit import FAR, Fit, cost_at, fit
+from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.scan import tuned_alike, where_it_swings
@@ -38,12 +40,25 @@ def at_next_items(
     Where ``placed`` asks for it, what swings at a place of its own is tried at the items there. ``hypotheses`` are all
     variants; those that were fitted already are not fitted again.
     """
-    things = [f for f in found if _is_thing(f.hypotheses[-1]) or (placed and _swings_at_a_place(f))]
-    best = max(things, key=lambda f: f.evidence_nats, default=None)
     ahead = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
-    if best is None or best.evidence_nats - current.evidence_nats <= _AHEAD * ahead:
-        return []
-    fitted = [(f.hypotheses[-1].cls, f.hypotheses[-1].settings) for f in things]
+    fitted = [(f.hypotheses[-1].cls, f.hypotheses[-1].settings) for f in found]
+    more: list[Fit] = []
+    walks = [_is_thing, _swings_at_a_place] if placed else [_is_thing]
+    for k, begins in enumerate(walks):
+        best = max((f for f in found if begins(f)), key=lambda f: f.evidence_nats, default=None)
+        if best is not None and best.evidence_nats - current.evidence_nats > _AHEAD * ahead:
+            more += _walked(best, hypotheses, fitted, part(tell, k / len(walks), (k + 1) / len(walks)), team)
+    return more
+
+
+def _walked(
+    best: Fit,
+    hypotheses: Sequence[Hypothesis],
+    fitted: list[tuple[type, Mapping[str, Any]]],
+    tell: Progress,
+    team: Team,
+) -> list[Fit]:
+    """Fits at the items next to one, and on from there while one does better; all become ``fitted``."""
     more: list[Fit] = []
     for step in range(_STEPS):
         tries = [(h, start) for h, start in _next_to(best, hypotheses) if (h.cls, h.settings) not in fitted][:_NEXT]
@@ -58,7 +73,11 @@ def at_next_items(
     return more
 
 
-def _is_thing(hypothesis: Hypothesis) -> bool:
+def _is_thing(found: Fit) -> bool:
+    return _at_an_item(found.hypotheses[-1])
+
+
+def _at_an_item(hypothesis: Hypothesis) -> bool:
     return hypothesis.linear and "item" in hypothesis.settings
 
 
@@ -80,8 +99,8 @@ def _next_to(found: Fit, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[Hyp
     here = where_it_swings(problem, own, values)
     away: list[tuple[float, Hypothesis]] = []
     for h in hypotheses if here else ():
-        if not _is_thing(own):
-            there = where_it_swings(problem, h) if _is_thing(h) else ()
+        if not _at_an_item(own):
+            there = where_it_swings(problem, h) if _at_an_item(h) else ()
             nearest = min((_apart(here[0], place) for place in there), default=BY_ITSELF_M)
             away += [(nearest, h)] if nearest < BY_ITSELF_M else []
         elif h.cls is own.cls and h.settings != own.settings and (there := where_it_swings(problem, h)):
@@ -101,11 +120,19 @@ def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
 
 
 def _fitted_there(found: Fit, hypothesis: Hypothesis, values: dict[str, float], tell: Progress) -> Fit | None:
-    """The last effect of a fit in another variant, fitted from where that arrived; None where nothing hangs so."""
+    """The last effect of a fit in another variant, fitted from where that arrived; None where nothing hangs so.
+
+    Another effect begins where peaks overlap, if that is nearer: unknowns that made up for what an absorber is not are
+    far from where they belong beside a flap.
+    """
     before = found.e[: found.e.size - len(found.hypotheses[-1].parameters)]
     start = np.concatenate([before, hypothesis.scores(values)])
     joined = (*found.hypotheses[:-1], hypothesis)
     try:
-        return fit(found.problem, joined, found.u, start, FAR, naming(tell, hypothesis))
+        starts = [(found.u, start)]
+        if hypothesis.cls is not found.hypotheses[-1].cls:
+            starts.append(rough_start(found.problem, joined, start))
+        u, e = min(starts, key=lambda where: cost_at(found.problem, joined, *where))
+        return fit(found.problem, joined, u, e, FAR, naming(tell, hypothesis))
     except NoStructureError:
         return None
