@@ -10,6 +10,7 @@ from vgvt.bench.bench import BenchPlan
 from vgvt.bench.entry import Entry
 from vgvt.bench.swept import require_free
 from vgvt.bench.umpire import Limits
+from vgvt.data import InputError
 from vgvt.scenario import load_scenario
 from vgvt.scenario.sweeps import Axis, sweep
 
@@ -55,3 +56,24 @@ def test_an_engine_can_be_swept_where_each_scenario_has_its_own() -> None:
 def test_steps_can_be_swept_where_steps_are_taken() -> None:
     require_free(["simulation.step_s"], "mujoco")
     require_free(["simulation.step_s"], None)
+
+
+def test_a_latin_hypercube_takes_the_whole_numbers_of_effects_and_says_how_many_variants_it_is(
+    vgvt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plans: list[BenchPlan] = []
+
+    def planned(plan: BenchPlan, *_: object) -> None:
+        plans.append(plan)
+        raise InputError("bench", "has seen enough", "Go home.")
+
+    monkeypatch.setattr("vgvt.bench.bench.bench", planned)
+    text = 'name = "mine"\nsummary = "A trial."\nextends = "spoiled-payload-change"\n[acquisition]\nrepeats = 4\n'
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    command = ("sweep", "mine.toml", "--set", "effect[payload-change].from_run=2..4", "--design", "latin")
+    said = [vgvt(*command, "--samples", samples).err for samples in (9, 3)]
+    assert all("has seen enough" in words for words in said), said
+    for plan in plans:
+        assert sorted(scenario.effect[0].parameters["from_run"] for scenario in plan.scenarios) == [2, 3, 4]
+    assert "9 samples are 3 different variants" in said[0]
+    assert "different variants" not in said[1]

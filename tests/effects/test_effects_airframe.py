@@ -11,6 +11,7 @@ from uniform_beams import CLAMPED_FREE, UniformBeam, cantilever, virtual_test
 
 from vgvt.data import InputError
 from vgvt.effects import make_effect
+from vgvt.effects.beams import with_beams, with_columns
 from vgvt.effects.entrained_air import chord_m
 from vgvt.effects.root_compliance import beam_compliance
 from vgvt.scenario import Scenario, load_scenario
@@ -269,6 +270,24 @@ def test_a_tapering_wing_carries_the_discs_of_its_own_chords(name: str) -> None:
             of = [np.trapezoid(getattr(b.stations, column), beam_axis(b).arc_length_m) for b in (beam, moving)]
             assert of[1] == pytest.approx(of[0], rel=1e-12)
         assert beam_axis(moving).arc_length_m[-1] == pytest.approx(beam_axis(beam).arc_length_m[-1], rel=1e-12)
+
+
+def test_a_beam_is_cut_for_its_air_once_however_much_it_carries() -> None:
+    """Cutting is most of the work, and a scan asks for hundreds of sizes; a beam of other chords is another beam."""
+    scenario = load_scenario("hati-unsymmetric")
+    wing = scenario.airframe.beam[0]
+    wider = with_columns(wing, aft_edge_m=[2 * c for c in wing.stations.aft_edge_m or ()])
+    wide = with_beams(scenario, (wing.name,), lambda _: wider)
+    some, more, of_wide = (
+        made("entrained-air", mass_fraction=m).act(s, 0).scenario
+        for m, s in ((0.5, scenario), (1.0, scenario), (1.0, wide))
+    )
+    assert some is not None and more is not None and of_wide is not None
+    one, other, third = (s.airframe.beam[0].stations for s in (some, more, of_wide))
+    assert one.air_kg_per_m and other.air_kg_per_m and third.air_kg_per_m
+    assert one.position_m is other.position_m
+    np.testing.assert_allclose(other.air_kg_per_m, 2 * np.array(one.air_kg_per_m), rtol=1e-12)
+    assert third.air_kg_per_m[0] > 1.5 * other.air_kg_per_m[0]
 
 
 def squared_chord_m3(beam: Beam) -> float:

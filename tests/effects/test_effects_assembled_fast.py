@@ -87,6 +87,19 @@ def test_a_payload_beside_a_known_aircraft_is_shared_as_assembling_shares_it(y_m
     assert np.abs(beside.mass - wanted.mass).max() < 1e-2 * np.abs(added).max()
 
 
+def test_a_mass_is_added_without_a_square_that_only_rotations_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scan attaches thousands of masses and springs: what it does not need must not cost it an aircraft squared."""
+    rig = effect_rig()
+    plain, laden = (plans(s)[0] for s in (rig, with_effect(rig, "payload-change", mass_kg=0.02, x_m=0.75, y_m=0.6)))
+    base = structure(plain, plain.run_points(0))
+
+    def no_square(size: int) -> None:
+        raise AssertionError(f"a square of {size}")
+
+    monkeypatch.setattr("vgvt.simulation.attached.np.eye", no_square)
+    assert attach(base, plain, laden.elements) is not None
+
+
 def test_a_surging_spring_on_a_frame_looks_the_same_to_both_engines() -> None:
     """Stepped in time it is what the linear model says, and not what either effect alone would be."""
     scenario = on_top(example_scenario(), SURGE, FRAME)

@@ -86,7 +86,6 @@ def test_two_stiffnesses_of_a_rigid_root_are_refused(tables: tuple[EffectTable, 
     with pytest.raises(InputError, match=r"wing-(right|left)") as refused:
         truth_of(scenario)
     with pytest.raises(InputError):
-        # Nor may a fit say what no simulation can make.
         structure(plans(scenario)[0], ())
     for word in (*(t.name for t in tables), "root_stiffness_n_m_per_rad", *OWN):
         assert word in str(refused.value)

@@ -154,11 +154,26 @@ def test_an_array_of_shakers_replaces_all_that_are_inherited(tmp_path: Path) -> 
     text = 'extends = "hati-two-shakers"\n'
     two = load_scenario(_write(tmp_path, "two", text + _shaker(100, 0.6) + _shaker(101, 0.7)))
     assert [s.position_m[0] for s in two.shakers] == [0.6, 0.7]
+    assert two.excitation.shakers == "uncorrelated"
     further = _shaker(102, 0.7).replace("[[shaker]]", "[[further_shaker]]")
     mixed = load_scenario(_write(tmp_path, "mixed", text + _shaker(100, 0.6) + further))
     assert [s.node for s in mixed.shakers] == [100, 102]
-    with pytest.raises(InputError, match="is for several shakers, and there is one"):
-        load_scenario(_write(tmp_path, "one", text + _shaker(100, 0.6)))
+
+
+@pytest.mark.parametrize("shakers", [_shaker(100, 0.6), "further_shaker = []\n"])
+def test_a_file_that_leaves_one_shaker_of_several_drops_what_only_several_have(tmp_path: Path, shakers: str) -> None:
+    """The parent states ``excitation.shakers``, which no file that extends it could unset."""
+    text = 'extends = "hati-two-shakers"\n' + shakers
+    parent = load_scenario("hati-two-shakers")
+    one = load_scenario(_write(tmp_path, "one", text))
+    assert parent.excitation.shakers == "uncorrelated"
+    assert len(one.shakers) == 1
+    assert one.excitation == parent.excitation.model_copy(update={"shakers": None})
+    own = _write(tmp_path, "own", text + '[excitation]\nshakers = "orthogonal"\n')
+    with pytest.raises(InputError, match="is for several shakers, and there is one") as caught:
+        load_scenario(own)
+    assert caught.value.where == f"{own}: excitation.shakers"
+    assert load_scenario(_write(tmp_path, "of-one", 'extends = "one.toml"\n')).excitation == one.excitation
 
 
 def test_a_table_of_one_shaker_changes_the_first_of_an_array(tmp_path: Path) -> None:

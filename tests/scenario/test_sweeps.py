@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from vgvt.data import InputError
+from vgvt.effects import effects_of
+from vgvt.effects.whole_numbers import whole_parameters
 from vgvt.scenario import load_scenario
 from vgvt.scenario.sweeps import Axis, Design, changed, known_keys, sweep
 
@@ -146,6 +148,29 @@ def test_a_latin_hypercube_of_whole_numbers_has_each_point_once(quick) -> None:
     assert all(type(bits) is int and type(duration_s) is float for bits, duration_s in both)
 
 
+def test_a_latin_hypercube_of_as_many_samples_as_whole_numbers_has_each_once(quick) -> None:
+    """The ends have strata as wide as the others, so no number is there twice and none is left out."""
+    axis = Axis.parse("acquisition.repeats=1..5")
+    for seed in range(200):
+        numbers = [v.values[axis.key] for v in sweep(quick, [axis], "latin", 5, seed)]
+        assert sorted(numbers) == [1, 2, 3, 4, 5], f"seed {seed}"
+        assert all(type(number) is int for number in numbers)
+
+
+@pytest.mark.parametrize("text", ["n=1..5", "n=3..40", "n=-2..2", "n=1..5:log", "n=3..40:log"])
+def test_a_whole_number_of_an_axis_has_the_fractions_half_a_step_around_it(text: str) -> None:
+    axis = Axis.parse(text).in_whole_numbers()
+    numbers = np.arange(axis.low, axis.high + 1)
+    edges = np.arange(axis.low, axis.high + 2) - 0.5
+    scale = np.log if axis.log else np.asarray
+    shares = np.diff(scale(edges)) / (scale(edges)[-1] - scale(edges)[0])
+    fractions = (np.arange(20000) + 0.5) / 20000
+    drawn = [axis.at(float(fraction)) for fraction in fractions]
+    assert all(type(number) is int for number in drawn)
+    assert [drawn.count(number) / 20000 for number in numbers] == pytest.approx(shares, abs=1e-4)
+    assert (axis.at(0.0), axis.at(1.0)) == (axis.low, axis.high)
+
+
 def test_a_range_between_other_numbers_is_left_alone(quick) -> None:
     assert _values(quick, "excitation.duration_s=8..9:3") == [(8,), (8.5,), (9,)]
     with pytest.raises(InputError, match=r"is 8\.5, but must be a whole number"):
@@ -158,6 +183,19 @@ def test_a_parameter_of_an_effect_can_be_a_whole_number_that_its_table_leaves_ou
     values = [value for (value,) in _values(spoiled, "effect[payload-change].from_run=2..4:3")]
     assert values == [2, 3, 4]
     assert all(type(value) is int for value in values)
+
+
+@pytest.mark.parametrize(("text", "design"), [("2..4", "latin"), ("2..4:5", "grid"), ("2..4:4:log", "grid")])
+def test_whole_parameters_of_effects_get_whole_numbers_and_the_others_do_not(text: str, design: Design) -> None:
+    spoiled = load_scenario("spoiled-payload-change")
+    axes = [Axis.parse(f"effect[payload-change].{key}={text}") for key in ("from_run", "mass_kg")]
+    variants = sweep(spoiled, axes, design, 12, whole_of_effects=whole_parameters())
+    from_run, mass_kg = ([v.values[axis.key] for v in variants] for axis in axes)
+    assert set(from_run) == {2, 3, 4}
+    assert all(type(value) is int for value in from_run)
+    assert not all(float(value).is_integer() for value in mass_kg)
+    for variant, run in zip(variants, from_run, strict=True):
+        assert [effect.from_run for effect in effects_of(variant.scenario)] == [run]
 
 
 def test_lists_of_lists_are_values(quick) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vgvt.cli.bench import executor_for, log_failures
-from vgvt.cli.console import progress, show
+from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption, ScenarioArgument
 
@@ -101,6 +101,7 @@ def _variants(
     from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
     from vgvt.effects.places import require_in_the_runs, require_on_aircraft
+    from vgvt.effects.whole_numbers import whole_parameters
     from vgvt.scenario.sweeps import DESIGNS, sweep
     from vgvt.scenario.swept_axis import Axis
 
@@ -108,10 +109,12 @@ def _variants(
         raise InputError("--design", f"there is no design {design!r}", f"write {', '.join(DESIGNS)}")
     axes = [Axis.parse(text) for text in settings]
     require_free([axis.key for axis in axes], engine)
-    variants = sweep(described_scenario(name), axes, design, samples, seed)  # checked above
+    variants = sweep(described_scenario(name), axes, design, samples, seed, whole_parameters())  # checked above
     for variant in variants:
         require_on_aircraft(variant.scenario)  # a misspelt parameter of an effect costs no time
         require_in_the_runs(variant.scenario)
+    if design == "latin" and len(variants) < samples:
+        log(f"vgvt: {samples} samples are {len(variants)} different variants, each of which is tried once")
     return variants
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -111,6 +112,8 @@ class EntrainedAir:
         return found
 
 
+# A fit asks for the air of the same beams at hundreds of sizes: cutting them is most of the work.
+@lru_cache(maxsize=64)
 def _finer(beam: Beam) -> Beam:
     """The same beam with stations in between, so many that the chord changes by small steps."""
     chord = chord_m(beam.stations)

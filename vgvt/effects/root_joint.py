@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from vgvt.data import InputError
+from vgvt.effects.action import Action
 from vgvt.effects.beams import Side, chosen_beams, on_side, plain_name, with_beams
 from vgvt.effects.elements import GivenRoot, JointLaw
 from vgvt.scenario.airframe import Beam, mirrored_names
 from vgvt.scenario.model import Scenario
 
-__all__ = ["Kind", "RootJoint", "Side", "one_law", "root_joints"]
+__all__ = ["Kind", "RootJoint", "Side", "one_law", "require_one_stiffness", "root_joints"]
 
 Kind = Literal["bending", "torsion"]
 _FIELD = {
@@ -69,22 +70,31 @@ def root_joints(
     return changed, joints
 
 
-def one_law(laws: Sequence[JointLaw]) -> JointLaw:
-    """What effects make together of one joint, whose stiffness all of them have found, or made.
+def require_one_stiffness(actions: Sequence[Action]) -> None:
+    """InputError where what effects do to one run gives a rigid root two stiffnesses.
 
-    InputError where one made it and another would have made it otherwise: which of them acts first must not matter.
+    For those that a scenario states: which of its tables comes first must not matter. Not asked of hypotheses, of
+    which each has a stiffness to be fitted: there the first one's stands.
     """
-    said = [law.root for law in laws if law.root is not None]
-    for maker in (root for root in said if root.was_rigid):
-        for other in said:
-            if other.stiffness_n_m_per_rad != maker.stiffness_n_m_per_rad:
-                raise InputError(
-                    f"effects {maker.effect} and {other.effect} on beam {laws[0].beam}",
-                    f"they give its root, which is rigid in {laws[0].kind}, {maker.stiffness_n_m_per_rad:g} and "
-                    f"{other.stiffness_n_m_per_rad:g} N m/rad",
-                    "Give both the same root_stiffness_n_m_per_rad, or the beam a root joint of its own: "
-                    f"{_FIELD[laws[0].kind]}.",
-                )
+    said: dict[tuple[str, Kind], list[GivenRoot]] = {}
+    for law in (e for action in actions for e in action.elements if isinstance(e, JointLaw)):
+        if law.root is not None:
+            said.setdefault((law.beam, law.kind), []).append(law.root)
+    for (beam, kind), roots in said.items():
+        for maker in (root for root in roots if root.was_rigid):
+            for other in roots:
+                if other.stiffness_n_m_per_rad != maker.stiffness_n_m_per_rad:
+                    raise InputError(
+                        f"effects {maker.effect} and {other.effect} on beam {beam}",
+                        f"they give its root, which is rigid in {kind}, {maker.stiffness_n_m_per_rad:g} and "
+                        f"{other.stiffness_n_m_per_rad:g} N m/rad",
+                        "Give both the same root_stiffness_n_m_per_rad, or the beam a root joint of its own: "
+                        f"{_FIELD[kind]}.",
+                    )
+
+
+def one_law(laws: Sequence[JointLaw]) -> JointLaw:
+    """What effects make together of one joint, whose stiffness is what the first of them has found, or made."""
     return replace(
         laws[0],
         cubic_n_m_per_rad3=sum(law.cubic_n_m_per_rad3 for law in laws),

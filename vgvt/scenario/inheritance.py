@@ -44,7 +44,8 @@ def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
     merge key by key; arrays of tables whose entries have a name merge entry by
     entry, new names last; anything else is replaced, all shakers together by an
     array of them. ``name``, ``summary`` and ``lesson`` are not inherited, nor are
-    the keys of an excitation's old kind. Several [[shaker]] come back apart, as
+    the keys of an excitation's old kind, nor ``excitation.shakers`` where this file
+    leaves one shaker of several. Several [[shaker]] come back apart, as
     ``shaker`` and ``further_shaker``. InputError for a missing parent, a cycle, or
     a beam or item that one file names twice.
     """
@@ -62,6 +63,8 @@ def read_source(path: Path, chain: tuple[Path, ...] = ()) -> Source:
     own = (*OWN_WORDS, "shaker", "further_shaker") if isinstance(written.get("shaker"), list) else OWN_WORDS
     inherited = {key: value for key, value in parent.tables.items() if key not in own}
     inherited = _without_keys_of_another_kind(inherited, tables.get("excitation"))
+    if tables.get("further_shaker") == []:
+        inherited = _without_keys_of_several_shakers(inherited)
     written_in = {key: file for key, file in parent.written_in.items() if key[0] not in own}
     return Source(path, _merged(inherited, tables, (), written_in, path), written_in)
 
@@ -73,6 +76,14 @@ def _without_keys_of_another_kind(inherited: dict[str, Any], changes: Any) -> di
         return inherited
     foreign = {key for keys in KIND_KEYS.values() for key in keys} - set(KIND_KEYS[kind])
     return inherited | {"excitation": {key: value for key, value in old.items() if key not in foreign}}
+
+
+def _without_keys_of_several_shakers(inherited: dict[str, Any]) -> dict[str, Any]:
+    """The inherited tables less ``excitation.shakers``: a file that leaves one shaker could not unset it."""
+    old = inherited.get("excitation")
+    if not isinstance(old, dict):
+        return inherited
+    return inherited | {"excitation": {key: value for key, value in old.items() if key != "shakers"}}
 
 
 def _parent_path(path: Path, name: Any) -> Path:

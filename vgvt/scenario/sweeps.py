@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -38,15 +38,23 @@ class Variant:
 
 
 def sweep(
-    scenario: Scenario, axes: Sequence[Axis], design: Design = "grid", samples: int = 20, seed: int = 0
+    scenario: Scenario,
+    axes: Sequence[Axis],
+    design: Design = "grid",
+    samples: int = 20,
+    seed: int = 0,
+    whole_of_effects: Mapping[str, Collection[str]] | None = None,
 ) -> tuple[Variant, ...]:
     """The scenarios of a sweep, named NAME-001 and so on.
 
     ``grid`` takes every combination, ``list`` the first values of all axes, then the second, and so on;
     ``latin`` draws ``samples`` points of a latin hypercube (McKay, Beckman and Conover,
-    Technometrics 21(2), 1979) from the ranges, each once where whole numbers or lists make some alike. InputError
-    names the nearest key for one that does not exist, and refuses one that no simulation of a variant depends on,
-    and two variants that are the same test.
+    Technometrics 21(2), 1979) from the ranges, each once where whole numbers or lists make some alike: there are
+    fewer variants than ``samples`` then. ``whole_of_effects`` says which parameters of which effect take whole
+    numbers only (``whole_parameters`` of ``vgvt.effects.whole_numbers``); where it is silent a range has what lies
+    between, too.
+    InputError names the nearest key for one that does not exist, and refuses one that no simulation of a variant
+    depends on, and two variants that are the same test.
     """
     keys = [axis.key for axis in axes]
     places = [_place(scenario, key) for key in keys]
@@ -55,7 +63,8 @@ def sweep(
             raise InputError(f"--set {key}", "is there twice", "give each key once, all of its values together")
         if is_wording(scenario, place):
             raise _idle(key, why_unused(scenario, place))
-    axes = [a.in_whole_numbers() if _is_whole(p) else a for a, p in zip(axes, places, strict=True)]
+    whole = [_is_whole(scenario, place, whole_of_effects or {}) for place in places]
+    axes = [axis.in_whole_numbers() if is_whole else axis for axis, is_whole in zip(axes, whole, strict=True)]
     table = {"grid": _grid, "list": _list}[design](axes) if design != "latin" else _latin(axes, samples, seed)
     rows = [dict(zip(keys, row, strict=True)) for row in table]
     digits = max(3, len(str(len(rows))))
@@ -166,8 +175,13 @@ def _found(tables: dict[str, Any], key: str) -> tuple[str | int, ...] | None:
     return None if not plain or isinstance(value, dict) else tuple(plain)
 
 
-def _is_whole(place: tuple[str | int, ...]) -> bool:
-    """Whether the schema has whole numbers at a place; an effect's parameters are known to the effect alone."""
+def _is_whole(
+    scenario: Scenario, place: tuple[str | int, ...], whole_of_effects: Mapping[str, Collection[str]]
+) -> bool:
+    """Whether there are whole numbers only at a place: the schema says so, of an effect's parameters the effect."""
+    match place:
+        case ("effect", int(index), str(parameter)):
+            return parameter in whole_of_effects.get(scenario.effect[index].name, ())
     *way, name = (step for step in place if isinstance(step, str))
     table = table_at(tuple(way))
     field = table.model_fields.get(name) if table else None

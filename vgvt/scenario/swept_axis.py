@@ -19,7 +19,7 @@ _RANGE = re.compile(r"^(?P<low>[^,\[\]]+?)\.\.(?P<high>[^,\[\]:]+)(?::(?P<count>
 class Axis:
     """One swept key: its values, or the range that a latin hypercube draws from, even in the logarithm if ``log``.
 
-    Ends of a range that are written as whole numbers are ints; ``whole`` rounds what lies between them, too.
+    Ends of a range that are written as whole numbers are ints; ``whole`` takes only ints between them, too.
     """
 
     key: str
@@ -66,12 +66,16 @@ class Axis:
         return replace(self, values=tuple(dict.fromkeys(round(value) for value in self.values)), whole=True)
 
     def at(self, fraction: float) -> float:
-        """The value at a fraction of the way from ``low`` to ``high``, rounded to ten digits, or to a whole number."""
-        if self.log:
-            value = math.exp(math.log(self.low) + fraction * math.log(self.high / self.low))
-        else:
-            value = self.low + fraction * (self.high - self.low)
-        return round(value) if self.whole else float(f"{value:.10g}")
+        """The value at a fraction of the way from ``low`` to ``high``, to ten digits.
+
+        Every whole number of a ``whole`` axis has the fractions of half a step to either side of it, the ends as well.
+        """
+        beyond = 0.5 if self.whole else 0.0
+        low, high = self.low - beyond, self.high + beyond
+        value = low * (high / low) ** fraction if self.log else low + fraction * (high - low)
+        if self.whole:
+            return min(self.high, math.floor(value + 0.5))
+        return float(f"{value:.10g}")
 
 
 def _is_number(value: Any) -> bool:

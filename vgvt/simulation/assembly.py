@@ -15,6 +15,7 @@ from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, RotationSpring
 from vgvt.effects.point_error import seats
 from vgvt.effects.registry import effects_of
+from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
@@ -132,7 +133,7 @@ class Rig:
 
 
 def plans(scenario: Scenario) -> list[Plan]:
-    """The plan of every run; without effects all runs share one."""
+    """The plan of every run; without effects all runs share one. InputError for effects that contradict each other."""
     effects = effects_of(scenario)
     count = len(scenario.acquisition.run_nodes)
     if not effects:
@@ -141,6 +142,7 @@ def plans(scenario: Scenario) -> list[Plan]:
     layouts = []
     for run in range(count):
         changed, actions = acted(effects, scenario, run, act_on)
+        require_one_stiffness(actions)
         layouts.append(_struck(_with_actions(plan(changed), actions), run))
     return layouts
 

@@ -36,13 +36,11 @@ def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]
     inner = tuple(_own_joint(name, e) for name, e in simple if isinstance(e, Absorber | HingedFlap))
     wide = base.onto((*base.joints, *inner))
     wide = replace(wide, mass=wide.mass.copy(), damping=wide.damping.copy(), stiffness=wide.stiffness.copy())
-    turns = np.eye(wide.drive.size)
-    turns[:6, :6] = wide.root
     for name, element in simple:
         if isinstance(element, RotationSpring):
             turned = np.zeros(wide.drive.size)
             for joint in map(wide.joints.index, turned_by(element, layout.drives[element.exciter].carrier)):
-                turned += turns[joint]
+                turned += _turn(wide, joint)
             _spring(wide, turned, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)
             # What the gauge feels of the moment is on the force's side of the equation.
             felt = element.gauge_per_m * np.outer(wide.drive, turned)
@@ -109,6 +107,16 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
         own[frame] = -element.frame_share
         s.mass[:] += element.mass_kg * moved.T @ moved
         _spring(s, own, element.stiffness_n_per_m, element.damping_n_s_per_m)
+
+
+def _turn(s: Structure, joint: int) -> Array:
+    """The row (n,) of a joint's own angle: those of the root are not the coordinates."""
+    row = np.zeros(s.drive.size)
+    if joint < len(s.root):
+        row[: len(s.root)] = s.root[joint]
+    else:
+        row[joint] = 1.0
+    return row
 
 
 def _flap(s: Structure, layout: Plan, joint: int, element: HingedFlap) -> None:

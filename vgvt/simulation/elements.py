@@ -68,7 +68,7 @@ def add_elements(
     ``drives`` is where each exciter pushes: what is between one and the aircraft asks for it. What several say of a
     joint is one law; what relaxes beside the airframe's modes asks for these when all that is elastic is there, and
     nothing yet that relaxes; what softens springs takes in those that others bring. InputError for a joint that is
-    not there, and for laws of one that contradict each other.
+    not there.
     """
     named = list(elements)
     for name, element in named:

@@ -10,6 +10,7 @@ from vgvt.reconcile.decision.kinds import Kind
 from vgvt.reconcile.evidence.localise import Localisation
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.residual import Residual
+from vgvt.reconcile.evidence.shared_roots import idle_parameters
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.suggest import Suggestion
 from vgvt.reconcile.question.figures_of_merit import Comparison
@@ -20,6 +21,8 @@ from vgvt.scenario.model import Scenario
 @dataclass(frozen=True, slots=True)
 class NamedEffect:
     """An effect that the data name: parameters {name: (value, standard deviation, unit)}, its settings, its evidence.
+
+    A stiffness that it would have given a root which is jointed already is no parameter of it.
 
     ``equivalent`` are the names of effects that explain the data as well; ``ranges`` are 95 % intervals by parameter.
     """
@@ -109,18 +112,18 @@ def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...
     for k, addition in enumerate(rounds):
         winner = addition.winner
         others = tuple(dict.fromkeys(r.name for r in addition.alike if r.name != winner.name))
-        cls = winner.hypothesis.cls
+        cls, idle = winner.hypothesis.cls, idle_parameters(final, k)
         names.append(
             NamedEffect(
                 winner.name,
                 str(cls.summary),  # type: ignore[attr-defined]
-                final.values(k),
+                {name: value for name, value in final.values(k).items() if name not in idle},
                 dict(final.hypotheses[k].settings),
                 winner.gain_nats,
                 others,
                 addition.held_out_before,
                 winner.held_out,
-                final.ranges(k),
+                {name: ends for name, ends in final.ranges(k).items() if name not in idle},
             )
         )
     return tuple(names)

@@ -12,6 +12,7 @@ from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.verdict import NamedEffect, Verdict
 from vgvt.reconcile.evidence.plausible import PLACES, placed
 from vgvt.reconcile.evidence.posterior import honest
+from vgvt.reconcile.evidence.shared_roots import agreed
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.effect import EffectTable
@@ -22,7 +23,8 @@ from vgvt.scenario.write import to_toml
 def augment(scenario: Scenario, found: Attribution) -> Scenario:
     """The scenario with its unknowns at their posterior means and the effects of the final fit switched on.
 
-    A place off the aircraft is stated where it is likeliest on it.
+    A place off the aircraft is stated where it is likeliest on it, and a root that several effects give laws with the
+    stiffness that it has: no scenario may say two.
     """
     final = found.final
     problem = final.problem
@@ -36,7 +38,7 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
             if set(pair) <= {*hypothesis.settings, *values} and not set(pair).isdisjoint(values):
                 at = placed(final, k, pair)
                 values |= {n: v for n, v in zip(pair, at or (), strict=False) if n in values}
-        tables.append(EffectTable(name=hypothesis.name, **{**hypothesis.settings, **values}))
+        tables += [EffectTable(name=hypothesis.name, **stated) for stated in agreed(final, k, values)]
     summary = f"{scenario.summary.rstrip('.')}; reconciled with a measured campaign."
     return calibrated.model_copy(
         update={"name": f"{scenario.name}-reconciled"[:60], "effect": tuple(tables), "summary": summary}

@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, InputError
+from vgvt.effects.acting import acted
+from vgvt.effects.registry import effects_of
+from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.files.atomically import replacing
 from vgvt.reconcile.mechanics.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
 from vgvt.reconcile.question.data import Measured, measured_frfs
@@ -113,9 +116,11 @@ def make_problem(
     """Line a scenario up with a campaign; derivatives are kept in ``cache`` (default: the user's temporary folder).
 
     ``floor`` is the relative model-form error, by default that of the scenario's tolerances. InputError where the
-    scenario has no point for a measured channel.
+    scenario has no point for a measured channel, and where its own effects contradict each other.
     """
     measured = measured_frfs(campaign, lines=lines, floor=scenario.tolerances.model_form if floor is None else floor)
+    stated = aligned(scenario, measured)
+    require_one_stiffness(acted(effects_of(stated), stated, 0)[1])
     return problem_of(measured, scenario, cache=cache)
 
 
