@@ -214,7 +214,7 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
     monkeypatch.setattr(rounds, "distinct", list)
     monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
-    monkeypatch.setattr(rounds, "at_next_items", lambda *given: [])
+    monkeypatch.setattr(rounds, "at_next_items", lambda *given, placed: [])
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
     far: Any = SimpleNamespace(train_chi2_per_dof=before)
     rivals = rounds._fit_all(current, chosen, far, (), lambda fraction, message: None)
@@ -222,16 +222,21 @@ def test_candidates_begin_anew_where_a_first_round_leaves_much(
     assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
 
 
-def test_what_lies_beside_the_fits_of_a_round_is_among_its_rivals(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Other courses of a change, and other items of a thing, of all that was fitted before them."""
+@pytest.mark.parametrize("far", [False, True])
+def test_what_lies_beside_the_fits_of_a_round_is_among_its_rivals(monkeypatch: pytest.MonkeyPatch, far: bool) -> None:
+    """Other courses of a change, and other items of a thing, of all that was fitted before them.
+
+    Far off, what swings at a place may be an item that is there.
+    """
     current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=("an effect",), u=np.zeros(1))
     chosen: Any = [SimpleNamespace(hypothesis="first", gain_nats=1.0, upright=False)]
     first = SimpleNamespace(evidence_nats=1.0, chi2_per_dof=0.8, chi2=80.0)
     seen: list[list[Any]] = []
 
     def beside(more: str) -> Any:
-        def asked(current: Any, found: Any, hypotheses: Any, tell: Any, team: Any) -> list[str]:
+        def asked(current: Any, found: Any, hypotheses: Any, tell: Any, team: Any, **placed: bool) -> list[str]:
             seen.append(list(found))
+            assert placed == ({"placed": far} if more == "an item" else {})
             return [more]
 
         return asked
@@ -242,8 +247,10 @@ def test_what_lies_beside_the_fits_of_a_round_is_among_its_rivals(monkeypatch: p
     monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
     monkeypatch.setattr(rounds, "distinct", list)
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
-    met: Any = SimpleNamespace(train_chi2_per_dof=1.0)
-    assert rounds._fit_all(current, chosen, met, (), lambda fraction, message: None) == (first, "a course", "an item")
+    monkeypatch.setattr(rounds, "finalists", lambda current, chosen, tell, team: tuple(chosen))
+    before: Any = SimpleNamespace(train_chi2_per_dof=20.0 if far else 1.0)
+    rivals = rounds._fit_all(current, chosen, before, (), lambda fraction, message: None)
+    assert rivals == (first, "a course", "an item")
     assert seen == [[first], [first, "a course"]]
 
 
