@@ -132,6 +132,26 @@ def test_an_absorber_where_an_item_is_may_be_that_item(
     assert TRUE in [h.settings for h, _ in tried]
 
 
+@pytest.mark.parametrize(("rough", "begun"), [(1.0, "overlapping"), (9.0, "arrived")])
+def test_another_effect_begins_where_peaks_overlap_if_that_is_nearer(
+    case: Problem, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch, rough: float, begun: str
+) -> None:
+    """The same effect at the next item goes on from where the fit arrived, as its unknowns are right there."""
+    monkeypatch.setattr(next_items, "rough_start", lambda problem, hypotheses, e: ("overlapping", e))
+    monkeypatch.setattr(
+        next_items, "cost_at", lambda problem, hypotheses, u, e: {"overlapping": rough, "arrived": 5.0}[u]
+    )
+    monkeypatch.setattr(next_items, "fit", lambda problem, hypotheses, u, e, stages, tell: u)
+
+    def arrived(hypothesis: Hypothesis) -> Any:
+        scores = np.zeros(len(hypothesis.parameters))
+        return SimpleNamespace(problem=case, hypotheses=(hypothesis,), u="arrived", e=scores)
+
+    flap = of(offered, "flap-middle")
+    assert next_items._fitted_there(arrived(Hypothesis(ABSORBER, {})), flap, size(), silent) == begun
+    assert next_items._fitted_there(arrived(of(offered, "flap-outer")), flap, size(), silent) == "arrived"
+
+
 @pytest.mark.slow
 def test_from_an_absorber_the_loose_item_is_found(case: Problem, offered: tuple[Hypothesis, ...]) -> None:
     u = drawn_scores(case, 1)

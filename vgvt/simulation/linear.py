@@ -19,7 +19,7 @@ _STEP = 1e-5
 # Of the largest stiffness, what lets the weight move a joint that nothing holds.
 _HARDLY_HELD = 1e-10
 # Newton's method is through in so many steps, but where it rests so near a stop that a difference reaches past it.
-_THROUGH, _BESIDE_A_STOP, _HALVINGS = 10, 1e-8, 30
+_THROUGH, _BESIDE_A_STOP = 10, 1e-8
 # Of what the weight does to the joints: the sums that should cancel leave up to 5e-16 of it.
 _ROUNDING = 1e-14
 
@@ -143,26 +143,6 @@ def at_rest_n(data: mujoco.MjData, least_n: float) -> float:
     return max(least_n, _ROUNDING * float(np.abs(data.qfrc_bias).max()))
 
 
-def _share_to_rest(
-    model: mujoco.MjModel, data: mujoco.MjData, qpos: NDArray[np.float64], move: NDArray[np.float64]
-) -> float:
-    """How much of a move (nv,) from a position (nq,) leads to where the joints are not pushed along it any more."""
-
-    def pushed(share: float) -> float:
-        data.qpos[:] = qpos + share * move
-        return float(joint_force(model, data) @ move)
-
-    low, high, ahead, back = 0.0, 1.0, pushed(0.0), pushed(1.0)
-    if ahead <= 0 or back >= 0:
-        return 1.0
-    for _ in range(_HALVINGS):
-        # Between two straight lines, of which one may be flat, halves are as good as any other share.
-        middle = 0.5 * (low + high)
-        there = pushed(middle)
-        low, high = (middle, high) if there > 0 else (low, middle)
-    return 0.5 * (low + high)
-
-
 def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 50) -> NDArray[np.float64]:
     """The stable static equilibrium (nq,) by Newton's method from the unloaded shape.
 
@@ -188,9 +168,7 @@ def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 5
             held = _HARDLY_HELD * float(np.abs(np.diag(stiffness)).max())
             step = np.linalg.solve(stiffness + held * np.eye(model.nv), force)
         # Far from equilibrium the spring's geometry bends the path: never turn or swing by more than this at once.
-        move = step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
-        # Stiffness beside a stop is none of what is within the gap or beyond it: whole steps go back and forth.
-        qpos = qpos + move * (1.0 if k < _THROUGH else _share_to_rest(model, data, qpos, move))
+        qpos = qpos + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
     raise RuntimeError(f"the hung aircraft finds no rest (force of {np.abs(force).max():.2g} N left)")
 
 
