@@ -16,14 +16,12 @@ from vgvt.reconcile.fitting.fit import FAR, Fit, cost_at, fit
 from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
-from vgvt.reconcile.search.scan import tuned_alike, where_it_swings
+from vgvt.reconcile.search.scan import BY_ITSELF_M, tuned_alike, where_it_swings
 from vgvt.reconcile.work.progress import Progress, naming, part
 from vgvt.reconcile.work.team import ALONE, Task, Team
 
 # Of the best fit's gain, from which on a thing is worth a look beside it; how many are next to it; how far it may walk.
 _AHEAD, _NEXT, _STEPS = 0.25, 4, 3
-BY_ITSELF_M = 0.3
-"""How far a bent calibration may see something from where it sits."""
 
 
 def at_next_items(

@@ -14,6 +14,8 @@ from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
 
+BY_ITSELF_M = 0.3
+"""How far a bent calibration may see something from where it swings."""
 # Of the logarithm of a resonance's frequency.
 _STEP = 0.06
 # How far past both ends of the band a resonance is still looked for.

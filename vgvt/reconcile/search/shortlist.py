@@ -19,8 +19,7 @@ from vgvt.reconcile.search.candidates import freed
 from vgvt.reconcile.search.closer_look import SLOTS, held
 from vgvt.reconcile.search.from_stated import bent, from_stated
 from vgvt.reconcile.search.likeness import beside_likeness
-from vgvt.reconcile.search.next_items import BY_ITSELF_M
-from vgvt.reconcile.search.scan import tuned_to
+from vgvt.reconcile.search.scan import BY_ITSELF_M, tuned_to
 from vgvt.reconcile.search.screen import WORTH_CHECKING, joined, screen, sizing
 from vgvt.reconcile.search.screened import Screened
 from vgvt.reconcile.search.upright import upright
