@@ -13,6 +13,7 @@ from vgvt.reconcile.decision import one_level, place_control, reasons
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.decision.kinds import Kind, kind_of
+from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.question.problem import CELLS
 
 NAMES = tuple(f"unknown {k}" for k in range(30))
@@ -31,7 +32,9 @@ def found(null: Any, final: Any, rounds: int = 1) -> Any:
     rival = SimpleNamespace(name="local-absorber", fit=effect, hypothesis=SimpleNamespace(linear=True, settings={}))
     addition = Addition(rival, (rival,), (rival,), None)  # type: ignore[arg-type]
     left = SimpleNamespace(adequate=True)
-    return SimpleNamespace(null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left)
+    return SimpleNamespace(
+        null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left, still=None
+    )
 
 
 def test_sound_fits_leave_no_doubt() -> None:
@@ -52,6 +55,14 @@ def test_each_doubt_is_said_and_makes_the_explanation_partial(null: Any, final: 
     (said,) = doubts(found(null, final))
     assert word in said
     assert kind_of(found(null, final)) is Kind.PARTLY_EXPLAINED
+
+
+def test_what_a_law_still_explains_is_a_doubt() -> None:
+    more = found(fitted(), fitted())
+    more.still = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), 13.6)
+    (said,) = doubts(more)
+    assert "A force at 5+Z that is smooth over frequency would still explain 14 nats more" in said
+    assert kind_of(more) is Kind.PARTLY_EXPLAINED
 
 
 def test_a_calibration_on_its_way_is_a_doubt_where_something_is_left() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from vgvt.data import Campaign
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
 from vgvt.reconcile.decision.attribute import Attribution, attribute
+from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
 from vgvt.reconcile.decision.reasons import reasons_of
@@ -102,6 +103,7 @@ def reconcile(
         if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
     found = with_told_parameters(found, limits, lambda f, m: tell(_TURNED, m), workers)
+    found = asked_beyond_names(found, limits)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)
     places = None

@@ -21,6 +21,7 @@ from vgvt.reconcile.evidence.plausible import implausible, likelier
 from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.rivals import Rival, against, distinct
 from vgvt.reconcile.evidence.same_place import left_where_it_was
+from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -49,7 +50,8 @@ class Attribution:
     """The model without effects, the rounds that added one, the fit at the end, and what each of both ends leaves.
 
     ``leads`` are rounds that take too little to give a name, or are no plausible thing, ``led`` the fit with them
-    (:mod:`vgvt.reconcile.decision.leads`).
+    (:mod:`vgvt.reconcile.decision.leads`). ``still`` is what a law at one place explains beside the names, where it is
+    more than chance explains (:mod:`vgvt.reconcile.decision.beyond_names`).
     """
 
     null: Fit
@@ -61,6 +63,7 @@ class Attribution:
     vetoed: tuple[Rival, ...]
     leads: tuple[Addition, ...] = ()
     led: Fit | None = None
+    still: StillExplained | None = None
 
 
 @one_thread

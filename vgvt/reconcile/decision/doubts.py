@@ -37,6 +37,11 @@ def doubts(found: Attribution) -> tuple[str, ...]:
     strained = far_scores(found.final)
     if strained_too_much(found.final):
         said.append(f"The fit with what was named needs {strained}: something else is still missing, or a tolerance")
+    if found.still is not None:
+        said.append(
+            f"A {found.still.words} that is smooth over frequency would still explain {found.still.nats:.0f} nats more "
+            "than chance does: what was named is not quite what is there, or not alone"
+        )
     return tuple(said)
 
 

@@ -8,23 +8,20 @@ motion there, z(ω), says of which type the interface is.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
-from vgvt.reconcile.mechanics.response import accelerances
-from vgvt.reconcile.prediction.grouping import Group
-from vgvt.reconcile.prediction.surrogate import Anchor, Reduced, anchor
+from vgvt.reconcile.prediction.surrogate import Anchor, anchor
 from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.work.one_thread import one_thread
-from vgvt.simulation.attached import point_rows
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-_UP = np.array([0.0, 0.0, 1.0])
 # The type is read at this many of the best places.
 _TYPED = 8
 # What is not worth the telling.
@@ -78,17 +75,6 @@ class Localisation:
     chi2_per_dof: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Candidate:
-    """A place: rows (n,) over the coordinates of each group of runs, which differ, or a mask (C,) of channels."""
-
-    label: str
-    kind: str
-    position_m: tuple[float, float, float] | None
-    rows: tuple[Array, ...] | None
-    mask: NDArray[np.bool_] | None
-
-
 @one_thread
 def localise(null: Fit, progress: Callable[[float, str], None] | None = None) -> Localisation:
     """Rank every place by the residual that a force, a gain or a single sensor there would explain."""
@@ -102,13 +88,13 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     half = null.tangent.reshape(2, count, lines, -1) / np.sqrt(2)
     tangent = half[0] + 1j * half[1]
     left = _free(rho, tangent, null.scores, None)
-    found: list[tuple[float, _Candidate, ComplexArray]] = []
-    trials = _candidates(problem, here, keep)
+    found: list[tuple[float, FreePlace, ComplexArray]] = []
+    trials = free_places(problem, here, keep)
     chain = here.chain(null.u, null.e)
     for k, c in enumerate(trials):
         if progress is not None:
             progress(k / len(trials), f"localise {c.label}")
-        answer = _answer(problem, here, c, null.predicted, chain)
+        answer = answered(here, c, null.predicted, chain)
         scaled = standardised(problem, answer[keep], null.sigma)
         remaining = _free(rho, tangent, null.scores, scaled)
         chance = lines * (scaled.any(axis=1).any())
@@ -141,81 +127,6 @@ def _free(rho: ComplexArray, tangent: ComplexArray, scores: Array, direction: Co
     return total - float(gradient @ np.linalg.solve(normal, gradient))
 
 
-def _candidates(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[_Candidate]:
-    groups = here.assembled
-    plan = groups[0].plan
-    found = []
-    for point in plan.grid:
-        at = (float(point.position_m[0]), float(point.position_m[1]), float(point.position_m[2]))
-        rows = tuple(g.structure.axis[g.structure.places.index(point.site)] for g in groups)
-        found.append(_Candidate(f"force at {point.dof}", "structure", at, rows, None))
-    hook = plan.scenario.suspension.hook_m
-    rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(hook))[0] for g in groups)
-    found.append(_Candidate("force at the hook", "structure", hook, rows, None))
-    # The first six coordinates: translation, then rotation about the body's own x, y and z.
-    for axis, name in ((4, "pitch"), (3, "roll")):
-        rows = tuple(_unit(g.structure.drive.size, axis) for g in groups)
-        found.append(_Candidate(f"{name} moment on the centre body", "structure", None, rows, None))
-    for beam, chain in plan.parts.chains.items():
-        for kind in ("bending", "torsion"):
-            first = [k for g in groups if (k := _first_joint(g, beam, kind)) is not None]
-            if len(first) == len(groups):
-                rows = tuple(_unit(g.structure.drive.size, k) for g, k in zip(groups, first, strict=True))
-                x, y, z = (float(v) for v in chain.table.point_m(0.0))
-                found.append(_Candidate(f"{kind} at the root of {beam}", "structure", (x, y, z), rows, None))
-    channels = problem.measured.channels
-    everything = np.ones(len(channels), dtype=bool)
-    found.append(_Candidate("force channel", "drive", None, None, everything))
-    instruments = np.array([c.instrument for c in channels])
-    if len(problem.measured.runs) > 1:
-        found += [
-            _Candidate(f"sensor-{k + 1} in every run", "sensor", None, None, instruments == k)
-            for k in np.unique(instruments)
-        ]
-    found += [
-        _Candidate(channel.label, "sensor", None, None, np.arange(len(channels)) == i)
-        for i, channel in enumerate(channels)
-        if keep[i]
-    ]
-    return found
-
-
-def _unit(size: int, k: int) -> Array:
-    """A row (n,) with a one at an index."""
-    row = np.zeros(size)
-    row[k] = 1.0
-    return row
-
-
-def _first_joint(group: Group, beam: str, kind: str) -> int | None:
-    """The coordinate of a beam's innermost joint of a kind, 'bending' or 'torsion': a soft root is one more."""
-    joints, links = group.structure.joints, group.plan.parts.chains[beam].links
-    return next((joints.index(name) for link in links if (name := f"{link.name}/{kind}") in joints), None)
-
-
-def _answer(
-    problem: Problem, here: Anchor, c: _Candidate, predicted: ComplexArray, chain: ComplexArray
-) -> ComplexArray:
-    """What a unit of the candidate does to A/F, (C, L)."""
-    if c.rows is None:
-        assert c.mask is not None
-        return np.asarray(predicted * c.mask[:, None])
-    out = np.zeros(problem.measured.values.shape, dtype=complex)
-    omega = 2 * np.pi * problem.measured.frequency_hz
-    for group, row in zip(here.groups, c.rows, strict=True):
-        out[group.channels] = _pushed(group, row, omega)
-    return np.asarray(out * chain)
-
-
-def _pushed(group: Reduced, row: Array, omega: Array) -> ComplexArray:
-    """Accelerances (C_g, L) of a group for a force along a row over its assembled coordinates."""
-    wide = np.zeros(group.basis.shape[0])
-    wide[: row.size] = row
-    pushed = replace(group.matrices, drive=group.basis.T @ wide, spare=np.zeros_like(group.matrices.spare))
-    masses = tuple(group.masses_kg[r] if group.roving else np.zeros(r.size) for r in group.runs)
-    return accelerances(pushed, omega, group.runs, masses)
-
-
 def _stiffness(
     problem: Problem, here: Anchor, row: Array, rho: ComplexArray, scaled: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray, Array]:
@@ -223,14 +134,7 @@ def _stiffness(
     omega = 2 * np.pi * problem.measured.frequency_hz
     power = np.sum(np.abs(scaled) ** 2, axis=0)
     force = -np.sum(scaled.conj() * rho, axis=0) / np.where(power > 0, power, 1.0)
-    group = here.groups[0]
-    wide = np.zeros(group.basis.shape[0])
-    wide[: row.size] = row
-    own = group.basis.T @ wide
-    seen = replace(group.matrices, axis=own[None], tilt=np.zeros((1, own.size)), spare=np.zeros(1))
-    runs, none = (np.array([0]),), (np.zeros(1),)
-    by_drive = accelerances(seen, omega, runs, none)[0] / -(omega**2)
-    by_itself = accelerances(replace(seen, drive=own), omega, runs, none)[0] / -(omega**2)
+    by_drive, by_itself = moved(here.groups[0], row, omega)
     return force, by_drive + by_itself * force, power
 
 

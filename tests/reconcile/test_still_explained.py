@@ -1,0 +1,128 @@
+"""A law at one place that explains what a name leaves: seen where another thing sits there, not where nothing does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.decision import beyond_names
+from vgvt.reconcile.decision.beyond_names import asked_beyond_names
+from vgvt.reconcile.evidence.still_explained import StillExplained, _laws, _surprise, still_explained
+from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+
+PLACE = {"x_m": 0.82, "y_m": 1.05}
+KNOWN = available_effects()
+
+
+@pytest.fixture(scope="module")
+def damped(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A campaign with a damper to the ground on a wing."""
+    scenario = roving_scenario()
+    damper = KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE)
+    cache = tmp_path_factory.mktemp("cache")
+    return make_problem(campaign_of(scenario, 3, damper), scenario, lines=160, cache=cache)
+
+
+def fitted(case: Problem, name: str, values: dict[str, float]) -> Fit:
+    hypothesis = Hypothesis(KNOWN[name], {})
+    null = calibrate(case)
+    begun = fit(case, (hypothesis,), null.u, hypothesis.scores({**values, **PLACE}), FAR)
+    return fit(case, (hypothesis,), begun.u, begun.e, (*NEAR, *TO_THE_END))
+
+
+@pytest.fixture(scope="module")
+def right(damped: Problem) -> Fit:
+    return fitted(damped, "nonproportional-damper", {"damping_n_s_per_m": 0.8})
+
+
+def test_the_right_name_leaves_nothing_to_explain(right: Fit) -> None:
+    still = still_explained(right)
+    assert still is not None
+    assert still.nats < 0
+
+
+def test_an_absorber_bent_into_a_damper_does(damped: Problem) -> None:
+    bent = fitted(damped, "local-absorber", {"mass_kg": 0.07, "frequency_hz": 2.5, "damping_ratio": 0.5})
+    still = still_explained(bent)
+    assert still is not None
+    assert still.nats > 9
+
+
+def with_noise(case: Fit, seed: int, factor: Any = 1.0) -> Fit:
+    """The same model and data that it foretells, times a factor on A/F (C, L), with noise of what it is judged by."""
+    measured = case.problem.measured
+    noise = np.random.default_rng(seed).standard_normal((2, *measured.values.shape)) / np.sqrt(2)
+    values = case.predicted * factor + measured.sigma * (noise[0] + 1j * noise[1])
+    problem = replace(case.problem, measured=replace(measured, values=values))
+    return fit(problem, case.hypotheses, case.u, case.e, ())
+
+
+def test_noise_is_hardly_ever_explained(right: Fit) -> None:
+    nats = [found.nats for k in range(8) if (found := still_explained(with_noise(right, k)))]
+    assert len(nats) == 8
+    # At any of the places, chance does as much in one of exp(nats).
+    assert max(nats) < 3
+
+
+def test_a_factor_on_one_sensor_is_seen_where_it_is(damped: Problem, right: Fit) -> None:
+    mine = np.flatnonzero(damped.split.train)[3]
+    line = np.log(damped.measured.frequency_hz)
+    factor = np.ones(damped.measured.values.shape, dtype=complex)
+    factor[mine] += 0.06j * (line - line.mean())
+    still = still_explained(with_noise(right, 0, factor))
+    assert still is not None
+    assert still.words == f"factor on {damped.measured.channels[mine].label}"
+    assert still.nats > 9
+
+
+def test_what_is_rough_over_frequency_is_no_law(damped: Problem, right: Fit) -> None:
+    """As much on one sensor that turns from line to line is for the residual's own test to see."""
+    mine = np.flatnonzero(damped.split.train)[3]
+    line = np.log(damped.measured.frequency_hz)
+    smooth = 0.06j * (line - line.mean())
+    signs = (-1.0) ** np.arange(line.size)
+    nats = []
+    for change in (smooth, smooth * signs):
+        factor = np.ones(damped.measured.values.shape, dtype=complex)
+        factor[mine] += change
+        still = still_explained(with_noise(right, 0, factor))
+        assert still is not None
+        nats.append(still.nats)
+    assert nats[1] < 0.1 * nats[0]
+
+
+def test_terms_share_out_one_and_chance_is_that_of_noise() -> None:
+    frequency = np.geomspace(3, 35, 50)
+    laws = _laws(frequency)
+    assert laws.sum(axis=1) == pytest.approx(1)
+    # A straight line in the logarithm is among them, and so is a cubic.
+    wanted = np.log(frequency) ** 3
+    assert laws @ np.linalg.lstsq(laws, wanted, rcond=None)[0] == pytest.approx(wanted)
+    drawn = 0.5 * np.sum(np.random.default_rng(0).standard_normal((20_000, 2 * laws.shape[1])) ** 2, axis=1)
+    # Of noise, minus the logarithm of a chance is exponential: its mean is one, and beyond three lies exp(-3).
+    nats = np.array([_surprise(h) for h in drawn])
+    assert nats.mean() == pytest.approx(1, abs=0.03)
+    assert np.mean(nats > 3) == pytest.approx(np.exp(-3), abs=0.006)
+
+
+@pytest.mark.parametrize(("nats", "one_level", "kept"), [(13.0, False, True), (8.0, False, False), (13.0, True, False)])
+def test_what_takes_as_much_as_a_name_is_told(
+    monkeypatch: pytest.MonkeyPatch, nats: float, one_level: bool, kept: bool
+) -> None:
+    beside = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), nats)
+    monkeypatch.setattr(beyond_names, "still_explained", lambda fit: beside)
+    monkeypatch.setattr(beyond_names, "rests_on_one_level", lambda found: ("cubic-root-stiffness",) * one_level)
+    monkeypatch.setattr(beyond_names, "replace", lambda found, still: SimpleNamespace(**vars(found) | {"still": still}))
+    found: Any = SimpleNamespace(rounds=(None,), final=None, still=None)
+    limits: Any = SimpleNamespace(evidence_nats=9.0)
+    assert asked_beyond_names(found, limits).still is (beside if kept else None)
+    nameless: Any = SimpleNamespace(rounds=(), final=None, still=None)
+    assert asked_beyond_names(nameless, limits).still is None

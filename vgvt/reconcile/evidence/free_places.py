@@ -1,0 +1,118 @@
+"""Places at which something unknown could act, and what it would do to A/F: a force, or a factor on some channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.reconcile.mechanics.response import accelerances
+from vgvt.reconcile.prediction.grouping import Group
+from vgvt.reconcile.prediction.surrogate import Anchor, Reduced
+from vgvt.reconcile.question.problem import Problem
+from vgvt.simulation.attached import point_rows
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreePlace:
+    """A place: rows (n,) over the coordinates of each group of runs, which differ, or a mask (C,) of channels.
+
+    ``kind`` is 'structure', 'drive' or 'sensor'.
+    """
+
+    label: str
+    kind: str
+    position_m: tuple[float, float, float] | None
+    rows: tuple[Array, ...] | None
+    mask: NDArray[np.bool_] | None
+
+
+def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[FreePlace]:
+    """Every place that could carry something: grid points, hook, body, roots, and the channels that are kept (C,)."""
+    groups = here.assembled
+    plan = groups[0].plan
+    found = []
+    for point in plan.grid:
+        at = (float(point.position_m[0]), float(point.position_m[1]), float(point.position_m[2]))
+        rows = tuple(g.structure.axis[g.structure.places.index(point.site)] for g in groups)
+        found.append(FreePlace(f"force at {point.dof}", "structure", at, rows, None))
+    hook = plan.scenario.suspension.hook_m
+    rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(hook))[0] for g in groups)
+    found.append(FreePlace("force at the hook", "structure", hook, rows, None))
+    # The first six coordinates: translation, then rotation about the body's own x, y and z.
+    for axis, name in ((4, "pitch"), (3, "roll")):
+        rows = tuple(_unit(g.structure.drive.size, axis) for g in groups)
+        found.append(FreePlace(f"{name} moment on the centre body", "structure", None, rows, None))
+    for beam, chain in plan.parts.chains.items():
+        for kind in ("bending", "torsion"):
+            first = [k for g in groups if (k := _first_joint(g, beam, kind)) is not None]
+            if len(first) == len(groups):
+                rows = tuple(_unit(g.structure.drive.size, k) for g, k in zip(groups, first, strict=True))
+                x, y, z = (float(v) for v in chain.table.point_m(0.0))
+                found.append(FreePlace(f"{kind} at the root of {beam}", "structure", (x, y, z), rows, None))
+    channels = problem.measured.channels
+    everything = np.ones(len(channels), dtype=bool)
+    found.append(FreePlace("force channel", "drive", None, None, everything))
+    instruments = np.array([c.instrument for c in channels])
+    if len(problem.measured.runs) > 1:
+        found += [
+            FreePlace(f"sensor-{k + 1} in every run", "sensor", None, None, instruments == k)
+            for k in np.unique(instruments)
+        ]
+    found += [
+        FreePlace(channel.label, "sensor", None, None, np.arange(len(channels)) == i)
+        for i, channel in enumerate(channels)
+        if keep[i]
+    ]
+    return found
+
+
+def answered(here: Anchor, place: FreePlace, predicted: ComplexArray, chain: ComplexArray) -> ComplexArray:
+    """What a unit of something at a place does to A/F (C, L): a force of the shaker's size, or a factor on channels.
+
+    ``predicted`` (C, L) is the prediction at the anchor, ``chain`` (C, L) what the measuring chain makes of it.
+    """
+    if place.rows is None:
+        assert place.mask is not None
+        return np.asarray(predicted * place.mask[:, None])
+    out = np.zeros(predicted.shape, dtype=complex)
+    omega = 2 * np.pi * here.problem.measured.frequency_hz
+    for group, row in zip(here.groups, place.rows, strict=True):
+        pushed = replace(group.matrices, drive=_reduced(group, row), spare=np.zeros_like(group.matrices.spare))
+        masses = tuple(group.masses_kg[r] if group.roving else np.zeros(r.size) for r in group.runs)
+        out[group.channels] = accelerances(pushed, omega, group.runs, masses)
+    return np.asarray(out * chain)
+
+
+def moved(group: Reduced, row: Array, omega: Array) -> tuple[ComplexArray, ComplexArray]:
+    """Displacement (L,) along a row over a group's coordinates by a unit of the shaker, and by a unit along the row."""
+    own = _reduced(group, row)
+    seen = replace(group.matrices, axis=own[None], tilt=np.zeros((1, own.size)), spare=np.zeros(1))
+    runs, none = (np.array([0]),), (np.zeros(1),)
+    by_drive = accelerances(seen, omega, runs, none)[0] / -(omega**2)
+    return by_drive, accelerances(replace(seen, drive=own), omega, runs, none)[0] / -(omega**2)
+
+
+def _reduced(group: Reduced, row: Array) -> Array:
+    """A row over a group's assembled coordinates in its reduced ones."""
+    wide = np.zeros(group.basis.shape[0])
+    wide[: row.size] = row
+    return np.asarray(group.basis.T @ wide)
+
+
+def _unit(size: int, k: int) -> Array:
+    """A row (n,) with a one at an index."""
+    row = np.zeros(size)
+    row[k] = 1.0
+    return row
+
+
+def _first_joint(group: Group, beam: str, kind: str) -> int | None:
+    """The coordinate of a beam's innermost joint of a kind, 'bending' or 'torsion': a soft root is one more."""
+    joints, links = group.structure.joints, group.plan.parts.chains[beam].links
+    return next((joints.index(name) for link in links if (name := f"{link.name}/{kind}") in joints), None)

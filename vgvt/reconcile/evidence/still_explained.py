@@ -1,0 +1,152 @@
+"""What a law at one place would still explain beside a named effect: whether the thing there is quite what was named.
+
+Where the right effect is not in the catalogue another one at its place is bent until little is left, as an absorber
+below the band is for a damper. What is left is then too little to show among all that noise leaves, and not too little
+for a law of a few values: a dynamic stiffness at that place that is smooth over frequency, or such a factor on a
+channel, whatever thing may have it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+
+from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved
+from vgvt.reconcile.evidence.lasting import lasting
+from vgvt.reconcile.evidence.residual import independent_values
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.fitting.misfit import data_misfit, standardised
+from vgvt.reconcile.prediction.surrogate import Anchor, anchor
+from vgvt.reconcile.question.thresholds import noise_share
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+_TERMS = 4
+"""Complex values of a law: cubic in the logarithm of frequency, which a stiffness, mass, damper and mixtures are."""
+# Of a direction's length, what is left of it beside all that the unknowns imitate and is still one of its own.
+_ITS_OWN = 1e-8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StillExplained:
+    """The place where a smooth law explains most of what a fit leaves, and by how many ``nats`` more than chance.
+
+    Chance would do as much in one of exp(nats) campaigns at any of the places. ``kind`` is as a free place's.
+    """
+
+    label: str
+    kind: str
+    position_m: tuple[float, float, float] | None
+    nats: float
+
+    @property
+    def words(self) -> str:
+        """The place, as part of a sentence."""
+        if self.kind == "structure":
+            return self.label
+        return f"factor on {'the ' if self.kind == 'drive' else ''}{self.label}"
+
+
+@lru_cache(maxsize=8)
+def still_explained(found: Fit) -> StillExplained | None:
+    """What a smooth law at one place explains of what a fit leaves; None beside joints that depend on level.
+
+    Judged as names are, by tempered values and where the model's error lasts: the lesser of the two counts.
+    """
+    if not all(h.linear for h in found.hypotheses):
+        return None
+    problem = found.problem
+    here = anchor(problem, found.u, found.hypotheses, found.e, slopes=False)
+    if any(group.levels is not None for group in here.groups):
+        return None
+    keep = problem.split.train
+    chain, laws = here.chain(found.u, found.e), _laws(problem.measured.frequency_hz)
+    views = _views(found)
+    places = free_places(problem, here, keep)
+    best: StillExplained | None = None
+    for place in places:
+        columns = _columns(found, here, place, chain, laws)
+        nats = min(view.nats(columns) for view in views) - float(np.log(len(places)))
+        if best is None or nats > best.nats:
+            best = StillExplained(place.label, place.kind, place.position_m, nats)
+    return best
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _View:
+    """Misfit and scores (2 N + scores,) with the ``basis`` (…, scores) of what scores imitate, by one measure.
+
+    ``worth`` is how many independent values each counts as; ``lasts`` where errors of the model do.
+    """
+
+    found: Fit
+    left: Array
+    basis: Array
+    worth: float
+    lasts: bool
+
+    @classmethod
+    def of(cls, found: Fit, misfit: Array, tangent: Array, worth: float, lasts: bool) -> _View:
+        """From misfit (2 N,) and tangent (2 N, scores) by the measure."""
+        basis, _ = np.linalg.qr(np.vstack([tangent, np.eye(tangent.shape[1])]))
+        whole = np.concatenate([misfit, found.scores])
+        return cls(found, whole - basis @ (basis.T @ whole), basis, worth, lasts)
+
+    def nats(self, columns: Array) -> float:
+        """Minus the logarithm of the chance that columns (2 N, 2 terms) of nothing take as much as these do."""
+        judged = lasting(self.found.problem, columns) if self.lasts else columns
+        wide = np.concatenate([judged, np.zeros((self.basis.shape[1], judged.shape[1]))])
+        length = np.linalg.norm(wide, axis=0)
+        own = wide - self.basis @ (self.basis.T @ wide)
+        own /= np.maximum(length, np.finfo(float).tiny)
+        sides, sizes, _ = np.linalg.svd(own, full_matrices=False)
+        taken = sides[:, sizes > _ITS_OWN].T @ self.left
+        return _surprise(0.5 * self.worth * float(taken @ taken))
+
+
+def _views(found: Fit) -> tuple[_View, _View]:
+    problem = found.problem
+    keep = problem.split.train
+    misfit = data_misfit(problem, found.predicted)
+    rho = standardised(problem, (found.predicted - problem.measured.values)[keep])
+    worth = min(1.0, independent_values(rho) / found.points) * noise_share(problem.measured, keep).worth
+    judged = lasting(problem, np.column_stack([misfit, found.tangent]))
+    return (
+        _View.of(found, misfit, found.tangent, worth, lasts=False),
+        _View.of(found, judged[:, 0], judged[:, 1:], 1.0, lasts=True),
+    )
+
+
+def _columns(found: Fit, here: Anchor, place: FreePlace, chain: ComplexArray, laws: Array) -> Array:
+    """Changes of the misfit (2 N, 2 terms) by each term of a law, real and imaginary, at a place."""
+    problem = found.problem
+    answer = answered(here, place, found.predicted, chain)
+    if place.rows is not None:
+        omega = 2 * np.pi * problem.measured.frequency_hz
+        for group, row in zip(here.groups, place.rows, strict=True):
+            # A law's force is its stiffness times what moves there.
+            answer[group.channels] *= moved(group, row, omega)[0]
+    terms = answer[problem.split.train][:, :, None] * laws
+    scaled = standardised(problem, np.concatenate([terms, 1j * terms], axis=2))
+    flat = scaled.reshape(-1, scaled.shape[2])
+    return np.asarray(np.sqrt(2) * np.concatenate([flat.real, flat.imag]))
+
+
+def _laws(frequency_hz: Array) -> Array:
+    """The terms (L, terms): Bernstein's cubics in the logarithm of frequency over the band."""
+    x = np.log(frequency_hz)
+    ends = np.repeat([x[0], x[-1]], _TERMS)
+    return np.asarray(BSpline.design_matrix(np.minimum(x, np.nextafter(x[-1], x[0])), ends, _TERMS - 1).toarray())
+
+
+def _surprise(half: float) -> float:
+    """Minus the logarithm of the chance that noise has such a ``half`` square sum along 2 terms' directions.
+
+    Of an even number of values it is exp(-h) (1 + h + h²/2 + …), with half as many summands.
+    """
+    summands = np.cumprod([1.0, *(half / k for k in range(1, _TERMS))])
+    return half - float(np.log(summands.sum()))
