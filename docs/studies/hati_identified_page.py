@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import csv
-import re
 
 import matplotlib.pyplot as plt
 import numpy as np
 from hati_identified import COPY, FOLDER, Finding, stored, timed
-from virtual_lab import IMAGES, PAGES, table, write_results
+from virtual_lab import IMAGES, PAGES, shorten_paths, table, write_results
 
 from vgvt.files import open_campaign
 from vgvt.signals import estimate_frf
@@ -189,10 +188,4 @@ def picture(merged: dict[str, Finding], alone: dict[str, list[Finding]]) -> None
     figure.savefig(IMAGES / "study-hati-identified.svg", metadata={"Date": None})
     figure.savefig(FOLDER / "look.png", dpi=110)
     plt.close(figure)
-    _shrink(IMAGES / "study-hati-identified.svg")
-
-
-def _shrink(path) -> None:  # type: ignore[no-untyped-def]
-    """Two decimals are enough for a drawing."""
-    text = path.read_text(encoding="utf-8")
-    path.write_text(re.sub(r"(\d+\.\d{2})\d+", r"\1", text), encoding="utf-8")
+    shorten_paths(IMAGES / "study-hati-identified.svg")

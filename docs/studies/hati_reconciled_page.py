@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from hati_reconciled import FOLDER, Document, stored
 from matplotlib.colors import LogNorm
-from virtual_lab import IMAGES, PAGES, table, write_results
+from virtual_lab import IMAGES, PAGES, shorten_paths, table, write_results
 
 PAGE, PARAMETERS = PAGES / "hati-reconciled.md", PAGES / "hati-reconciled-parameters.csv"
 PARTS = {"train": "fitted", "held_out": "held out", "held_runs": "held-out runs", "held_channels": "held-out channels"}
@@ -260,5 +259,4 @@ def _save(figure: Any, name: str) -> None:
     figure.savefig(path, metadata={"Date": None}, dpi=130)
     figure.savefig(FOLDER / f"{name}.png", dpi=110)
     plt.close(figure)
-    text = path.read_text(encoding="utf-8")
-    path.write_text(re.sub(r"(\d+\.\d{2})\d+", r"\1", text), encoding="utf-8")
+    shorten_paths(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,16 @@ def reduced_hati(
             "simulation": scenario.simulation.model_copy(update={"engine": "linear"}),
         }
     )
+
+
+def shorten_paths(path: Path) -> None:
+    """Two decimals are enough for the lines of a drawing; what scales its letters keeps all of them."""
+
+    def shortened(found: re.Match[str]) -> str:
+        return re.sub(r"(\d+\.\d{2})\d+", r"\1", found[0])
+
+    text = path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r'\bd="[^"]*"', shortened, text), encoding="utf-8")
 
 
 def with_fields(scenario: Scenario, table: str, **values: Any) -> Scenario:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
+import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
@@ -12,7 +15,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Thread
-from typing import Any
+from types import FrameType
+from typing import Any, NoReturn
 
 from vgvt.bench.cell import Cell, Row, run_cell
 from vgvt.data import InputError
@@ -21,6 +25,8 @@ MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _LOOK_S = 1.0  # between two looks for the parent
+_AGAIN_S = 2  # after an interrupt that was lost
+_TO_TIDY_S = 5.0  # for a worker without a parent to take away what it has on disk
 _ATTEMPTS = 3  # of a cell whose worker died under it
 
 
@@ -49,14 +55,29 @@ def process_pool(workers: int) -> MakeExecutor:
 
 
 def leave_with_parent(parent: int) -> None:
-    """Let this process end with that of its parent, whatever it is at work on: killed, a parent can tell nobody."""
+    """Let this process end with that of its parent, whatever it is at work on: killed, a parent can tell nobody.
+
+    And on Ctrl-C without a word: the parent says what there is to say. What it has on disk it takes away.
+    """
+    signal.signal(signal.SIGINT, _leave)
+    own = threading.get_ident()
 
     def watch() -> None:
         while os.getppid() == parent:
             time.sleep(_LOOK_S)
+        signal.pthread_kill(own, signal.SIGINT)
+        time.sleep(_TO_TIDY_S)
         os._exit(1)
 
     Thread(target=watch, name="leave with parent", daemon=True).start()
+
+
+def _leave(_number: int, _frame: FrameType | None) -> NoReturn:
+    """The handler of SIGINT in a worker: the way out that no one prints, taken again where it ends in a finaliser."""
+    sys.unraisablehook = lambda _: None
+    signal.signal(signal.SIGALRM, _leave)
+    signal.alarm(_AGAIN_S)
+    raise SystemExit(1)
 
 
 def dask_cluster(address: str, workers: int) -> MakeExecutor:

@@ -13,6 +13,7 @@ import importlib
 import json
 import os
 import platform
+import signal
 import sys
 import tempfile
 from pathlib import Path
@@ -91,5 +92,8 @@ def _say(number: int) -> None:
 
 
 if __name__ == "__main__":
+    # Told to end while it loads, it takes away what it has on disk.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     load()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     serve()

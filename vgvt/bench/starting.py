@@ -16,6 +16,7 @@ from pathlib import Path
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _STARTING_S = 60.0  # for the interpreter and its libraries; the contestant's own alarm counts the identification alone
+_TO_TIDY_S = 2.0  # for a gate that is told to end, until it is killed
 FORKS = sys.platform.startswith("linux")
 """Whether a process that has loaded numpy may be forked here."""
 
@@ -102,8 +103,12 @@ def _gate() -> Gate:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.wait()
+    process.terminate()
+    try:
+        process.wait(timeout=_TO_TIDY_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             pipe.close()

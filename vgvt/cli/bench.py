@@ -10,6 +10,7 @@ import typer
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption
+from vgvt.cli.results_folder import CELLS, checked_folder, telling_what_is_kept
 
 if TYPE_CHECKING:
     import pandas
@@ -76,8 +77,9 @@ def bench(
     from vgvt.bench.table import write_csv, write_parquet
 
     before = None if against is None else read_baseline(against)
+    checked_folder(out, (CELLS, "bench.parquet"))
     plan = _plan(scenarios, identifier, seeds, seed, engine, band, time_limit, memory_limit)
-    with progress("bench") as report:
+    with telling_what_is_kept(out), progress("bench") as report:
         table = work_off(plan, out, executor_for(workers, cluster), report)
     paths = {"table": out / "bench.parquet"}
     write_parquet(paths["table"], table)

@@ -11,6 +11,7 @@ from vgvt.cli.bench import executor_for, log_failures
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption, ScenarioArgument
+from vgvt.cli.results_folder import CELLS, checked_folder, telling_what_is_kept
 
 if TYPE_CHECKING:
     import pandas
@@ -71,6 +72,7 @@ def sweep(
     entries = entries_of(identifier or ["quadrature"])
     for entry in entries:
         make_identifier(entry.identifier, **dict(entry.settings))  # a misspelt name costs no time
+    checked_folder(out, (CELLS, "sweep.parquet"))
     plan = BenchPlan(
         scenarios=tuple(v.scenario for v in variants),
         seeds=seeds,
@@ -80,7 +82,7 @@ def sweep(
         engine=its_engine,
         band_hz=band,
     )
-    with progress("sweep") as report:
+    with telling_what_is_kept(out), progress("sweep") as report:
         table = with_swept_columns(bench(plan, out, executor_for(workers, cluster), report), variants)
     paths = {"table": out / "sweep.parquet"}
     write_swept_parquet(paths["table"], table)

@@ -18,9 +18,11 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """A temporary path in the folder of ``path`` that takes its name when the block ends well.
 
     On an exception the temporary file goes and whatever stood at ``path`` stays.
-    Folders are made as needed. InputError when the place cannot be written.
+    Folders are made as needed. InputError when the place cannot be written, or is a folder.
     """
     final = Path(path)
+    if final.is_dir():
+        raise InputError(str(final), "is a folder, and a file is to be written", "give the name of a file")
     temporary = final.with_name(f".{final.name}.{uuid.uuid4().hex[:8]}.part")
     try:
         final.parent.mkdir(parents=True, exist_ok=True)
