@@ -135,7 +135,7 @@ def _runs(axes: Any, pair: Pair, sensor: int) -> None:
     axes.semilogy(first[0][near], np.abs(first[1][sensor][near]), color=OTHER, label="with, first run")
     axes.semilogy(last[0][near], np.abs(last[1][sensor][near]), color=SPOILED, label="with, last run")
     axes.set(xlabel="frequency in Hz")
-    axes.legend(loc="upper right", framealpha=0.8)
+    _legend_beside(axes)
 
 
 def _command_runs(axes: Any, pair: Pair, sensor: int) -> None:
@@ -144,7 +144,7 @@ def _command_runs(axes: Any, pair: Pair, sensor: int) -> None:
         frequency, values = ratio(run, COMMAND, pair.scenario)
         axes.semilogy(frequency, np.abs(values[sensor]), color=colour, label=label)
     axes.set(xlabel="frequency in Hz")
-    axes.legend(loc="lower right", framealpha=0.8)
+    _legend_beside(axes)
 
 
 def _levels(axes: Any, pair: Pair, sensor: int) -> None:
@@ -158,7 +158,7 @@ def _levels(axes: Any, pair: Pair, sensor: int) -> None:
         label = f"{np.abs(result.campaign.runs[0].samples[COMMAND]).max():.2g} V"
         axes.semilogy(frequency[near], np.abs(values[sensor][near]), color=colour, label=label)
     axes.set(xlabel="frequency in Hz")
-    axes.legend(loc="best", framealpha=0.8)
+    _legend_beside(axes)
 
 
 def _modes(axes: Any, pair: Pair, sensor: int) -> None:
@@ -180,7 +180,12 @@ def _modes(axes: Any, pair: Pair, sensor: int) -> None:
     axes.set_ylim(min(3 * low, -0.3), max(3 * high, 0.3))
     axes.set_xticks(place, [f"{clean.natural_frequency_hz[i]:.2g}" for i, _ in pairs])
     axes.set(xlabel="true mode by its frequency in Hz")
-    axes.legend(loc="best", framealpha=0.8)
+    _legend_beside(axes)
+
+
+def _legend_beside(axes: Any) -> None:
+    """Outside: there is always something that a box within would hide."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, handlelength=1.2)
 
 
 def _in_sight(modes: ModalModel) -> ModalModel:

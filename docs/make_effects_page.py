@@ -71,7 +71,7 @@ _ELSEWHERE = (
     ("sweep too fast", "`excitation.duration_s`", "the operator's choice; the ringing follows from the physics"),
     (
         "leakage: records that do not start or end at rest",
-        "`excitation.lead_in_s`, `ring_down_s`, `taper_s`",
+        "`excitation.lead_in_s`, `unrecorded_s`, `ring_down_s`, `taper_s`",
         "the operator's choice",
     ),
     (

@@ -1,4 +1,4 @@
-"""A moment on a body of two halves is on the half that the shaker pushes on, whose turn is what its gauge feels."""
+"""A moment on a body of two halves is on what the shaker pushes on, a half or the middle, and its gauge feels that."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulated_campaign
-from vgvt.simulation.airframe import LEFT_HALF, ROOT
+from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import hung_rig, plans
 from vgvt.simulation.attached import attach
 from vgvt.simulation.effect_conformance import ENGINES_AGREE, example_scenario
+from vgvt.simulation.halves import LEFT_HALF, RIGHT_HALF
 from vgvt.simulation.linear import linearise
 from vgvt.simulation.reduced import structure
 
@@ -31,18 +32,19 @@ def driven_at(scenario: Scenario, y_m: float, *tables: EffectTable) -> Scenario:
     return scenario.model_copy(update={"shaker": moved, "effect": (HALVED, *tables)})
 
 
-@pytest.mark.parametrize("y_m", [-ASIDE_M, ASIDE_M])
+@pytest.mark.parametrize("y_m", [-ASIDE_M, 0.0, ASIDE_M])
 def test_a_moment_is_on_the_half_under_the_shaker(y_m: float) -> None:
     """K grows by k (r rᵀ + p pᵀ), with roll and pitch of that half: pitch of the other was 0.36 Hz off."""
     plain, held = (hung_rig(plans(driven_at(effect_rig(), y_m, *t))[0], 0) for t in ((), (MOMENT,)))
     turned: NDArray[np.float64] = np.zeros((3, held.model.nv))
-    mujoco.mj_jacBody(held.model, at_rest(held), None, turned, held.model.body(LEFT_HALF if y_m < 0 else ROOT).id)
+    driven = {-ASIDE_M: LEFT_HALF, 0.0: ROOT, ASIDE_M: RIGHT_HALF}[y_m]
+    mujoco.mj_jacBody(held.model, at_rest(held), None, turned, held.model.body(driven).id)
     before, after = (linearise(r.model, r.qpos).stiffness for r in (plain, held))
     # It hangs pitched by a quarter of a degree: its axes are the body's to that.
     np.testing.assert_allclose(after - before, 30.0 * turned[:2].T @ turned[:2], atol=30.0 * 0.01)
 
 
-@pytest.mark.parametrize("y_m", [-ASIDE_M, ASIDE_M])
+@pytest.mark.parametrize("y_m", [-ASIDE_M, 0.0, ASIDE_M])
 @pytest.mark.parametrize("table", [MOMENT, STRAIN])
 def test_a_fit_assembles_what_is_driven(y_m: float, table: EffectTable) -> None:
     """Whole, and by rows alone on an aircraft that is assembled without."""

@@ -59,7 +59,7 @@ def twisting_hz(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.flo
     rig = bare_rig(plans(scenario)[0])
     linear = linearise(rig.model, rig.qpos)
     names = [rig.model.joint(j).name for j in range(rig.model.njnt)]
-    turns = np.array([n in ("pitch", "carry-through") or n.endswith("torsion") for n in names])
+    turns = np.array([n in ("pitch", "carry-through-middle", "carry-through") or n.endswith("torsion") for n in names])
     for matrix in (linear.mass, linear.stiffness):
         assert np.abs(matrix[np.ix_(turns, ~turns)]).max() < 1e-9 * np.abs(matrix).max()
     squares = [

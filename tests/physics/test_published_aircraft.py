@@ -8,16 +8,19 @@ three lie more than 8 % too high, which the table says and a test holds.
 from __future__ import annotations
 
 import functools
+import re
 
 import numpy as np
 import pytest
 from finite_element import Array, Model, build, natural_modes
 from garteur_joints import rigid_jointed
+from test_bundled_frequencies import DERIVED_BENDING_HZ
 from uniform_beams import FREE_FREE, UniformBeam
 
 from vgvt.data import ModalModel
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.library import library_folder
+from vgvt.simulation import truth_of
 from vgvt.simulation.assembly import bare_rig, plan
 from vgvt.simulation.labels import mode_labels
 from vgvt.simulation.linear import linearise
@@ -152,21 +155,57 @@ def test_the_teaching_beam_has_the_frequencies_of_its_lesson() -> None:
         assert f"{frequency:.3f}" in load_scenario("teaching-beam").lesson
 
 
+def catalogue_text() -> str:
+    """The catalogue of scenarios."""
+    return (library_folder() / "README.md").read_text(encoding="utf-8")
+
+
+def catalogue_cells(name: str) -> list[list[str]]:
+    """The cells of a scenario's table of frequencies in the catalogue, without the modes' names."""
+    table = catalogue_text().split(f"`{name}`, against")[1].split("\n\n")[1]
+    return [[cell.strip(" *") for cell in line.strip("|").split("|")[1:]] for line in table.splitlines()[2:]]
+
+
 def catalogue_rows(name: str) -> Array:
     """The numbers of a scenario's table in the catalogue, its shares left out: model, finite elements, published, …"""
-    text = (library_folder() / "README.md").read_text(encoding="utf-8")
-    table = text.split(f"`{name}`, against")[1].split("\n\n")[1]
-    lines = [line.strip("|").split("|") for line in table.splitlines()[2:]]
-    return np.array([[float(cell) for cell in line[1:] if "%" not in cell] for line in lines])
+    return np.array([[float(cell) for cell in row if "%" not in cell] for row in catalogue_cells(name)])
 
 
-@pytest.mark.parametrize("name", ["bff", "garteur-sm-ag19", "teaching-beam"])
+def percent(cell: str) -> float:
+    """A share of the catalogue in percent."""
+    return float(cell.removesuffix(" %").replace("−", "-"))
+
+
+PUBLISHED_HZ = {"bff": BFF_HZ, "garteur-sm-ag19": GARTEUR_HZ, **DERIVED_BENDING_HZ}
+
+
+@pytest.mark.parametrize("name", ["bff", "garteur-sm-ag19", "hati-unsymmetric", "skoll-gvt1", "teaching-beam"])
 def test_the_catalogue_tells_what_the_models_give(name: str) -> None:
     rows = catalogue_rows(name)
     np.testing.assert_allclose(rows[:, 0], bare_modes(name).natural_frequency_hz[: len(rows)], rtol=1.5e-3)
     np.testing.assert_allclose(rows[:, 1], finite_element_hz(name)[: len(rows)], rtol=1.5e-3)
-    published = {"bff": BFF_HZ, "garteur-sm-ag19": GARTEUR_HZ}.get(name)
-    if published is not None:
-        np.testing.assert_array_equal(rows[:, 2], published)
+    if name in PUBLISHED_HZ:
+        np.testing.assert_array_equal(rows[:, 2], PUBLISHED_HZ[name])
+        beside = [percent(row[3]) for row in catalogue_cells(name)]
+        np.testing.assert_allclose(beside, 100 * (rows[:, 0] / rows[:, 2] - 1), atol=0.16)
     if name == "garteur-sm-ag19":
         np.testing.assert_allclose(rows[:, 3], bare_modes(RIGID).natural_frequency_hz[:8], rtol=1.5e-3)
+
+
+def test_the_catalogue_tells_where_torsion_begins() -> None:
+    hati, skoll = re.search(r"here it is at (\S+) and at (\S+) Hz", catalogue_text()).groups()  # type: ignore[union-attr]
+    for name, stated in (("hati-unsymmetric", hati), ("skoll-gvt1", skoll)):
+        bare = bare_modes(name)
+        first = next(f for f, label in zip(bare.natural_frequency_hz, bare.labels, strict=True) if "torsion" in label)
+        assert float(stated) == pytest.approx(first, abs=0.06)
+
+
+def test_the_catalogue_tells_how_far_apart_the_torsion_pair_of_garteur_is() -> None:
+    words = r"is (\S+) Hz apart in the model, (\S+) Hz as tested with the sensors on it, and (\S+) Hz\nin participant C"
+    bare, tested, published = re.search(words, catalogue_text()).groups()  # type: ignore[union-attr]
+    name = "garteur-sm-ag19"
+    modes = truth_of(load_scenario(name)).as_tested[0]
+    pair = [modes.natural_frequency_hz[modes.labels.index(f"1st {kind}symmetric torsion")] for kind in ("anti", "")]
+    assert float(bare) == pytest.approx(float(np.diff(bare_modes(name).natural_frequency_hz[2:4])[0]), abs=5e-3)
+    assert float(tested) == pytest.approx(pair[1] - pair[0], abs=5e-3)
+    assert float(published) == pytest.approx(GARTEUR_HZ[3] - GARTEUR_HZ[2], abs=5e-3)

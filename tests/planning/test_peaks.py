@@ -70,3 +70,45 @@ def test_what_to_expect_of_noise_is_what_comes(noisy, kind) -> None:
     samples = np.abs(simulated_campaign(scenario, engine="linear").runs[0].samples).max(axis=1)
     assert expected.peak_force_n == pytest.approx(samples[1], rel=0.4)
     assert expected.peak_acceleration_m_per_s2 == pytest.approx(samples[2:].max(), rel=0.4)
+
+
+def test_what_a_plan_s_level_would_overload_is_told(light) -> None:
+    """At 9 V a force of some 100 N is beyond the transducer's 44.5 N; as described nothing is."""
+    result = plan_test(light, order("level", largest_peak_v=9.0))
+    assert result.as_described.overloads == ()
+    for plan in result.plans:
+        (words,) = plan.overloads
+        assert words.startswith(
+            f"the force of up to {plan.prediction.peak_force_n:.3g} N is beyond the force transducer's"
+        )
+        assert plan.as_dict()["overloads"] == [words]
+
+
+def test_peaks_of_noise_beyond_the_generator_are_told(noisy) -> None:
+    loud = noisy.model_copy(update={"generator": noisy.generator.model_copy(update={"range_v": 0.5})})
+    assert peak_command_v(loud) == peak_command_v(noisy) > 0.5
+    told = plan_test(loud, order("sensors")).as_described.overloads
+    assert len(told) == 1
+    assert "is beyond the generator's ±0.5 V" in told[0]
+
+
+def test_more_volts_than_the_generator_gives_are_refused(light) -> None:
+    with pytest.raises(InputError, match=r"--max-volts: is 10\.5, but the scenario's generator gives 10 V"):
+        plan_test(light, order("level", largest_peak_v=10.5))
+
+
+def test_what_is_not_recorded_takes_its_minutes_and_stays_in_other_sweeps(light) -> None:
+    late = light.model_copy(update={"excitation": light.excitation.model_copy(update={"unrecorded_s": 4.0})})
+    budget = Budget(20, 10)
+    assert budget.minutes_of(late) == budget.minutes_of(light)
+    assert budget.shortest_sweep_s(late) == budget.shortest_sweep_s(light) + 4.0
+    wish = Wish(frozenset({"band"}), budget, 10, 1.0, targets=TARGETS)
+    (sweeps,) = affordable_sweeps(late, wish).values()
+    assert len(sweeps) > 1
+    assert {sweep.excitation.before_record_s for sweep in sweeps} == {4.0}
+    # From 3 to 35 Hz in 16 s: at 11 Hz when the record begins, and the first bending at 8 Hz is gone.
+    assert (
+        min(mode.frequency_hz for mode in predict(late).modes)
+        > 11.0
+        > min(m.frequency_hz for m in predict(light).modes)
+    )

@@ -8,6 +8,8 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.scenario import Scenario, load_scenario, to_toml
+from vgvt.scenario.library import library_folder
+from vgvt.scenario.rig import KIND_KEYS
 
 _HEAD = 'extends = "quick"\nname = "mine"\nsummary = "A trial."\n[excitation]\n'
 
@@ -83,6 +85,13 @@ def test_a_mistake_is_told_at_its_key(tmp_path: Path, lines: str, key: str, prob
     assert caught.value.where.endswith(f": excitation.{key}")
     assert problem in caught.value.problem
     assert advice in caught.value.advice
+
+
+def test_the_catalogue_tells_every_kind_and_its_own_keys() -> None:
+    text = (library_folder() / "README.md").read_text(encoding="utf-8").split("## The excitation")[1]
+    rows = [line.strip("|").split("|") for line in text.split("\n\n")[2].splitlines()[2:]]
+    told = {kind.strip(): set(keys.replace("`", "").replace(" ", "").split(",")) - {""} for kind, keys, _ in rows}
+    assert told == {kind: set(keys) for kind, keys in KIND_KEYS.items()}
 
 
 def test_a_changed_kind_leaves_the_old_kinds_keys_behind(tmp_path: Path) -> None:

@@ -71,6 +71,12 @@ _MISTAKES = [
     ("[acquisition]\nruns = []", "acquisition.runs", "has 0 entries", "each run"),
     ("[shaker]\nnode = 4", "shaker.node", "also an accelerometer's", "number of its own"),
     ("[shaker]\nposition_m = [0.6, 0.1]", "shaker.position_m", "exactly 3 entries", "Drive point"),
+    (
+        '[shaker]\ndrive = "voltage"\ncoil_resistance_ohm = 4.0\ncoil_inductance_h = 0.6',
+        "shaker.coil_inductance_h",
+        "lag by 0.15 s",
+        "0.6 mH is 6e-4",
+    ),
     ('[shaker]\nattached_to = "wnig"', "shaker.attached_to", "not a part", "Did you mean wing"),
     (
         '[[airframe.hinged]]\nname = "loose"\nmass_kg = 0.1\nposition_m = [0.9, 1.0, 0.0]\nattached_to = "wing"',

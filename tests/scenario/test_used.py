@@ -27,6 +27,7 @@ _OF_A_SHAKER = {
     "transducer.mass_kg": 0.5,
     "transducer.end_mass_kg": 0.2,
     "transducer.high_pass_hz": 3.0,
+    "transducer.range_n": 0.1,
     "shaker.drive": "voltage",
     "shaker.amplifier_gain": 0.5,
     "shaker.coil_resistance_ohm": 2.6,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_rig import band_spectra
+from small_rig import band_spectra, revised
 
 from vgvt.scenario import Scenario
 from vgvt.simulation import simulated_campaign
@@ -22,8 +22,10 @@ def test_small_amplitude_frfs_agree_within_half_a_percent(small: Scenario) -> No
 
 
 @pytest.mark.slow
-def test_force_per_command_agrees(small: Scenario) -> None:
-    """The shaker's own dynamics are in both engines: force over command, drop-outs included."""
+@pytest.mark.parametrize("inductance_h", [6e-4, 1.2e-2])
+def test_force_per_command_agrees(small: Scenario, inductance_h: float) -> None:
+    """The shaker's own dynamics are in both engines: force over command, drop-outs and a long lag included."""
+    small = revised(small, shaker={"coil_inductance_h": inductance_h})
     stepped = band_spectra(simulated_campaign(small, engine="mujoco").runs[0])
     solved = band_spectra(simulated_campaign(small, engine="linear").runs[0])
     assert np.abs(stepped[1] / stepped[0] * solved[0] / solved[1] - 1).max() < 0.01

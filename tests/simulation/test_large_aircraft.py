@@ -69,4 +69,4 @@ def test_a_small_aircraft_rests_as_exactly_as_ever() -> None:
     data = mujoco.MjData(rig.model)
     data.qpos[:] = rig.qpos
     joint_force(rig.model, data)
-    assert at_rest_n(data, 1e-9) == 1e-9
+    assert at_rest_n(rig.model, data, 1e-9) == 1e-9

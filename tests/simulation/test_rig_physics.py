@@ -33,13 +33,15 @@ def accelerance(scenario: Scenario, frequency_hz: np.ndarray) -> np.ndarray:
     return np.array([k * k * row @ np.linalg.solve(z, row) for k, z in zip(s, stiffness, strict=True)])
 
 
-def test_force_follows_from_the_shaker_equations(small: Scenario) -> None:
+@pytest.mark.parametrize("inductance_h", [0.0, 6e-4, 1.2e-2])
+def test_force_follows_from_the_shaker_equations(small: Scenario, inductance_h: float) -> None:
     """Force per volt equals m x'' + c x' + k x = Bl i - F, V = R i + L di/dt + Bl x' loaded by the structure.
 
     The expectation is the textbook's circuit, solved with the structure's own accelerance and no MuJoCo element
-    of the shaker; the stinger is a spring and dashpot in series. Inductance is the exact R-L here.
+    of the shaker; the stinger is a spring and dashpot in series. Inductance is the exact R-L here, up to a lag of 3 ms.
     """
-    frequency = np.linspace(3, 35, 400)
+    small = revised(small, shaker={"coil_inductance_h": inductance_h})
+    frequency = np.linspace(3, 80, 800)
     layout = plan(small)
     got = transfer(state_space(layout, driven_rig(layout, 0), layout.points), frequency)
     sh, st, tr = small.shaker, small.stinger, small.transducer
@@ -56,7 +58,8 @@ def test_force_follows_from_the_shaker_equations(small: Scenario) -> None:
     armature = armature + sh.force_factor_n_per_a**2 * s / impedance
     rod_force = blocked / (armature + 1 / seen) / seen
     expected = rod_force * loaded / receptance
-    assert np.abs(got / expected - 1).max() < 2e-3
+    # What is left is the sensor's tilt in gravity, which the circuit leaves out.
+    assert np.abs(got / expected - 1).max() < 5e-4
 
 
 def test_force_drops_out_at_resonance(small: Scenario) -> None:
@@ -108,14 +111,18 @@ def test_reciprocity_between_two_campaigns(small: Scenario) -> None:
             )
         },
     )
-    forward = _residues_at_10(truth_of(weightless).as_tested[0])
-    backward = _residues_at_10(truth_of(swapped).as_tested[0])
+    forward, backward = _residues_at_10(weightless), _residues_at_10(swapped)
     assert forward.size == backward.size > 3
     np.testing.assert_allclose(forward, backward, rtol=1e-5, atol=1e-7 * np.abs(forward).max())
 
 
-def _residues_at_10(model: ModalModel) -> np.ndarray:
-    elastic = model.band(4.0, 60.0)
+def _residues_at_10(scenario: Scenario) -> np.ndarray:
+    """Residues (modes,) of the displacement at point 10: what sensors feel of gravity has no counterpart in a push."""
+    layout = plan(revised(scenario, acquisition={"runs": ((10,),)}))
+    rig = hung_rig(layout, 0)
+    points = tuple((p.site, p.dof.direction.unit_vector) for p in layout.points)
+    linear = linearise(rig.model, rig.qpos, points)
+    elastic = modal_model(linear, tuple(p.dof for p in layout.points), len(points) - 1, 60.0).band(4.0, 60.0)
     return elastic.residues[:, [d.node for d in elastic.dofs].index(10), 0]
 
 

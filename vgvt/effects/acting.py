@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import IntEnum
 
+from vgvt.data.plugin import whose_fault
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import Element, GroundSpring
 from vgvt.effects.point_error import seats
@@ -32,20 +33,33 @@ class Turn(IntEnum):
     """It gives a law to a joint that is there, or is made by then."""
 
 
+def action_of(effect: Effect, scenario: Scenario, run: int) -> Action:
+    """What an effect does to a run (counted from 0) of a scenario.
+
+    PluginError, which names the effect, where one that is not bundled raises anything but InputError or gives no
+    Action.
+    """
+    with whose_fault(effect, f"effect {effect.name!r}", f"act(run {run})"):
+        action: object = effect.act(scenario, run)
+        if not isinstance(action, Action):
+            raise TypeError(f"it gave {type(action).__name__}, not an Action")
+    return action
+
+
 def acted(
     effects: Sequence[Effect],
     scenario: Scenario,
     run: int,
-    act: Callable[[Effect, Scenario, int], Action] | None = None,
+    act: Callable[[Effect, Scenario, int], Action] = action_of,
 ) -> tuple[Scenario, tuple[Action, ...]]:
     """The scenario as a run (counted from 0) has it, and what each of the effects does, in the order of ``effects``.
 
-    ``act(effect, scenario, run)`` is the effect's own by default. Turns follow each other; within one, effects act in
+    ``act(effect, scenario, run)`` is :func:`action_of` by default. Turns follow each other; within one, effects act in
     their order. Springs on accelerometers are where the effects together put these.
     """
     actions = [NOTHING] * len(effects)
     for k in sorted(range(len(effects)), key=lambda k: getattr(effects[k], "turn", Turn.STATED)):
-        actions[k] = effects[k].act(scenario, run) if act is None else act(effects[k], scenario, run)
+        actions[k] = act(effects[k], scenario, run)
         changed = actions[k].scenario
         scenario = scenario if changed is None else changed
     return scenario, _on_sensors(scenario, tuple(actions))

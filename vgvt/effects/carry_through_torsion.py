@@ -19,7 +19,7 @@ class CarryThroughTorsion:
     """The centre body is two halves, with a wing each, that pitch against each other on a spring.
 
     They turn about the line through the roots of the beams; each half has half of the body's
-    mass and inertia. The hook and all else in the plane of symmetry sit on the right half.
+    mass and inertia. Hook, shaker and all else in the plane of symmetry move by the mean of both.
     """
 
     name: ClassVar[str] = "carry-through-torsion"

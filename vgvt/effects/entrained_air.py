@@ -97,7 +97,7 @@ class EntrainedAir:
         return with_columns(beam, **dict(zip(_AIR, (air, together, pitch + turning + steiner), strict=True)))
 
     def _dashpots(self, beam: Beam) -> list[Element]:
-        """One a cell, at its middle, with the area of the cell."""
+        """One in the middle of each of as many equal pieces as the beam has cells, with its area."""
         axis, stations = beam_axis(beam), beam.stations
         length = float(axis.arc_length_m[-1])
         found: list[Element] = []

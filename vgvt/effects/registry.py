@@ -5,15 +5,26 @@ from __future__ import annotations
 import dataclasses
 import typing
 import warnings
-from importlib.metadata import entry_points
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 
 from vgvt.data import InputError
+from vgvt.data.plugin import lacking, one_of_each_name
 from vgvt.data.suggestion import choose_one_of
 from vgvt.effects.parameter import parameters_of
-from vgvt.effects.protocol import Effect
+from vgvt.effects.protocol import Effect, Family
 from vgvt.scenario.model import Scenario
 
 GROUP = "vgvt.effects"
+_DECLARED = {
+    "summary": str,
+    "family": Family,
+    "linear": bool,
+    "signature": str,
+    "confused_with": tuple,
+    "separating_test": str,
+    "reference": str,
+}
 
 
 class EffectPluginWarning(UserWarning):
@@ -23,23 +34,34 @@ class EffectPluginWarning(UserWarning):
 def available_effects() -> dict[str, type]:
     """Every usable installed effect class by name, in alphabetical order.
 
-    A plugin that cannot be imported or is no effect is left out with an
-    ``EffectPluginWarning`` that names it.
+    A plugin that cannot be imported or is no effect is left out with an ``EffectPluginWarning`` that names it, and so
+    is one of a name that a bundled effect has, or another plugin of a package that comes first.
     """
-    found: dict[str, type] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
-        try:
-            loaded = point.load()
-        except Exception as error:  # noqa: BLE001  whatever a third-party import raises must not stop the others
-            _left_out(point.name, f"{type(error).__name__}: {error}")
-            continue
-        if not (isinstance(loaded, type) and dataclasses.is_dataclass(loaded) and callable(getattr(loaded, "act", 0))):
-            _left_out(point.name, "it is not a dataclass with a method act(scenario, run)")
-        elif loaded.__dict__.get("name") != point.name:
-            _left_out(point.name, f"the class calls itself {loaded.__dict__.get('name')!r}")
-        else:
-            found[point.name] = loaded
-    return found
+    return one_of_each_name(entry_points(group=GROUP), _load, _warn)
+
+
+def _load(point: EntryPoint) -> type | None:
+    try:
+        loaded = point.load()
+        why = lacking(loaded, point.name, "act(scenario, run)", _DECLARED) or _unusable(loaded)
+    except Exception as error:  # noqa: BLE001  whatever a third-party import raises must not stop the others
+        why = f"{type(error).__name__}: {error}"
+    if not why:
+        return typing.cast(type, loaded)
+    _warn(f"effect plugin {point.name!r} ({point.value}) is left out: {why}")
+    return None
+
+
+@cache
+def _unusable(cls: type) -> str:
+    """What keeps the fields of a class from being tried and fitted, in words; empty where nothing does."""
+    for f in dataclasses.fields(cls):
+        if f.init and f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING:
+            return f"its field {f.name!r} has no default"
+    # Both raise where they cannot tell.
+    typing.get_type_hints(cls)
+    parameters_of(cls)
+    return ""
 
 
 def make_effect(name: str, where: str, **values: object) -> Effect:
@@ -101,5 +123,6 @@ def _ranges(cls: type) -> str:
     return "; ".join(rows)
 
 
-def _left_out(name: str, why: str) -> None:
-    warnings.warn(f"effect plugin {name!r} is left out: {why}", EffectPluginWarning, stacklevel=3)
+def _warn(what: str) -> None:
+    # From one place whoever asks, so that a command that asks often says it once.
+    warnings.warn(what, EffectPluginWarning, stacklevel=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vgvt.data import InputError
+from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action
 from vgvt.effects.elements import MountCompliance, RotationSpring
 from vgvt.effects.protocol import Effect, Family
@@ -12,14 +13,14 @@ from vgvt.scenario.model import Scenario
 def act_on(effect: Effect, scenario: Scenario, run: int) -> Action:
     """What an effect does to a run (counted from 0); InputError where it needs a shaker and there is a hammer."""
     if scenario.excitation.kind != "impact":
-        return effect.act(scenario, run)
+        return action_of(effect, scenario, run)
     shaken = InputError(
         f"scenario {scenario.name}: effect {effect.name}",
         "acts on the shaker, its stinger or its force transducer, and a hammer test has none of them",
         "Leave the effect out, or drive the test with a shaker.",
     )
     try:
-        action = effect.act(scenario, run)
+        action = action_of(effect, scenario, run)
     except InputError as error:
         # What it misses about the shaker is beside the point. An effect that can choose a shaker is on one.
         on_a_shaker = effect.family in (Family.MOUNT, Family.DRIVE_PATH) or hasattr(effect, "shaker")

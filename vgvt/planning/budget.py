@@ -54,7 +54,7 @@ class Budget:
         In its own runs, or in another number of ``runs`` with its repeats.
         """
         count = len(scenario.acquisition.runs) if runs is None else runs
-        records = count * scenario.acquisition.repeats * scenario.excitation.record_s / 60
+        records = count * scenario.acquisition.repeats * scenario.excitation.whole_s / 60
         return self._fixed(count, mount) + records
 
     def sweep(self, scenario: Scenario, runs: int, mount: Mount) -> tuple[float, int]:
@@ -74,8 +74,9 @@ class Budget:
 
     @staticmethod
     def shortest_sweep_s(scenario: Scenario) -> float:
-        """A sweep shorter than this is no test: ten cycles of its lowest frequency, or two seconds."""
-        return max(2.0, 10 / max(scenario.excitation.band_hz[0], 0.1))
+        """A sweep shorter than this is no test: ten cycles of its lowest frequency, or two seconds, all recorded."""
+        excitation = scenario.excitation
+        return excitation.before_record_s + max(2.0, 10 / max(excitation.band_hz[0], 0.1))
 
     def _fixed(self, runs: int, mount: Mount) -> float:
         return (self.mount_minutes if mount.cures else self.clay_minutes) + runs * self.setup_minutes

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.identification import make_identifier
+from vgvt.identification import make_identifier, run_identifier
 from vgvt.planning.informed import INFORMED, estimates
 from vgvt.planning.lighter import lighter
 from vgvt.planning.pairing import paired
@@ -104,7 +104,7 @@ def claims(plan: Proposal, identifier: str, numbers: Iterable[int]) -> Iterator[
     for k in numbers:
         seed = int(named_stream(plan.scenario.seed, "plan", k).integers(2**31))
         campaign = simulate(light.model_copy(update={"seed": seed}), engine="linear").campaign
-        claim = method.identify(campaign, campaign.band_hz)
+        claim = run_identifier(method, campaign)
         yield _of_targets(plan, claim.natural_frequency_hz, claim.damping_ratio)
 
 

@@ -67,7 +67,7 @@ def estimates(scenario: Scenario, numbers: Iterable[int]) -> Iterator[NDArray[np
 
 def _elastic(system: System) -> NDArray[np.intp]:
     """Indices of the elastic modes inside the swept band."""
-    low, high = system.layout.scenario.excitation.band_hz
+    low, high = system.layout.scenario.excitation.recorded_band_hz
     hz = system.modes.natural_frequency_hz
     elastic = np.array([label not in RIGID for label in system.modes.labels])
     return np.flatnonzero(elastic & (hz >= low) & (hz <= high))
@@ -97,7 +97,7 @@ def _fitted(
 
     The unknowns are those of the prediction.
     """
-    band_hz = system.layout.scenario.excitation.band_hz
+    band_hz = system.layout.scenario.excitation.recorded_band_hz
     count = samples.shape[1]
     lines = np.arange(count // 2 + 1) * rate_hz / count
     keep = (lines >= band_hz[0]) & (lines <= band_hz[1])

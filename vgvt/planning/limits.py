@@ -13,6 +13,17 @@ from vgvt.simulation.command import peak_command_v
 _SHORTENS = ("sweep-time", "sensors", "mount")  # what may make a test shorter where it is free
 
 
+def check_generator_gives(scenario: Scenario, largest_peak_v: float | None) -> None:
+    """InputError where the command may rise to more than the scenario's generator gives."""
+    range_v = scenario.generator.range_v
+    if largest_peak_v is not None and range_v is not None and largest_peak_v > range_v:
+        raise InputError(
+            "--max-volts",
+            f"is {largest_peak_v:g}, but the scenario's generator gives {range_v:g} V at most",
+            f"write --max-volts {range_v:g}, or a larger shaker.amplifier_gain into the scenario for more force",
+        )
+
+
 def check_what_stays(scenario: Scenario, wish: Wish) -> None:
     """InputError where what is not free breaks a limit, so that no plan could keep it."""
     at_once = max(len(run) for run in scenario.acquisition.runs)

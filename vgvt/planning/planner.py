@@ -9,7 +9,7 @@ from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.planning.budget import AS_DESCRIBED, Budget
 from vgvt.planning.confirmation import confirm
-from vgvt.planning.limits import check_what_stays
+from vgvt.planning.limits import check_generator_gives, check_what_stays
 from vgvt.planning.places import sensor_places, with_places
 from vgvt.planning.prediction import predict
 from vgvt.planning.proposal import Proposal, elastic, proposal
@@ -61,6 +61,7 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     """
     report = progress or (lambda _fraction, _text: None)
     share = 0.5 if order.seeds else 1.0
+    check_generator_gives(scenario, order.largest_peak_v)
     peak_v = order.largest_peak_v or peak_command_v(scenario)
     wish = Wish(order.free, order.budget, _points(scenario, order), peak_v, order.largest_mac)
     check_what_stays(scenario, wish)
@@ -85,7 +86,7 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
 
 def _targets(modes: tuple[tuple[str, float], ...], order: Order, scenario: Scenario) -> tuple[tuple[str, float], ...]:
     if not modes:
-        low, high = scenario.excitation.band_hz
+        low, high = scenario.excitation.recorded_band_hz
         raise InputError(
             f"scenario {scenario.name}: excitation",
             f"no elastic mode lies between {low:g} and {high:g} Hz",

@@ -70,7 +70,7 @@ def predict(scenario: Scenario) -> Prediction:
 
 def predicted(systems: tuple[System, ...]) -> Prediction:
     """The prediction from the rigs of all runs."""
-    first, band = systems[0], systems[0].layout.scenario.excitation.band_hz
+    first, band = systems[0], systems[0].layout.scenario.excitation.recorded_band_hz
     frequency = first.modes.natural_frequency_hz
     modes = np.flatnonzero((frequency >= band[0]) & (frequency <= band[1]))
     hz, ratio, std_hz, std_ratio = (np.full((len(systems), modes.size), np.nan) for _ in range(4))

@@ -10,7 +10,9 @@ import numpy as np
 from vgvt.planning.budget import AS_DESCRIBED, Budget, Mount
 from vgvt.planning.pairing import named_alike, paired
 from vgvt.planning.prediction import ModePrediction, Prediction, predict
+from vgvt.scenario.full_scale import expected_overloads
 from vgvt.scenario.model import Scenario
+from vgvt.simulation.command import peak_command_v
 
 RIGID = frozenset({"fore-aft swing", "sideways swing", "heave", "yaw", "pitch", "roll"})
 _NEAR = 0.1  # of its frequency: so far a target may lie from where it was before the plan changed anything
@@ -40,6 +42,12 @@ class Proposal:
         """The criterion: std(ζ)/ζ of the worst target mode."""
         return max(mode.relative_damping_std for mode in self.modes)
 
+    @property
+    def overloads(self) -> tuple[str, ...]:
+        """What its largest force, acceleration and command would drive beyond its full scale, in words."""
+        expected, peak_v = self.prediction, peak_command_v(self.scenario)
+        return expected_overloads(self.scenario, expected.peak_force_n, expected.peak_acceleration_m_per_s2, peak_v)
+
     def as_dict(self) -> dict[str, Any]:
         """The plan with the keys of the JSON contract."""
         scenario, e = self.scenario, self.scenario.excitation
@@ -63,6 +71,7 @@ class Proposal:
             "peak_force_n": self.prediction.peak_force_n,
             "peak_acceleration_m_per_s2": self.prediction.peak_acceleration_m_per_s2,
             "peak_drive_mm": self.prediction.peak_drive_mm,
+            "overloads": list(self.overloads),
         }
 
 

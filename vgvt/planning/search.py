@@ -148,7 +148,7 @@ def _judged(
     """The worst target's relative deviation of damping over all runs of a trial, sensor masses at their average."""
     swept = _with_sweep(system, trial)
     seen = seen_by(swept)
-    low, high = trial.excitation.band_hz
+    low, high = trial.excitation.recorded_band_hz
     frequency = system.modes.natural_frequency_hz[wanted]
     if (frequency < low).any() or (frequency > high).any():
         return float("inf")

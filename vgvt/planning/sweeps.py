@@ -64,8 +64,8 @@ def _excitations(e: Excitation, wish: Wish) -> Iterator[Excitation]:
         for start in sorted(s for s in starts if s > 0):
             for stop in sorted(s for s in stops if s > start):
                 keys = {"kind": kind, "start_hz": start, "stop_hz": stop, "amplitude_v": amplitude_v}
-                silences = {"lead_in_s": e.lead_in_s, "ring_down_s": e.ring_down_s, "taper_s": e.taper_s}
-                yield Excitation(duration_s=e.duration_s, **keys, **silences)  # type: ignore[arg-type]
+                kept = {key: getattr(e, key) for key in ("lead_in_s", "ring_down_s", "taper_s", "unrecorded_s")}
+                yield Excitation(duration_s=e.duration_s, **keys, **kept)  # type: ignore[arg-type]
 
 
 def _at_level(scenario: Scenario, sweep: Sweep, wish: Wish) -> Sweep:

@@ -13,6 +13,9 @@ from pydantic.json_schema import SkipJsonSchema
 
 from vgvt.scenario.base import Finite, MisfitError, NonNegative, Point, Positive, Switch, Table, Whole
 
+MOST_CELLS = 200
+"""Into which a beam can be cut."""
+
 
 class Body(Table):
     """The rigid centre body; every beam chain ends on it."""
@@ -88,8 +91,9 @@ class Beam(Table):
     """Build a second one, mirrored in the plane y = 0; the table then describes the right one (y > 0)."""
     parent: str = "body"
     """What the root is fixed to: 'body' or the name of a beam (then at the nearest point of its axis)."""
-    cells: Whole = Field(default=12, ge=1, le=200)
-    """Rigid links with a bending and a torsion spring between them; more cells, more exact and slower."""
+    cells: Whole = Field(default=12, ge=1, le=MOST_CELLS)
+    """Rigid links with a bending and a torsion spring between them, cut where the axis bends; more cells, more exact
+    and slower."""
     normal: Point = (0.0, 0.0, 1.0)
     """Normal of the surface: the direction of bending."""
     root_bending_stiffness_n_m_per_rad: Positive | None = None

@@ -42,6 +42,9 @@ class Hammer(Table):
     calibrated: Switch = True
     """The sensitivity was found by hitting a known mass, tip on. Else the gauge lacks the inertia of the tip: it reads
     head_mass_kg / (head_mass_kg + tip_mass_kg) of the force."""
+    range_n: Positive | None = None
+    """Full scale of the gauge, plus and minus: more force reads as this, and marks the record as overloaded; left out,
+    none does."""
     noise: NoiseSpectrum | None = None
     """The gauge's own noise, N/√Hz; left out, there is none."""
 

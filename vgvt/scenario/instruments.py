@@ -49,6 +49,8 @@ class Transducer(Table):
     """All of it; it rides on the aircraft."""
     end_mass_kg: NonNegative
     """The part between sensing element and structure: F_structure = F_measured - end_mass * a."""
+    range_n: Positive | None = None
+    """Full scale, plus and minus: more force reads as this, and marks the record as overloaded; left out, none does."""
     high_pass_hz: NonNegative = 0.0
     """First-order corner of the AC-coupled chain; 0 is DC coupled."""
     noise: NoiseSpectrum | None = None
@@ -114,6 +116,9 @@ class Accelerometers(Table):
     """Gain between sensor and converter."""
     mass_kg: NonNegative
     """One sensor with what of its cable moves along."""
+    range_g: Positive | None = None
+    """Full scale, plus and minus, in g of 9.80665 m/s²: more reads as this, and marks the record as overloaded; left
+    out, nothing does."""
     high_pass_hz: NonNegative = 0.0
     """First-order corner of the AC-coupled chain; 0 is DC coupled."""
     noise: NoiseSpectrum | None = None

@@ -10,6 +10,7 @@ from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import MisfitError, Positive, Table, Whole
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.exciters import check_hammer, check_shakers
+from vgvt.scenario.generator import Generator, check_generator
 from vgvt.scenario.hammer import Hammer
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension, shakers_apart
@@ -59,6 +60,8 @@ class Scenario(Table):
     """What samples the signals, and in which runs."""
     excitation: Excitation
     """The command to the shaker."""
+    generator: Generator = Generator()
+    """What sends that command."""
     effect: tuple[EffectTable, ...] = ()
     """Departures from the ideal test, all at work together: their order changes no aircraft."""
     simulation: Simulation = Simulation()
@@ -98,6 +101,7 @@ class Scenario(Table):
             )
         check_shakers(self.airframe, self.shakers, self.excitation, self.acquisition, nodes)
         check_hammer(self.hammer, self.excitation, self.acquisition, nodes)
+        check_generator(self.generator, self.excitation)
         drives = len(self.shakers)
         check_sampling(self.excitation, self.acquisition, self.accelerometers, self.transducer, drives)
         return self

@@ -9,6 +9,9 @@ from pydantic import Field, model_validator
 
 from vgvt.scenario.base import MisfitError, Node, NonNegative, Point, Positive, Table, Whole
 
+# A current that lags by more hardly flows above 8 Hz: the number is in another unit.
+_LONGEST_LAG_S = 0.02
+
 
 class Suspension(Table):
     """One soft spring from a fixed frame to a hook on the aircraft."""
@@ -57,15 +60,18 @@ class Shaker(Table):
     flexure_damping_n_s_per_m: NonNegative
     """Viscous damping of the armature in its flexure."""
 
+    @property
+    def coil_lag_s(self) -> float:
+        """L/R, by which the current lags behind the voltage."""
+        return self.coil_inductance_h / self.coil_resistance_ohm
+
     @model_validator(mode="after")
-    def _inductance_fits_the_armature(self) -> Self:
-        # The inductance's mechanical equivalent borrows this much of the armature (vgvt.simulation.rig).
-        borrowed_kg = self.coil_inductance_h * (0.5 * self.force_factor_n_per_a / self.coil_resistance_ohm) ** 2
-        if self.drive == "voltage" and borrowed_kg >= 0.9 * self.armature_mass_kg:
+    def _inductance_is_in_henry(self) -> Self:
+        if self.drive == "voltage" and self.coil_lag_s > _LONGEST_LAG_S:
             raise MisfitError(
                 ("coil_inductance_h",),
-                f"is {self.coil_inductance_h:g} H, too much for Bl, R and this armature: L (Bl / 2R)^2 is "
-                f"{borrowed_kg:.2g} kg and must stay below 0.9 of armature_mass_kg",
+                f"is {self.coil_inductance_h:g} H, which with {self.coil_resistance_ohm:g} ohm makes the current lag "
+                f"by {self.coil_lag_s:.2g} s; no shaker's lags by more than {_LONGEST_LAG_S:g} s",
                 "Write the inductance in henry: 0.6 mH is 6e-4.",
             )
         return self
@@ -96,17 +102,19 @@ class Stinger(Table):
 
 
 KIND_KEYS: dict[str, dict[str, bool]] = {
-    "linear-chirp": {},
-    "logarithmic-chirp": {},
+    "linear-chirp": {"unrecorded_s": False},
+    "logarithmic-chirp": {"unrecorded_s": False},
     "stepped-sine": {"points": True, "settle_s": True},
-    "random": {},
+    "random": {"unrecorded_s": False},
     "burst-random": {"blocks": True, "burst_fraction": True},
-    "multisine": {"blocks": True, "lines": True, "crest_iterations": False},
+    "multisine": {"blocks": True, "lines": True, "crest_iterations": False, "unrecorded_s": False},
     "impact": {"blocks": True},
 }
 """The keys that a kind of excitation has of its own, and whether it needs them."""
 RANDOM_KINDS = ("random", "burst-random", "multisine")
 """Kinds that are another signal for every shaker and run."""
+UNRECORDED_NOTE = "unrecorded_s"
+"""Of a campaign: how long the shaker had run when its records began."""
 
 
 class Excitation(Table):
@@ -131,6 +139,9 @@ class Excitation(Table):
     """Peak of a sine; root mean square of random noise (inside its bursts) and of a multisine."""
     lead_in_s: NonNegative = 0.0
     """Silence before the excitation, inside the record."""
+    unrecorded_s: NonNegative | None = None
+    """Chirps, random and multisine: so long the shaker runs before the record begins, whose first sample finds the
+    aircraft ringing. A part of duration_s, in place of a lead-in."""
     ring_down_s: NonNegative = 0.0
     """Silence after the excitation, inside the record."""
     taper_s: NonNegative = 0.0
@@ -200,6 +211,28 @@ class Excitation(Table):
             )
         return self
 
+    @model_validator(mode="after")
+    def _record_begins_while_it_is_excited(self) -> Self:
+        if self.before_record_s >= self.duration_s:
+            raise MisfitError(
+                ("unrecorded_s",),
+                f"is {self.before_record_s:g} and leaves nothing of duration_s {self.duration_s:g} to record",
+                "Shorten it, or make duration_s longer: that holds it.",
+            )
+        if self.before_record_s > 0 and self.lead_in_s > 0:
+            raise MisfitError(
+                ("lead_in_s",),
+                f"is {self.lead_in_s:g}, silence inside a record that begins when the shaker has run for "
+                f"unrecorded_s {self.before_record_s:g}",
+                "Write one of the two: a record begins at rest, or while the aircraft rings.",
+            )
+        return self
+
+    @property
+    def before_record_s(self) -> float:
+        """How long the shaker has run when the record begins."""
+        return self.unrecorded_s or 0.0
+
     @property
     def shaker_signals(self) -> Literal["uncorrelated", "orthogonal", "sequential"]:
         """How the commands of several shakers differ."""
@@ -207,7 +240,12 @@ class Excitation(Table):
 
     @property
     def record_s(self) -> float:
-        """Length of the record: lead-in, excitation and ring-down."""
+        """Length of the record: lead-in, what is recorded of the excitation, and ring-down."""
+        return self.whole_s - self.before_record_s
+
+    @property
+    def whole_s(self) -> float:
+        """How long it all takes, recorded or not: lead-in, excitation and ring-down."""
         return self.lead_in_s + self.duration_s + self.ring_down_s
 
     @property
@@ -221,3 +259,15 @@ class Excitation(Table):
     def band_hz(self) -> tuple[float, float]:
         """The excited band, low to high."""
         return (min(self.start_hz, self.stop_hz), max(self.start_hz, self.stop_hz))
+
+    @property
+    def recorded_band_hz(self) -> tuple[float, float]:
+        """What the record holds of the band, low to high: a sweep has left its beginning when that begins late."""
+        passed = self.before_record_s / self.duration_s
+        if self.kind == "linear-chirp":
+            begun_hz = self.start_hz + passed * (self.stop_hz - self.start_hz)
+        elif self.kind == "logarithmic-chirp":
+            begun_hz = self.start_hz * (self.stop_hz / self.start_hz) ** passed
+        else:
+            return self.band_hz
+        return (min(begun_hz, self.stop_hz), max(begun_hz, self.stop_hz))

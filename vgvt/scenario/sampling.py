@@ -78,7 +78,7 @@ def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int
             f"is {repeats} and makes {8 * once * repeats / 1e9:.3g} GB of samples, {most}",
             f"Repeat {math.floor(_MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
         )
-    silence_s = excitation.lead_in_s + excitation.ring_down_s
+    silence_s = excitation.lead_in_s + excitation.ring_down_s - excitation.before_record_s
     longest_s = _MOST_SAMPLES / (rate_hz * channels) - silence_s
     raise MisfitError(
         ("excitation", "duration_s"),

@@ -11,7 +11,7 @@ from vgvt.scenario.rig import Shaker
 _MODEL = {"model"}
 _WORDS: dict[str, Any] = {
     **dict.fromkeys(("schema_version", "name", "summary", "lesson", "tolerances"), True),
-    **dict.fromkeys(("shaker", "hammer", "transducer", "accelerometers", "acquisition"), _MODEL),
+    **dict.fromkeys(("shaker", "hammer", "transducer", "accelerometers", "acquisition", "generator"), _MODEL),
     "further_shaker": {"__all__": _MODEL},
 }
 """What no simulation reads, as pydantic leaves it out of a dump; tolerances are for reconcile."""
@@ -24,6 +24,7 @@ _OFF_UNDER_A_HAMMER: dict[str, Any] = {
     "shaker": set(Shaker.model_fields) - _SHAKER_PLACE,
     "stinger": True,
     "transducer": True,
+    "generator": True,
     "excitation": {"amplitude_v", "taper_s"},
 }
 """With a hammer there is no rig on the aircraft and no command; of the shaker its point remains, to be hit."""

@@ -25,6 +25,7 @@ _UNITS = {
     "_v_per_g": "V/g",
     "_v_per_rthz": "V/√Hz",
     "_kg": "kg",
+    "_g": "g",
     "_hz": "Hz",
     "_ohm": "Ω",
     "_h": "H",

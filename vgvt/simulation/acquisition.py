@@ -9,32 +9,42 @@ import scipy.signal
 from numpy.typing import NDArray
 
 from vgvt.data import Channel, ChannelRole, Quantity, Record
+from vgvt.scenario.full_scale import (
+    FullScale,
+    acceleration_sensor_scale,
+    converter_scale,
+    force_sensor_scale,
+    generator_scale,
+)
 from vgvt.scenario.instruments import NoiseSpectrum
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.signals.noise import coloured_noise
 from vgvt.simulation.assembly import MeasurementPoint, Plan
 from vgvt.simulation.channel_effects import changed_by_effects
+from vgvt.simulation.command import limited_drives, unrecorded_samples
 from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Chain:
-    """One channel on its way: volts at the converter per SI unit, noise in SI units, AC coupling."""
+    """One channel on its way: volts at the converter per SI unit, noise in SI units, AC coupling, the sensor's end."""
 
     channel: Channel
     noise: NoiseSpectrum | None
     noise_unit: float
     high_pass_hz: float
+    full_scale: FullScale | None
 
 
 def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDArray[np.float64]) -> Record:
     """The record of a run (counted from 0) as the converter delivers it, in SI units.
 
     ``command_v`` (shakers, samples), none for a hammer; ``readings`` (points + forces, samples) hold
-    the run's accelerations, m/s^2, and the forces, N. Each channel is AC coupled, gets its
-    sensor's and the converter's noise from a random stream of its own, is clipped
-    and rounded to the converter's steps. Effects change it at the stages of :data:`vgvt.effects.action.Stage`.
+    the run's accelerations, m/s^2, and the forces, N, both from rest. Each channel is AC coupled, gets its
+    sensor's noise from a random stream of its own, ends at the sensor's full scale, gets the converter's noise, is
+    clipped and rounded to the converter's steps. Effects change it at the stages of
+    :data:`vgvt.effects.action.Stage`. The instruments are on before the record begins.
     """
     scenario = layout.scenario
     points = layout.run_points(run)
@@ -42,12 +52,19 @@ def record(layout: Plan, run: int, command_v: NDArray[np.float64], readings: NDA
     forces = [_force(layout, k) for k in range(len(layout.forces))]
     chains = [*drives, *forces, *(_acceleration(scenario, p) for p in points)]
     signals = np.vstack([command_v, readings[len(points) :], readings[: len(points)]])
-    overloaded = []
+    begin = unrecorded_samples(scenario)
+    generator = generator_scale(scenario)
+    reached: dict[str, list[str]] = {}
+    if generator is not None:
+        reached = {drives[k].channel.name: [generator.words] for k in limited_drives(scenario, run)}
     for chain, row in zip(chains, signals, strict=True):
-        if _through(layout, chain, run, row):
-            overloaded.append(chain.channel.name)
+        scales = _through(layout, chain, run, row, begin)
+        if scales:
+            reached.setdefault(chain.channel.name, []).extend(scales)
     channels = tuple(chain.channel for chain in chains)
-    return Record(run + 1, scenario.acquisition.sample_rate_hz, channels, signals, tuple(overloaded))
+    overloaded = tuple(channel.name for channel in channels if channel.name in reached)
+    notes = tuple(f"{name}: reached {' and '.join(reached[name])}" for name in overloaded)
+    return Record(run + 1, scenario.acquisition.sample_rate_hz, channels, signals[:, begin:], overloaded, notes)
 
 
 def _name(layout: Plan, quantity: str, exciter: int) -> str:
@@ -58,7 +75,7 @@ def _name(layout: Plan, quantity: str, exciter: int) -> str:
 def _drive(layout: Plan, exciter: int) -> _Chain:
     range_v = layout.scenario.acquisition.range_v
     channel = Channel(_name(layout, "drive", exciter), Quantity.GENERAL, ChannelRole.DRIVE, range_v=range_v)
-    return _Chain(channel, None, 1.0, 0.0)
+    return _Chain(channel, None, 1.0, 0.0, None)
 
 
 def _force(layout: Plan, exciter: int) -> _Chain:
@@ -75,7 +92,7 @@ def _force(layout: Plan, exciter: int) -> _Chain:
         sensitivity_v_per_unit=volts_per_n,
         range_v=scenario.acquisition.range_v,
     )
-    return _Chain(channel, noise, 1.0, high_pass_hz)
+    return _Chain(channel, noise, 1.0, high_pass_hz, force_sensor_scale(scenario))
 
 
 def _acceleration(scenario: Scenario, point: MeasurementPoint) -> _Chain:
@@ -88,11 +105,12 @@ def _acceleration(scenario: Scenario, point: MeasurementPoint) -> _Chain:
         sensitivity_v_per_unit=sensors.sensitivity_v_per_g * sensors.conditioner_gain / GRAVITY_M_PER_S2,
         range_v=scenario.acquisition.range_v,
     )
-    return _Chain(channel, sensors.noise, GRAVITY_M_PER_S2, sensors.high_pass_hz)
+    return _Chain(channel, sensors.noise, GRAVITY_M_PER_S2, sensors.high_pass_hz, acceleration_sensor_scale(scenario))
 
 
-def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64]) -> bool:
-    """Send one channel (samples,) through its chain, in place; True where it clipped."""
+def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64], begin: int) -> list[str]:
+    """Send one channel (samples,) through its chain, in place; what it reaches the end of, recorded from ``begin``."""
+    reached = []
     scenario = layout.scenario
     acquisition = scenario.acquisition
     rate, name = acquisition.sample_rate_hz, chain.channel.name
@@ -104,6 +122,11 @@ def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64]) ->
         generator = named_stream(scenario.seed, "sensor noise", run, name)
         density = np.array(chain.noise.density) * chain.noise_unit
         row += coloured_noise(generator, row.size, rate, chain.noise.frequency_hz, density)
+    end = chain.full_scale
+    if end is not None:
+        if np.abs(row[begin:]).max() > end.si:
+            reached.append(end.words)
+        np.clip(row, -end.si, end.si, out=row)
     row *= chain.channel.sensitivity_v_per_unit
     row[:] = changed_by_effects(layout, chain.channel, run, "conditioner", row)
     row[:] = changed_by_effects(layout, chain.channel, run, "converter", row)
@@ -112,8 +135,10 @@ def _through(layout: Plan, chain: _Chain, run: int, row: NDArray[np.float64]) ->
         row += generator.standard_normal(row.size) * acquisition.noise_v_per_rthz * np.sqrt(rate / 2)
     step = 2 * acquisition.range_v / 2**acquisition.bits
     highest = acquisition.range_v - step
-    clipped = bool(np.any((row < -acquisition.range_v) | (row > highest)))
+    recorded = row[begin:]
+    if np.any((recorded < -acquisition.range_v) | (recorded > highest)):
+        reached.append(converter_scale(scenario).words)
     np.clip(np.round(row / step) * step, -acquisition.range_v, highest, out=row)
-    row[:] = changed_by_effects(layout, chain.channel, run, "record", row)
+    recorded[:] = changed_by_effects(layout, chain.channel, run, "record", recorded)
     row /= chain.channel.sensitivity_v_per_unit
-    return clipped
+    return reached

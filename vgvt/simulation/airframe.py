@@ -10,8 +10,8 @@ Air that a surface moves with it has inertia and no weight: a body of its own on
 each link, without a joint, whose weight MuJoCo takes back.
 
 A centre body with a carry-through spring is two halves that pitch against each
-other about the line through the roots of its beams; the right one has the six
-joints, and each has half of the mass and inertia at the common centre of gravity.
+other about the line through the roots of its beams, each with half of the mass and
+inertia at the common centre of gravity; the middle between them has the six joints.
 """
 
 from __future__ import annotations
@@ -25,14 +25,23 @@ from numpy.typing import NDArray
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
 from vgvt.simulation.chain import Chain, Hinge, Link, cut
+from vgvt.simulation.halves import (
+    CARRY_THROUGH,
+    LEFT_HALF,
+    MIDDLE_SHARE,
+    RIGHT_HALF,
+    RIGHT_OF_MIDDLE,
+    add_halves,
+    gear_middle,
+)
 from vgvt.simulation.inertia import NOTHING, MassMoments, lump
 
 ROOT = "body"
-LEFT_HALF = "body-left"
-CARRY_THROUGH = "carry-through"
 _AIR = "air-"
 ROOT_JOINTS = ("slide-x", "slide-y", "slide-z", "yaw", "pitch", "roll")
-_IN_THE_PLANE_M = 1e-6
+# In the plane of symmetry: to a hundredth of the way to the roots, where the twist between the middle and these is that
+# small, too; and to rounding.
+_OF_THE_WAY, _IN_THE_PLANE_M = 0.01, 1e-6
 _ROOT_AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0))
 
 
@@ -49,7 +58,7 @@ class AirframeParts:
 
     @property
     def halved(self) -> bool:
-        """Whether the centre body is two halves on a carry-through spring."""
+        """Whether the centre body is two halves on a carry-through spring; the root is the middle between them."""
         return self.airframe.body.carry_through_stiffness_n_m_per_rad is not None
 
     @property
@@ -66,28 +75,39 @@ class AirframeParts:
         """Name of the rigid body that carries a point (3,) of a part ('body' or a beam)."""
         part = part_name(self.airframe, part, float(position_m[1]))
         if part == ROOT:
-            return LEFT_HALF if self.halved and position_m[1] < 0 else ROOT
+            return self._of_body(float(position_m[1]))
         chain = self.chains[part]
-        return self._body(chain, chain.link_at(chain.table.nearest_arc_m(position_m)))
+        return self._body(chain, chain.link_at(chain.table.nearest_arc_m(position_m)), position_m)
 
     def shares(self, part: str, position_m: NDArray[np.float64]) -> tuple[tuple[str, float], ...]:
         """The rigid bodies that share a lump at a point (3,) of a part, and their fractions."""
         part = part_name(self.airframe, part, float(position_m[1]))
-        if part == ROOT and self.halved and abs(position_m[1]) < _IN_THE_PLANE_M:
-            return ((ROOT, 0.5), (LEFT_HALF, 0.5))
         if part == ROOT:
-            return ((self.carrier(ROOT, position_m), 1.0),)
+            return ((self._of_body(float(position_m[1])), 1.0),)
         chain = self.chains[part]
         arc = chain.table.nearest_arc_m(position_m)
-        return tuple((self._body(chain, link), share) for link, share in chain.shares(arc))
+        return tuple((self._body(chain, link, position_m), share) for link, share in chain.shares(arc))
 
     def holder(self, chain: Chain) -> str:
         """Name of the rigid body that holds the root of a chain: of two halves, the one on the side of its tip."""
         root, tip = (chain.table.point_m(arc) for arc in (0.0, chain.table.length_m))
         return self.carrier(chain.parent, tip if chain.parent == ROOT else root)
 
-    def _body(self, chain: Chain, link: Link | None) -> str:
-        return link.name if link is not None else self.holder(chain)
+    def _of_body(self, y_m: float) -> str:
+        """What of the centre body carries a point that is so far to the right of the plane of symmetry."""
+        if not self.halved or self._in_the_plane(y_m):
+            return ROOT
+        return RIGHT_HALF if y_m > 0 else LEFT_HALF
+
+    def _in_the_plane(self, y_m: float) -> bool:
+        roots = [abs(float(chain.table.point_m(0.0)[1])) for chain in self.chains.values() if chain.parent == ROOT]
+        return abs(y_m) <= max(_IN_THE_PLANE_M, _OF_THE_WAY * max(roots, default=0.0))
+
+    def _body(self, chain: Chain, link: Link | None, position_m: NDArray[np.float64]) -> str:
+        if link is not None:
+            return link.name
+        in_the_plane = self.halved and chain.parent == ROOT and self._in_the_plane(float(position_m[1]))
+        return ROOT if in_the_plane else self.holder(chain)
 
 
 def cut_airframe(airframe: Airframe) -> AirframeParts:
@@ -95,7 +115,7 @@ def cut_airframe(airframe: Airframe) -> AirframeParts:
     chains = {beam.name: cut(beam) for beam in expanded_beams(airframe)}
     origin = {ROOT: np.array(airframe.body.centre_of_gravity_m)}
     roots = [chain.table.point_m(0.0) for chain in chains.values() if chain.parent == ROOT] or [origin[ROOT]]
-    origin[LEFT_HALF] = np.mean(roots, axis=0) * np.array([1.0, 0.0, 1.0])
+    origin[RIGHT_HALF] = origin[LEFT_HALF] = np.mean(roots, axis=0) * np.array([1.0, 0.0, 1.0])
     for chain in chains.values():
         origin |= {link.name: link.position_m for link in chain.links}
     return AirframeParts(airframe, chains, origin)
@@ -105,7 +125,7 @@ def elastic_joints(parts: AirframeParts) -> tuple[str, ...]:
     """Names of the bare airframe's joints but those of the root."""
     links = (link for chain in parts.chains.values() for link in chain.links)
     hinges = tuple(hinge_name(link, hinge) for link in links for hinge in link.hinges)
-    return (*((CARRY_THROUGH,) if parts.halved else ()), *hinges)
+    return (*((RIGHT_OF_MIDDLE, CARRY_THROUGH) if parts.halved else ()), *hinges)
 
 
 def hinge_name(link: Link, hinge: Hinge) -> str:
@@ -129,8 +149,10 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
         kind = mujoco.mjtJoint.mjJNT_SLIDE if name.startswith("slide") else mujoco.mjtJoint.mjJNT_HINGE
         root.add_joint(name=name, type=kind, axis=axis)
     bodies = {ROOT: root}
-    if parts.halved:
-        bodies[LEFT_HALF] = _add_left_half(root, parts)
+    carry_through = parts.airframe.body.carry_through_stiffness_n_m_per_rad
+    if carry_through is not None:
+        bodies |= add_halves(root, parts.origin_m[RIGHT_HALF] - parts.origin_m[ROOT], carry_through)
+        gear_middle(spec, sum(moments.values(), NOTHING), parts.origin_m[RIGHT_HALF])
     for chain in _parents_first(parts):
         parent = parts.holder(chain)
         for link in chain.links:
@@ -142,23 +164,14 @@ def airframe_spec(parts: AirframeParts) -> mujoco.MjSpec:
     return spec
 
 
-def _add_left_half(root: mujoco.MjsBody, parts: AirframeParts) -> mujoco.MjsBody:
-    origin = parts.origin_m[LEFT_HALF]
-    half = root.add_body(name=LEFT_HALF, pos=origin - parts.origin_m[ROOT])
-    half.add_joint(
-        name=CARRY_THROUGH,
-        type=mujoco.mjtJoint.mjJNT_HINGE,
-        axis=(0.0, 1.0, 0.0),
-        stiffness=[parts.airframe.body.carry_through_stiffness_n_m_per_rad, 0.0, 0.0],
-    )
-    return half
-
-
 def _moments(parts: AirframeParts) -> dict[str, MassMoments]:
     body = parts.airframe.body
     cg = np.array(body.centre_of_gravity_m)
     whole_body = lump(body.mass_kg, cg, np.diag(body.inertia_kg_m2))
-    moments = dict.fromkeys((ROOT, LEFT_HALF), whole_body.scaled(0.5)) if parts.halved else {ROOT: whole_body}
+    moments = {ROOT: whole_body}
+    if parts.halved:
+        half = whole_body.scaled((1 - MIDDLE_SHARE) / 2)
+        moments = {ROOT: whole_body.scaled(MIDDLE_SHARE), RIGHT_HALF: half, LEFT_HALF: half}
     for chain in parts.chains.values():
         moments |= {link.name: link.moments for link in chain.links}
     for chain in parts.chains.values():

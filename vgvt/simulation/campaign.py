@@ -91,7 +91,7 @@ class _Made:
             "engine": self.engine,
             "seed": str(scenario.seed),
         } | excitation_notes(scenario)
-        return Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.band_hz, notes)
+        return Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.recorded_band_hz, notes)
 
 
 def geometry(layout: Plan) -> Geometry:

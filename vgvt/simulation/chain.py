@@ -4,6 +4,8 @@ The compliance of a cell, the integral of ds/EI, sits at the centroid of that
 compliance; the mass between two such hinges moves as one rigid link. Inside a
 uniform beam the errors of bending stiffness and of inertia cancel to fourth
 order; the ends and torsion leave an error of second order in the cell length.
+Where the axis bends, one cell ends and another begins; within a cell that is too
+long for that, hinges turn about the mean of its directions.
 """
 
 from __future__ import annotations
@@ -14,8 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.scenario.airframe import Beam
+from vgvt.scenario.cells import Cells, cells_of
 from vgvt.simulation.inertia import NOTHING, MassMoments
 from vgvt.simulation.stations import StationTable
+
+# What the digits of the stations' coordinates make of a straight axis.
+_ROUNDING_RAD = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,12 +82,13 @@ class Chain:
 def cut(beam: Beam) -> Chain:
     """Cut a beam (mirror image already written out) into its chain."""
     table = StationTable.of(beam)
-    edges = np.linspace(0.0, table.length_m, beam.cells + 1)
+    cells = cells_of(beam)
+    edges = cells.edges_m
     arcs = table.compliances("bending_stiffness_n_m2", edges)[1]
     ends = np.array([0.0, *arcs, table.length_m])
     stub, *pieces = table.moments(ends)
     stub_air, *airs = table.air_moments(ends) or (NOTHING,) * (len(pieces) + 1)
-    hinges = _cell_hinges(table, arcs, edges)
+    hinges = _cell_hinges(table, arcs, cells)
     positions = table.point_m(arcs)
     links = [
         Link(f"{beam.name}-{i + 1:02d}", positions[i], float(arcs[i]), float(edges[i + 1]), hinges[i], piece, air)
@@ -94,26 +101,44 @@ def cut(beam: Beam) -> Chain:
     return Chain(beam.name, beam.parent, table, tuple(links), stub, stub_air)
 
 
-def _cell_hinges(
-    table: StationTable, arcs_m: NDArray[np.float64], edges_m: NDArray[np.float64]
-) -> list[tuple[Hinge, ...]]:
-    """Hinges of the cells between edges (K + 1,), at arc lengths (K,)."""
+def _cell_hinges(table: StationTable, arcs_m: NDArray[np.float64], cells: Cells) -> list[tuple[Hinge, ...]]:
+    """Hinges of the K cells, at arc lengths (K,)."""
     tangent, normal, aft = np.moveaxis(table.frames(arcs_m), 1, 0)
+    axis = table.axis
     # A positive rotation lifts the tip along the normal (bending) or sweeps it aft (in-plane).
-    axes = {
-        "bending": ("bending_stiffness_n_m2", np.cross(tangent, normal)),
-        "in-plane": ("in_plane_stiffness_n_m2", np.cross(tangent, aft)),
-        "torsion": ("torsional_stiffness_n_m2", tangent),
+    turns = {
+        "bending": ("bending_stiffness_n_m2", np.cross(tangent, normal), np.cross(axis.tangent, axis.normal)),
+        "in-plane": ("in_plane_stiffness_n_m2", np.cross(tangent, aft), axis.normal),
+        "torsion": ("torsional_stiffness_n_m2", tangent, axis.tangent),
     }
     kinds = [
         [
-            Hinge(kind, axis, 1.0 / compliance)
-            for axis, compliance in zip(turns, table.compliances(column, edges_m)[0].tolist(), strict=True)
+            Hinge(kind, about, 1.0 / compliance)
+            for about, compliance in zip(
+                _mean_of_bent(table, column, cells, there, along),
+                table.compliances(column, cells.edges_m)[0].tolist(),
+                strict=True,
+            )
         ]
-        for kind, (column, turns) in axes.items()
+        for kind, (column, there, along) in turns.items()
         if getattr(table.beam.stations, column) is not None
     ]
     return list(zip(*kinds, strict=True))
+
+
+def _mean_of_bent(
+    table: StationTable, column: str, cells: Cells, there: NDArray[np.float64], along: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Unit vectors ``there`` (K, 3), but in cells that bend the mean of what the segments have, ``along`` (N - 1, 3).
+
+    Aft may change sides within a beam, and with it what turns about the normal: the mean faces as ``there`` does.
+    """
+    bent = cells.bent_rad > _ROUNDING_RAD
+    if not bent.any():
+        return there
+    mean = table.mean_by_compliance(column, along, cells.edges_m)
+    mean *= (np.sign(np.sum(mean * there, axis=1)) / np.linalg.norm(mean, axis=1))[:, None]
+    return np.where(bent[:, None], mean, there)
 
 
 def _root_hinges(table: StationTable) -> tuple[Hinge, ...]:

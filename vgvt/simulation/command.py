@@ -8,8 +8,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.scenario.generator import Generator
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.rig import RANDOM_KINDS, Excitation
+from vgvt.scenario.rig import RANDOM_KINDS, UNRECORDED_NOTE, Excitation
 from vgvt.scenario.streams import named_stream
 from vgvt.signals import (
     DwellSchedule,
@@ -30,9 +31,14 @@ _INSTANTS_PER_PERIOD = 50.0
 
 
 def sample_times_s(scenario: Scenario) -> NDArray[np.float64]:
-    """The times of a record's samples, from 0 to the last one inclusive."""
+    """The times from rest to a record's last sample inclusive; the first :func:`unrecorded_samples` are not its own."""
     rate = scenario.acquisition.sample_rate_hz
-    return np.arange(round(scenario.excitation.record_s * rate) + 1) / rate
+    return np.arange(round(scenario.excitation.whole_s * rate) + 1) / rate
+
+
+def unrecorded_samples(scenario: Scenario) -> int:
+    """How many samples the shaker has run for when the record begins."""
+    return round(scenario.excitation.before_record_s * scenario.acquisition.sample_rate_hz)
 
 
 def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64], shaker: int = 0) -> NDArray[np.float64]:
@@ -52,7 +58,29 @@ def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64], sha
         # One signal for a round of repeats; entry (row, column) of the matrix is the parity of their common bits.
         name = ("excitation", run - run % count)
         sign = -1.0 if (run % count & shaker).bit_count() % 2 else 1.0
-    return sign * e.amplitude_v * _unit_command(e, time_s - e.lead_in_s, named_stream(scenario.seed, *name))
+    asked = sign * e.amplitude_v * _unit_command(e, time_s - e.lead_in_s, named_stream(scenario.seed, *name))
+    return _generated(scenario.generator, asked)
+
+
+def _generated(generator: Generator, command_v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a generator makes of a command, volts: its steps, and no more than its range."""
+    if generator.range_v is None:
+        return command_v
+    if generator.bits is not None:
+        step_v = 2 * generator.range_v / 2**generator.bits
+        command_v = np.round(command_v / step_v) * step_v
+    return np.clip(command_v, -generator.range_v, generator.range_v)
+
+
+def limited_drives(scenario: Scenario, run: int) -> tuple[int, ...]:
+    """The shakers (counted from 0) whose command of a run (from 0) the generator cuts off at its range."""
+    e, range_v = scenario.excitation, scenario.generator.range_v
+    if range_v is None or e.kind == "impact" or (e.kind not in RANDOM_KINDS and e.amplitude_v <= range_v):
+        return ()
+    times = _dense_times_s(scenario)
+    recorded = times[times >= e.before_record_s]
+    peaks = np.abs(drive_commands(_ungenerated(scenario), run, recorded)).max(axis=1)
+    return tuple(int(k) for k in np.flatnonzero(peaks > range_v))
 
 
 def hammer_force(scenario: Scenario, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -81,19 +109,32 @@ def drive_commands(scenario: Scenario, run: int, time_s: NDArray[np.float64]) ->
 
 
 def peak_command_v(scenario: Scenario, runs: int | None = None) -> float:
-    """The largest that the command becomes in the first ``runs`` runs (default: all), V; 0 under a hammer.
+    """The largest that is asked of the generator in the first ``runs`` runs (default: all), V; 0 under a hammer.
 
-    That is the amplitude of a sine; noise and multisines, whose amplitude is a root mean square, go beyond it.
+    That is the amplitude of a sine; noise and multisines, whose amplitude is a root mean square, go beyond it, and
+    may beyond what the generator gives.
     """
     e = scenario.excitation
     if e.kind == "impact":
         return 0.0
     if e.kind not in RANDOM_KINDS:
         return e.amplitude_v
-    rate_hz = max(scenario.acquisition.sample_rate_hz, _INSTANTS_PER_PERIOD * e.band_hz[1])
-    times = np.arange(round(e.record_s * rate_hz) + 1) / rate_hz
+    times = _dense_times_s(scenario)
     count = len(scenario.acquisition.run_nodes) if runs is None else runs
-    return max(float(np.abs(drive_commands(scenario, run, times)).max()) for run in range(count))
+    asked = _ungenerated(scenario)
+    return max(float(np.abs(drive_commands(asked, run, times)).max()) for run in range(count))
+
+
+def _ungenerated(scenario: Scenario) -> Scenario:
+    """The same with a generator that has neither an end nor steps: its commands are what is asked for."""
+    return scenario.model_copy(update={"generator": Generator()})
+
+
+def _dense_times_s(scenario: Scenario) -> NDArray[np.float64]:
+    """Instants from rest to a record's end among which no peak of the command is missed."""
+    e = scenario.excitation
+    rate_hz = max(scenario.acquisition.sample_rate_hz, _INSTANTS_PER_PERIOD * e.band_hz[1])
+    return np.arange(round(e.whole_s * rate_hz) + 1) / rate_hz
 
 
 def sent_commands(layout: Plan, run: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -114,7 +155,8 @@ def excitation_in_words(e: Excitation) -> str:
         "lines": f"{e.lines} lines",
     }
     extra = "".join(f", {text}" for key, text in details.items() if getattr(e, key) is not None)
-    return f"{e.kind} {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s{extra}"
+    late = f", the first {e.before_record_s:g} s not recorded" if e.before_record_s else ""
+    return f"{e.kind} {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s{extra}{late}"
 
 
 def excitation_notes(scenario: Scenario) -> dict[str, str]:
@@ -128,6 +170,8 @@ def excitation_notes(scenario: Scenario) -> dict[str, str]:
     if e.kind == "burst-random":
         # Each block starts and ends at rest, after the lead-in: whole blocks need no window.
         return {"blocks": json.dumps({"block_s": e.duration_s / _known(e.blocks), "lead_in_s": e.lead_in_s})}
+    if e.before_record_s > 0:
+        return {UNRECORDED_NOTE: f"{e.before_record_s:g}"}
     if e.kind != "stepped-sine":
         return {}
     points = _known(e.points)

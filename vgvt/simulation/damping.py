@@ -5,11 +5,15 @@ d adds d (Mφ)(Mφ)ᵀ to C: damping of one mode and no other, and none of the r
 body, whose joints have no share in M φ. Above the limit plain joint dampers
 take over, in proportion to stiffness, which also keep the chain's highest,
 physically meaningless modes quiet; what they add below is taken off the tendons.
+
+A joint that is no cell of a beam, at a root or between halves of the body, may be as stiff as one likes: how much
+damping has room is judged with these locked, and each has no more than its own motion can be stepped with. So an
+aircraft whose joint is nearly rigid is damped as one that has none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -31,47 +35,59 @@ _TOLD = 4
 class StructuralDamping:
     """Dampers of a bare airframe: of every elastic joint in proportion to its stiffness, and of some modes besides.
 
-    ``per_stiffness_s`` times a joint's stiffness is its damper. A mode's damper ``coefficients`` (modes,) acts on
-    ``weights`` (modes, elastic joints) times the velocities of ``joints``, by name: of the first of all elastic modes,
-    whose frequencies are ``natural_frequency_hz``.
+    ``per_stiffness_s`` times a cell's stiffness is its damper, of each of ``joints``, by name, ``own_s`` (elastic
+    joints,) times its stiffness. A mode's damper ``coefficients`` (modes,) acts on ``weights`` (modes, elastic joints)
+    times their velocities: of the first of all elastic modes, whose frequencies are ``natural_frequency_hz``.
     """
 
     per_stiffness_s: float
     joints: tuple[str, ...]
+    own_s: NDArray[np.float64]
     coefficients: NDArray[np.float64]
     weights: NDArray[np.float64]
     natural_frequency_hz: NDArray[np.float64]
 
     @classmethod
-    def of(cls, spec: mujoco.MjSpec, damping: Damping) -> StructuralDamping:
+    def of(cls, spec: mujoco.MjSpec, damping: Damping, connecting: Collection[str] = ()) -> StructuralDamping:
         """What gives the bare airframe of ``spec`` the ratios that a scenario states.
 
-        A control surface that is loose changes the modes, not what the structure loses: ``spec`` has it locked.
+        ``connecting`` are joints that are no cells of a beam, by name. A control surface that is loose changes the
+        modes, not what the structure loses: ``spec`` has it locked.
         """
         model = spec.compile()
         # In its unloaded shape and without weight the bare airframe has the stiffness of its joints and no other.
         mass = mass_matrix(model, mujoco.MjData(model))
-        eigenvalues, shapes = scipy.linalg.eigh(np.diag(model.jnt_stiffness), mass)
+        eigenvalues, shapes = scipy.linalg.eigh(_stiffness(model), mass)
         omega = np.sqrt(np.maximum(eigenvalues[RIGID_MODES:], 0.0))
         shapes = shapes[:, RIGID_MODES:]
         limit = 2 * np.pi * damping.limit_hz
         ratios = np.full(omega.size, damping.damping_ratio)
         ratios[: len(damping.modal)] = damping.modal[: omega.size]
         exact = omega <= limit
+        fixed = [int(model.joint(name).dofadr[0]) for name in connecting]
+        fastest = _fastest(model.jnt_stiffness, mass, fixed) if fixed else omega.max(initial=0.0)
         # As much joint damping as leaves every tendon something to give, the default ratio at the limit, and the
         # chain's highest mode, a thousand times faster than anything of interest, an oscillation that can be stepped.
         per_stiffness = 2 * min(
             damping.damping_ratio / limit,
             (ratios[exact] / omega[exact]).min(initial=np.inf),
-            _HIGHEST_RATIO / omega[-1] if omega.size else np.inf,
+            _HIGHEST_RATIO / fastest if fastest else np.inf,
         )
-        elastic = [(int(model.joint(j.name).dofadr[0]), j.name) for j in spec.joints if j.stiffness[0] > 0]
+        own_s = np.full(model.nv, per_stiffness)
+        # Where a joint is stiffer than all around it, it moves against inertia alone.
+        alone = np.sqrt(model.jnt_stiffness[fixed] * np.linalg.inv(mass)[fixed, fixed])
+        own_s[fixed] = np.minimum(per_stiffness, 2 * _HIGHEST_RATIO / alone)
+        geared = {wrap.target.name for tendon in spec.tendons for wrap in tendon.path}
+        named = [j.name for j in spec.joints if j.stiffness[0] > 0 or j.name in geared]
+        elastic = [(int(model.joint(name).dofadr[0]), name) for name in named]
         # MuJoCo builds a tendon's row fastest from joints in the order of their coordinates.
         elastic.sort()
         addresses = [address for address, _ in elastic]
         names = tuple(name for _, name in elastic)
-        own = (2 * ratios * omega - per_stiffness * omega**2)[exact]
-        return cls(float(per_stiffness), names, own, (mass @ shapes[:, exact])[addresses].T, omega / (2 * np.pi))
+        spared = ((per_stiffness - own_s) * model.jnt_stiffness) @ shapes**2
+        own = (2 * ratios * omega - (per_stiffness * omega**2 - spared))[exact]
+        weights = (mass @ shapes[:, exact])[addresses].T
+        return cls(float(per_stiffness), names, own_s[addresses], own, weights, omega / (2 * np.pi))
 
     def without_effect(self, damping: Damping) -> str | None:
         """What is to be said of the last ratios of ``damping.modal``, where they go to no mode; None where all do.
@@ -96,9 +112,9 @@ class StructuralDamping:
 
     def damp_joints(self, spec: mujoco.MjSpec) -> None:
         """Add the joints' own dampers to the airframe's ``spec``."""
-        for name in self.joints:
+        for name, seconds in zip(self.joints, self.own_s, strict=True):
             joint = spec.joint(name)
-            joint.damping = [self.per_stiffness_s * joint.stiffness[0], 0.0, 0.0]
+            joint.damping = [seconds * joint.stiffness[0], 0.0, 0.0]
 
     def modal_matrix(self, joints: Sequence[str]) -> NDArray[np.float64]:
         """What the modes' dampers add to the damping matrix (n, n) over coordinates named ``joints``."""
@@ -106,6 +122,24 @@ class StructuralDamping:
         index = [joints.index(name) for name in self.joints]
         out[np.ix_(index, index)] = (self.weights.T * self.coefficients) @ self.weights
         return out
+
+
+def _stiffness(model: mujoco.MjModel) -> NDArray[np.float64]:
+    """Stiffness (n, n) of joints, and of tendons across them."""
+    stiffness = np.diag(model.jnt_stiffness)
+    for t in np.flatnonzero(model.tendon_stiffness):
+        wraps = slice(model.tendon_adr[t], model.tendon_adr[t] + model.tendon_num[t])
+        row = np.zeros(model.nv)
+        row[model.jnt_dofadr[model.wrap_objid[wraps]]] = model.wrap_prm[wraps]
+        stiffness += model.tendon_stiffness[t] * np.outer(row, row)
+    return stiffness
+
+
+def _fastest(stiffness: NDArray[np.float64], mass: NDArray[np.float64], fixed: Sequence[int]) -> float:
+    """The highest natural frequency, rad/s, of joints' ``stiffness`` (n,) and ``mass`` (n, n) with some fixed."""
+    free = np.setdiff1d(np.arange(stiffness.size), fixed)
+    squares = scipy.linalg.eigh(np.diag(stiffness[free]), mass[np.ix_(free, free)], eigvals_only=True)
+    return float(np.sqrt(max(squares[-1], 0.0)))
 
 
 def add_structural_damping(spec: mujoco.MjSpec, found: StructuralDamping) -> None:

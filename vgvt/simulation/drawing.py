@@ -85,7 +85,7 @@ def _mesh(
 def _draw_beam(spec: mujoco.MjSpec, layout: Plan, chain: Chain, bare_width_m: float) -> None:
     """Each rigid link carries its piece of the surface; the stub's rides on the parent."""
     arcs = [0.0, *(link.start_arc_m for link in chain.links), chain.table.length_m]
-    carriers = [layout.parts.carrier(chain.parent, chain.table.point_m(0.0)), *(link.name for link in chain.links)]
+    carriers = [layout.parts.holder(chain), *(link.name for link in chain.links)]
     for k, (carrier, start, stop) in enumerate(zip(carriers, arcs, arcs[1:], strict=False)):
         if stop - start < 1e-6:
             continue

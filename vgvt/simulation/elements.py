@@ -32,7 +32,7 @@ from vgvt.effects.elements import (
 )
 from vgvt.effects.root_joint import one_law
 from vgvt.scenario.mirror import part_name
-from vgvt.simulation.airframe import CARRY_THROUGH, LEFT_HALF, AirframeParts
+from vgvt.simulation.airframe import AirframeParts
 from vgvt.simulation.contact_elements import (
     Drive,
     add_mounts,
@@ -48,6 +48,7 @@ from vgvt.simulation.coupled_elements import (
     load_frame,
 )
 from vgvt.simulation.damping import MODAL_DAMPING
+from vgvt.simulation.halves import pitched_by
 from vgvt.simulation.relaxation_elements import add_relaxations, add_warm_up, warm_springs
 from vgvt.simulation.rig import add_point_mass
 
@@ -83,11 +84,8 @@ def add_elements(
 
 
 def turned_by(spring: RotationSpring, carrier: str) -> tuple[str, ...]:
-    """The joints whose angles add up to the rotation that a spring resists of what an exciter pushes on.
-
-    The left one of two halves of the centre body hangs on the right one.
-    """
-    return (spring.axis, CARRY_THROUGH) if (spring.axis, carrier) == ("pitch", LEFT_HALF) else (spring.axis,)
+    """The joints whose angles add up to the rotation that a spring resists of what an exciter pushes on."""
+    return (spring.axis, *(pitched_by(carrier) if spring.axis == "pitch" else ()))
 
 
 def sharing(parts: AirframeParts, mass: PointMass) -> tuple[tuple[str, float], ...]:

@@ -87,7 +87,7 @@ def least_deviations(layout: Plan, run: int, driven: StateSpace, modes: ModalMod
     ``modes`` have residues for the forces that the run measures. Infinite for a mode that the force or every sensor
     misses, NaN outside the swept band: what force leaks there is the window's, not the test's.
     """
-    low, high = layout.scenario.excitation.band_hz
+    low, high = layout.scenario.excitation.recorded_band_hz
     swept = (modes.natural_frequency_hz >= low) & (modes.natural_frequency_hz <= high)
     least = np.full((2, len(modes)), np.nan)
     if swept.any():
@@ -103,7 +103,7 @@ def seen_in_run(layout: Plan, run: int, path: ForcePath, modes: ModalModel, sens
     """What a run (from 0) would see of ``modes`` with residues, with ``sensors`` (S,) among their DOFs."""
     if modes.residues is None:
         raise ValueError("modes need residues")
-    low, high = layout.scenario.excitation.band_hz
+    low, high = layout.scenario.excitation.recorded_band_hz
     frequency, poles = modes.natural_frequency_hz, modes.poles
     lines = lines_for((low, high), poles[(frequency >= low / _BEYOND) & (frequency <= high * _BEYOND)])
     best, shares = _strongest(modes.residues[:, list(sensors)])
@@ -131,9 +131,11 @@ def command_spectra(layout: Plan, run: int, lines: Lines) -> Complex:
     # A hit is shorter than a cycle of the band's end.
     struck = layout.strike is not None
     rate = layout.scenario.acquisition.sample_rate_hz if struck else _SAMPLES_PER_CYCLE * excitation.band_hz[1]
-    time = np.arange(round(excitation.record_s * rate) + 1) / rate
-    spectra = np.fft.rfft(sent_commands(layout, run, time)) / rate
-    line_hz = rate / time.size
+    time = np.arange(round(excitation.whole_s * rate) + 1) / rate
+    # What was sent before the record began tells nothing, but of what still rings then.
+    sent = sent_commands(layout, run, time)[:, time >= excitation.before_record_s]
+    spectra = np.fft.rfft(sent) / rate
+    line_hz = rate / sent.shape[1]
     axis = np.arange(spectra.shape[1] + 1) * line_hz - 0.5 * line_hz
     # A line is averaged over its own bin at least: below that a record knows nothing.
     half = np.maximum(lines.width_hz, line_hz) / 2

@@ -22,6 +22,8 @@ _HARDLY_HELD = 1e-10
 _THROUGH, _BESIDE_A_STOP = 10, 1e-8
 # Of what the weight does to the joints: the sums that should cancel leave up to 5e-16 of it.
 _ROUNDING = 1e-14
+# Of what a spring would push if it felt one coordinate alone: what is left where several cancel.
+_CANCELLED = 1e-15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,12 +137,15 @@ def site_row(
     return turned @ jacobian
 
 
-def at_rest_n(data: mujoco.MjData, least_n: float) -> float:
-    """The force, N or N m, that may be left on a joint at rest: ``least_n``, or more where the weight's rounding is.
+def at_rest_n(model: mujoco.MjModel, data: mujoco.MjData, least_n: float) -> float:
+    """The force, N or N m, that may be left on a joint at rest: ``least_n``, or more where rounding leaves more.
 
-    ``data`` is as :func:`joint_force` leaves it, without velocity.
+    Of the weight, or of what the stiffest tendon makes of the coordinates. ``data`` is as :func:`joint_force` leaves
+    it, without velocity.
     """
-    return max(least_n, _ROUNDING * float(np.abs(data.qfrc_bias).max()))
+    weight = float(np.abs(data.qfrc_bias).max())
+    apart = float(model.tendon_stiffness.max(initial=0.0) * np.abs(data.qpos).max())
+    return max(least_n, _ROUNDING * weight, _CANCELLED * apart)
 
 
 def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 50) -> NDArray[np.float64]:
@@ -155,7 +160,7 @@ def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 5
     for k in range(iterations):
         data.qpos[:], data.qvel[:] = qpos, 0.0
         force = joint_force(model, data)
-        rests = np.abs(force).max() < at_rest_n(data, tolerance_n)
+        rests = np.abs(force).max() < at_rest_n(model, data, tolerance_n)
         stiffness = stiffness_matrix(model, data, qpos, _STEP if k < _THROUGH else _BESIDE_A_STOP)
         if rests:
             if np.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0] <= 0:

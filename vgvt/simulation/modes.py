@@ -58,13 +58,18 @@ def modal_model(
     labels: tuple[str, ...] = (),
     tilt: NDArray[np.float64] | None = None,
     pairs: tuple[NDArray[np.complex128], NDArray[np.complex128]] | None = None,
+    felt_from_hz: float = 0.0,
 ) -> ModalModel:
     """The modes up to ``limit_hz`` seen at ``dofs``, the rows of the model's displacement map.
 
     ``reference`` is the index of the drive point among them, or those of several. Shapes are real-normalised:
-    the largest entry is +1, and ``modal_mass_kg`` belongs to that scale. With ``tilt`` (D, nv),
-    what a unit of each coordinate lets the sensors feel of gravity, m/s², shapes are
-    those that accelerometers feel, displacement + tilt/λ²; residues stay those of the displacement.
+    the largest displacement is +1, and ``modal_mass_kg`` belongs to that scale. With ``tilt`` (D, nv),
+    what a unit of each coordinate lets the sensors feel of gravity, m/s², shapes and the responses of
+    residues are those that accelerometers feel, displacement + tilt/λ², in that same scale; the forces of residues,
+    the scale and the modal mass stay those of the displacement. With all modes A/F is then
+    Σ s² R/(s − λ) + conj plus what gravity makes of the static deflection, tilt K⁻¹ (1 − s C K⁻¹) force.
+    Where a mode is seen by its tail, far above it, tilt/s² is next to nothing and tilt/λ² is not: modes below
+    ``felt_from_hz`` keep the residues of the displacement, and that static rest is one of the others only.
     ``pairs`` are the model's :func:`eigenpairs` where they are known already.
     """
     poles, vectors = eigenpairs(model) if pairs is None else pairs
@@ -75,8 +80,10 @@ def modal_model(
     pushed = moved if symmetric else (model.displacement @ driven_vectors(model, poles, vectors)).T
     seen = moved if tilt is None else moved + (tilt @ vectors).T / poles[:, None] ** 2
     reference = (reference,) if isinstance(reference, int) else reference
-    residues = moved[:, :, None] * pushed[:, None, list(reference)]
-    largest = seen[np.arange(poles.size), np.argmax(np.abs(seen), axis=1)]
+    tails = np.abs(poles) < 2 * np.pi * felt_from_hz
+    residues = np.where(tails[:, None], moved, seen)[:, :, None] * pushed[:, None, list(reference)]
+    # By the displacement: of a swing, in which gravity and acceleration cancel, accelerometers feel next to nothing.
+    largest = moved[np.arange(poles.size), np.argmax(np.abs(moved), axis=1)]
     # A motion that no DOF can see keeps the scale of its own coordinates.
     largest = np.where(np.abs(largest) > 0, largest, 1.0)
     return ModalModel(

@@ -12,8 +12,9 @@ import mujoco
 
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.recent import Recent
-from vgvt.simulation.airframe import AirframeParts, airframe_spec, cut_airframe
+from vgvt.simulation.airframe import AirframeParts, airframe_spec, cut_airframe, hinge_name
 from vgvt.simulation.damping import StructuralDamping, add_structural_damping
+from vgvt.simulation.halves import CARRY_THROUGH
 
 
 @lru_cache(maxsize=4)
@@ -65,4 +66,12 @@ def with_damped_joints(parts: AirframeParts) -> tuple[mujoco.MjSpec, StructuralD
 def structural_damping(parts: AirframeParts, spec: mujoco.MjSpec) -> StructuralDamping:
     """The damping of parts whose specification is ``spec``, before anything was added."""
     locked = spec if not parts.airframe.hinged else airframe_spec(parts.locked)
-    return StructuralDamping.of(locked, parts.airframe.damping)
+    return StructuralDamping.of(locked, parts.airframe.damping, _connecting(parts))
+
+
+def _connecting(parts: AirframeParts) -> tuple[str, ...]:
+    """Names of the joints that are no cells of a beam: at roots, and between the halves of the body."""
+    # Alone a root's link begins where its beam does, and ends there.
+    roots = (link for chain in parts.chains.values() for link in chain.links[:1] if link.twist_arc_m == 0)
+    hinges = tuple(hinge_name(link, hinge) for link in roots for hinge in link.hinges)
+    return (*((CARRY_THROUGH,) if parts.halved else ()), *hinges)

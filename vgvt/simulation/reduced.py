@@ -154,15 +154,17 @@ class Layouts:
 
 
 def _places(scenario: Scenario) -> tuple[object, ...]:
-    """What says on which links grid points are: the grid, the planform, its cells, and whether roots are joints."""
+    """What says on which links grid points are: grid, planform, cells, and what is a joint of roots and the body."""
     cut = tuple(
         (
-            b.name, b.cells, b.stations.position_m,
+            b.name, b.cells, b.stations.position_m, b.normal,
             b.root_bending_stiffness_n_m_per_rad is None, b.root_torsional_stiffness_n_m_per_rad is None,
         )
         for b in expanded_beams(scenario.airframe)
     )  # fmt: skip
-    return (scenario.accelerometers.grid, scenario.airframe.body.outline_m, cut)
+    body = scenario.airframe.body
+    halved = body.carry_through_stiffness_n_m_per_rad is not None
+    return (scenario.accelerometers.grid, body.outline_m, halved, cut)
 
 
 # A fit's trial step may lead to an aircraft that has hardly any inertia: what it predicts refuses it.

@@ -38,7 +38,8 @@ def hang(spec: mujoco.MjSpec, parts: AirframeParts, suspension: Suspension, hung
     """
     spec.option.gravity = [0.0, 0.0, -GRAVITY_M_PER_S2]
     hook = np.array(suspension.hook_m)
-    spec.body(ROOT).add_site(name=HOOK_SITE, pos=hook - parts.origin_m[ROOT])
+    carrier = parts.carrier(ROOT, hook)
+    spec.body(carrier).add_site(name=HOOK_SITE, pos=hook - parts.origin_m[carrier])
     sag = hung_mass_kg * GRAVITY_M_PER_S2 / suspension.stiffness_n_per_m
     top = hook + np.array([0.0, 0.0, suspension.free_length_m + sag])
     spec.worldbody.add_site(name=FRAME_SITE, pos=top)
@@ -98,7 +99,7 @@ def add_shaker(
     )
     armature.explicitinertial = True
     armature.ipos = np.zeros(3)
-    armature.mass = shaker.armature_mass_kg + 0.5 * stinger.mass_kg - _coil_node_mass_kg(shaker)
+    armature.mass = shaker.armature_mass_kg + 0.5 * stinger.mass_kg
     armature.inertia = np.full(3, 1e-3 * shaker.armature_mass_kg)
     armature.add_site(name=numbered("stinger-foot", exciter))
     rod = spec.add_tendon(
@@ -132,13 +133,8 @@ def add_hammer(spec: mujoco.MjSpec, site: str, axis: NDArray[np.float64]) -> Non
 def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64], exciter: int) -> None:
     """The coil as seen from the armature, driven by the command's rate of change.
 
-    With voltage drive, V = R i + L di/dt + Bl x' is a force Bl V/R on a damper
-    Bl²/R, in series with a spring Bl²/L to the armature: in the force-current
-    analogy resistance is a damper and inductance a spring. The node between them
-    must be a body; a quarter of damper times lag L/R, taken from the armature's mass,
-    makes its two poles equal and errs by (ωL/2R)² alone, 3e-4 at 35 Hz for 0.15 ms.
-    (MuJoCo's own DC motor applies the current of the *next* step, which errs in
-    first order.)
+    With voltage drive, V = R i + L di/dt + Bl x' is a force Bl V/R less Bl²/R x', both through the lag
+    τ = L/R. (MuJoCo's own DC motor applies the current of the *next* step, which errs in first order.)
     The command enters through an integrator, so that it is straight between
     time steps: held in steps it would alias onto the accelerometers.
     """
@@ -147,46 +143,46 @@ def _add_coil(spec: mujoco.MjSpec, shaker: Shaker, push: NDArray[np.float64], ex
     if shaker.drive == "voltage":
         per_volt /= shaker.coil_resistance_ohm
         damper = shaker.force_factor_n_per_a**2 / shaker.coil_resistance_ohm
-        lag_s = shaker.coil_inductance_h / shaker.coil_resistance_ohm
-        node_mass = _coil_node_mass_kg(shaker)
-        if node_mass > 0:
+        if shaker.coil_lag_s > NEGLIGIBLE_LAG_S:
             target = numbered(COIL, exciter)
-            _add_coil_node(spec, push, damper, damper / lag_s, node_mass, exciter)
+            _add_lag(spec, push, damper, shaker.coil_lag_s, exciter)
         else:
-            joint = spec.joint(target)
-            joint.damping = [joint.damping[0] + damper, 0.0, 0.0]
+            _add_damper(spec, numbered(ARMATURE, exciter), damper)
     coil = spec.add_actuator(name=numbered(COIL, exciter), trntype=mujoco.mjtTrn.mjTRN_JOINT, target=target)
     coil.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
     coil.gaintype = mujoco.mjtGain.mjGAIN_FIXED
     coil.gainprm[0] = per_volt
 
 
-def _coil_node_mass_kg(shaker: Shaker) -> float:
-    """Mass of the node between the coil's resistance and its inductance; 0 where there is no such node."""
-    lag_s = shaker.coil_inductance_h / shaker.coil_resistance_ohm
-    if shaker.drive == "current" or lag_s <= NEGLIGIBLE_LAG_S:
-        return 0.0
-    return 0.25 * lag_s * shaker.force_factor_n_per_a**2 / shaker.coil_resistance_ohm
-
-
-def _add_coil_node(
-    spec: mujoco.MjSpec,
-    push: NDArray[np.float64],
-    damper_n_s_per_m: float,
-    spring_n_per_m: float,
-    mass_kg: float,
-    exciter: int,
+def _add_lag(
+    spec: mujoco.MjSpec, push: NDArray[np.float64], damper_n_s_per_m: float, lag_s: float, exciter: int
 ) -> None:
-    name = numbered(COIL, exciter)
+    """A node for the coil to push on, which brings its force and a damper d to the armature through a lag τ, exactly.
+
+    In the force-current analogy resistance is a damper and inductance a spring, and the node between them is a body.
+    Its mass does no harm: with m = d τ, 2d to the ground, and a spring 2d/τ with a damper d beside it to the armature,
+    m s² + 3d s + 2d/τ = (d s + 2d/τ)(1 + τ s). So what reaches the armature of a force on the node is 1/(1 + τ s) of
+    it, and the armature feels d s/(1 + τ s) + d s, of which the second part is taken from its own damper. The node's
+    poles are -1/τ and -2/τ; the second moves nothing but the node.
+    """
+    name, mass = numbered(COIL, exciter), damper_n_s_per_m * lag_s
     node = spec.worldbody.add_body(name=name, gravcomp=1.0)
-    node.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=push, damping=[damper_n_s_per_m, 0.0, 0.0])
+    node.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=push, damping=[2 * damper_n_s_per_m, 0.0, 0.0])
     node.explicitinertial = True
     node.ipos = np.zeros(3)
-    node.mass = mass_kg
-    node.inertia = np.full(3, 1e-3 * mass_kg)
-    spring = spec.add_tendon(name=name, stiffness=[spring_n_per_m, 0.0, 0.0])
-    spring.wrap_joint(name, 1.0)
-    spring.wrap_joint(numbered(ARMATURE, exciter), -1.0)
+    node.mass = mass
+    node.inertia = np.full(3, 1e-3 * mass)
+    between = spec.add_tendon(
+        name=name, stiffness=[2 * damper_n_s_per_m / lag_s, 0.0, 0.0], damping=[damper_n_s_per_m, 0.0, 0.0]
+    )
+    between.wrap_joint(name, 1.0)
+    between.wrap_joint(numbered(ARMATURE, exciter), -1.0)
+    _add_damper(spec, numbered(ARMATURE, exciter), -damper_n_s_per_m)
+
+
+def _add_damper(spec: mujoco.MjSpec, name: str, damper_n_s_per_m: float) -> None:
+    joint = spec.joint(name)
+    joint.damping = [float(joint.damping[0]) + damper_n_s_per_m, 0.0, 0.0]
 
 
 def hung_mass_kg(scenario: Scenario, airframe_mass_kg: float, run: int) -> float:

@@ -30,7 +30,7 @@ def settle_near(model: mujoco.MjModel, start: Array, softness: Array | None) -> 
         data.qpos[:], data.qvel[:] = qpos, 0.0
         force = joint_force(model, data)
         left = float(np.abs(force).max())
-        if left < at_rest_n(data, _AT_REST_N):
+        if left < at_rest_n(model, data, _AT_REST_N):
             # Steps of a stable neighbour's softness come to rest only where it is stable, too.
             stable = not own or inverse is None or _stable(inverse)
             return qpos if stable and np.abs(qpos - start).max() < _NOT_NEAR else None

@@ -67,6 +67,15 @@ class StationTable:
         total = np.add.reduceat(share, first)
         return total, np.add.reduceat(share * arc, first) / total
 
+    def mean_by_compliance(
+        self, name: str, along: NDArray[np.float64], edges_m: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Means (K, 3), by compliance, over the cells between edges (K + 1,) of vectors of the segments (N - 1, 3)."""
+        arc, weight, first = self._gauss(edges_m)
+        share = weight / self.column(name, arc)
+        total = np.add.reduceat(share, first)
+        return np.asarray(np.add.reduceat(share[:, None] * along[self._segment(arc)], first) / total[:, None])
+
     def moments(self, edges_m: NDArray[np.float64]) -> tuple[MassMoments, ...]:
         """Mass moments of the K pieces between arc lengths (K + 1,).
 

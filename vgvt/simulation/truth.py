@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from vgvt.data import ModalModel, Truth
@@ -47,6 +48,11 @@ def limit_hz(scenario: Scenario) -> float:
     return max(12.0 * scenario.excitation.band_hz[1], 100.0)
 
 
+def felt_from_hz(scenario: Scenario) -> float:
+    """An octave below the swept band: what swings more slowly is in the records by its tail alone."""
+    return 0.5 * scenario.excitation.band_hz[0]
+
+
 def driven_state_space(layout: Plan, run: int) -> tuple[Rig, StateSpace]:
     """The complete rig of a run (counted from 0) and its state-space model at all points."""
     rig = driven_rig(layout, run)
@@ -70,7 +76,8 @@ def _modes_seen(
     # Without gravity, as for the bare airframe, there is nothing to feel of it.
     tilt = tilt_rows(rig, points) if rig.model.opt.gravity.any() else None
     dofs = tuple(p.dof for p in points)
-    return modal_model(linear, dofs, tuple(references), limit_hz(layout.scenario), labels, tilt, (poles, vectors))
+    limit, felt_from = limit_hz(layout.scenario), felt_from_hz(layout.scenario)
+    return modal_model(linear, dofs, tuple(references), limit, labels, tilt, (poles, vectors), felt_from)
 
 
 def _seen_from_the_gauges(
@@ -94,23 +101,34 @@ def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
     above_kg = 0.0 if layout.strike is not None else mass_above_element_kg(layout)
     modes = forced = _modes_seen(layout, rig, layout.points, references, above_kg)
     if layout.strike is not None:
-        # The truth keeps one reference for all runs, wherever the hammer roves; what it allows to know does not.
-        forced = _modes_seen(layout, rig, (*layout.points, layout.strike), [len(layout.points)])
+        # The truth keeps one reference for all runs, wherever the hammer roves; what it allows to know does not. Which
+        # way along the axis a hit goes is a sign, on which nothing of that hangs.
+        at = [p.dof.unsigned for p in layout.points].index(layout.strike.dof.unsigned)
+        forced = _modes_seen(layout, rig, layout.points, [at])
     std_hz, std_ratio = least_deviations(layout, run, driven, forced)
     return replace(modes, natural_frequency_std_hz=std_hz, damping_ratio_std=std_ratio)
 
 
 def _coupled(layout: Plan, model: StateSpace) -> ModalModel:
-    """Oscillating poles of the driven rig, coil and all, with their shapes; no residues: the input is a voltage."""
-    poles, vectors = np.linalg.eig(model.state_matrix)
+    """Oscillating poles of the driven rig, coil and all, with shapes and residues as the sensors feel them.
+
+    The inputs are commands: residues are of displacement over volts, or over newtons of the hammer.
+    """
+    poles, left, vectors = scipy.linalg.eig(model.state_matrix, left=True)
     keep = np.flatnonzero((poles.imag > 0) & (np.abs(poles) <= 2 * np.pi * limit_hz(layout.scenario)))
     keep = keep[np.argsort(np.abs(poles[keep]))]
-    seen = (model.linear.displacement[: len(layout.points)] @ vectors[: model.linear.freedoms, keep]).T
+    seen = (model.output_matrix[: len(layout.points)] @ vectors[:, keep]).T / poles[keep, None] ** 2
     largest = seen[np.arange(keep.size), np.argmax(np.abs(seen), axis=1)]
+    left, vectors = left[:, keep].conj().T, vectors[:, keep].T
+    pushed = (left @ model.inputs) / (left * vectors).sum(axis=1)[:, None]
+    moved = vectors[:, : model.linear.freedoms] @ model.linear.displacement[: len(layout.points)].T
+    tails = np.abs(poles[keep]) < 2 * np.pi * felt_from_hz(layout.scenario)
     return ModalModel(
         natural_frequency_hz=np.abs(poles[keep]) / (2 * np.pi),
         damping_ratio=-poles[keep].real / np.abs(poles[keep]),
         shapes=seen / largest[:, None],
         dofs=tuple(p.dof for p in layout.points),
+        references=tuple(p.dof for p in layout.forces),
+        residues=np.where(tails[:, None], moved, seen)[:, :, None] * pushed[:, None, :],
         method="truth",
     )

@@ -1,0 +1,82 @@
+"""Where a beam is cut: evenly, and where its axis bends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vgvt.scenario.airframe import Beam
+from vgvt.scenario.axis import beam_axis
+from vgvt.scenario.cells import bent_within_a_cell, cells_of
+
+
+def beam(points_m: list[tuple[float, float, float]], cells: int) -> Beam:
+    """A uniform beam along some points."""
+    uniform = dict.fromkeys(
+        ("bending_stiffness_n_m2", "torsional_stiffness_n_m2", "mass_kg_per_m", "pitch_inertia_kg_m"),
+        (1.0,) * len(points_m),
+    )
+    return Beam.model_validate({"name": "wing", "cells": cells, "stations": {"position_m": points_m, **uniform}})
+
+
+@pytest.mark.parametrize("cells", [1, 7, 12])
+def test_a_straight_beam_is_cut_evenly_to_the_bit(cells: int) -> None:
+    """Stations along it, and the rounding of their coordinates, change nothing."""
+    straight = beam([(0.0, 0.0, 0.0), (0.1234567, 0.3333333, 0.0), (0.3703701, 1.0, 0.0)], cells)
+    length = beam_axis(straight).arc_length_m[-1]
+    assert np.array_equal(cells_of(straight).edges_m, np.linspace(0.0, length, cells + 1))
+    assert cells_of(straight).bent_rad.max() < 1e-4
+
+
+def test_cells_end_where_the_axis_bends() -> None:
+    """As even as the pieces between bends let them be."""
+    cranked = beam([(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.36, 0.98, 0.0)], 5)
+    np.testing.assert_allclose(cells_of(cranked).edges_m, [0.0, 0.25, 0.5, 0.7, 0.9, 1.1])
+    assert cells_of(cranked).bent_rad.max() == 0
+
+
+def test_of_bends_that_are_close_the_sharpest_lies_between_two_cells() -> None:
+    close = beam([(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.01, 0.6, 0.0), (0.41, 1.0, 0.0)], 4)
+    arcs, cells = beam_axis(close).arc_length_m, cells_of(close)
+    assert arcs[2] in cells.edges_m
+    assert arcs[1] not in cells.edges_m
+    assert np.degrees(cells.bent_rad.sum()) == pytest.approx(np.degrees(np.arctan(0.1)))
+    assert bent_within_a_cell(close) is None
+
+
+def test_a_bend_that_is_one_cell_from_the_tip_lies_between_two() -> None:
+    """Rounding makes the last piece a little shorter than a cell."""
+    for cells in range(2, 30):
+        bent = beam([(0.0, 0.0, 0.0), (0.0, 0.1 * (cells - 1), 0.0), (0.1, 0.1 * (cells - 1), 0.0)], cells)
+        assert cells_of(bent).bent_rad.max() == 0
+
+
+def test_a_bend_in_the_only_cell_is_told() -> None:
+    only = beam([(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 0.0)], 1)
+    assert bent_within_a_cell(only) == (
+        "the axis of beam 'wing' bends by 90° within one of its cells, which gives way about its mean direction; "
+        "write cells = 2, not 1"
+    )
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.lists(st.tuples(*[st.integers(-9, 9)] * 2, st.integers(1, 9)), min_size=1, max_size=30),
+    st.integers(1, 60),
+)
+def test_there_are_as_many_cells_as_stated_and_none_is_far_from_even(
+    steps: list[tuple[int, int, int]], cells: int
+) -> None:
+    """However many bends there are: between half and twice the even length."""
+    points = np.cumsum([(0, 0, 0), *((x, y, z) for x, z, y in steps)], axis=0) / 10
+    zigzag = beam([(float(x), float(y), float(z)) for x, y, z in points], cells)
+    edges = cells_of(zigzag).edges_m
+    even = edges[-1] / cells
+    assert edges.size == cells + 1
+    assert np.diff(edges).min() > 0.5 * even * (1 - 1e-6)
+    assert np.diff(edges).max() < 2 * even * (1 + 1e-6)
+    # Every bend lies on an edge or counts in its cell.
+    within = ~np.isin(beam_axis(zigzag).arc_length_m, edges)
+    assert (cells_of(zigzag).bent_rad > 0).any() <= within.any()
