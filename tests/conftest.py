@@ -1,8 +1,11 @@
-"""What every test shares: one BLAS thread, and the measured campaign where it exists."""
+"""What every test shares: one BLAS thread, packages with plugins, and the measured campaign where it exists."""
 
 from __future__ import annotations
 
+import importlib
 import os
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,6 +22,31 @@ CAMPAIGN = "hati-2015-09-24"
 def repository_root() -> Path:
     """The root of the checkout."""
     return ROOT
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
+    """Puts a package in place as pip leaves it: a module of a source text, and entry points to what it holds.
+
+    ``install("package", source, "vgvt.effects", {"name": "Class"})``; the module is called as the package.
+    """
+    modules: list[str] = []
+
+    def put(package: str, source: str, group: str, points: dict[str, str]) -> None:
+        site = tmp_path / f"site-{package}"
+        metadata = site / f"{package}-1.dist-info"
+        metadata.mkdir(parents=True)
+        (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1\n")
+        lines = [f"{name} = {package}:{attribute}\n" for name, attribute in points.items()]
+        (metadata / "entry_points.txt").write_text(f"[{group}]\n{''.join(lines)}")
+        (site / f"{package}.py").write_text(source)
+        monkeypatch.syspath_prepend(site)
+        importlib.invalidate_caches()
+        modules.append(package)
+
+    yield put
+    for module in modules:
+        sys.modules.pop(module, None)
 
 
 @pytest.fixture(scope="session")

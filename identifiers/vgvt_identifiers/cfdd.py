@@ -13,7 +13,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from vgvt.data import Campaign, InputError, ModalModel, Outcome
+from vgvt.data import Campaign, ModalModel, Outcome
 from vgvt.identification import Needs
 from vgvt_identifiers.bell_modes import (
     BellMode,
@@ -25,6 +25,7 @@ from vgvt_identifiers.bell_modes import (
     second_peaks,
     visible,
 )
+from vgvt_identifiers.bounds import check_bounds
 from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.misfit_weights import residues_beside_others
@@ -178,14 +179,6 @@ def _mean(values: list[float], std: list[float]) -> tuple[float, float]:
     x, floor = np.array(values), float(np.median(std))
     weight = 1 / (np.array(std) ** 2 + floor**2)
     return float(weight @ x / weight.sum()), float(x.std(ddof=1) / np.sqrt(x.size))
-
-
-def check_bounds(settings: object, bounds: dict[str, tuple[float, float]]) -> None:
-    """InputError for a setting outside its bounds (low, high)."""
-    for name, (low, high) in bounds.items():
-        value = getattr(settings, name)
-        if not low <= value <= high:
-            raise InputError(str(getattr(settings, "name", "")), f"{name} = {value}", f"give {low:g} to {high:g}")
 
 
 def _ripples(at_hz: list[float]) -> tuple[str, ...]:

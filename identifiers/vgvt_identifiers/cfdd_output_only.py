@@ -11,10 +11,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from vgvt.data import Campaign, ChannelRole, ModalModel, Outcome
+from vgvt.data import Campaign, ModalModel, Outcome
 from vgvt.identification import Needs
 from vgvt_identifiers.bell_modes import BellMode, BellOptions, bell_modes, second_peaks
-from vgvt_identifiers.cfdd import CITATION, check_bounds
+from vgvt_identifiers.bounds import check_bounds
+from vgvt_identifiers.cfdd import CITATION
 from vgvt_identifiers.density_peaks import density_peaks
 from vgvt_identifiers.non_modes import flag_non_modes
 from vgvt_identifiers.output_spectra import Decomposition, output_only
@@ -65,7 +66,7 @@ class CfddOutputOnly:
         width = band_hz[1] - band_hz[0]
         if segment > responses.duration_s / 2 or segment * width < _FEWEST_LINES:
             segment = min(responses.duration_s / 4, max(segment, 1.5 * _FEWEST_LINES / width))
-        remarks = (*responses.remarks, *_trap(campaign))
+        remarks = responses.remarks
         if segment * width < _FEWEST_LINES:
             why = (
                 f"segments of {segment:.3g} s leave under {_FEWEST_LINES} lines in the band: widen it or record longer"
@@ -84,16 +85,6 @@ class CfddOutputOnly:
         modes, left_out = bell_modes(found, peaks, options)
         extra = second_peaks(found, modes, self.false_alarm)
         return bell_modes(found, [*peaks, *extra], options) if extra else (modes, left_out)
-
-
-def _trap(campaign: Campaign) -> tuple[str, ...]:
-    """What to know where a force was measured and is not used."""
-    if not any(c.role is not ChannelRole.RESPONSE for r in campaign.runs for c in r.channels):
-        return ()
-    return (
-        "the force is not used: on a shaker such spectra peak at the combined resonances of shaker and aircraft; "
-        "use cfdd, which divides by the force",
-    )
 
 
 def _claim(found: Decomposition, modes: tuple[BellMode, ...], remarks: tuple[str, ...]) -> ModalModel:

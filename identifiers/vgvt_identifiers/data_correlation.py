@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt_identifiers.hankel import Roots, convolved, differenced, upper_roots
+from vgvt_identifiers.too_few import TooFewError
 
 _SMALLEST = 1e-10
 
@@ -86,12 +87,13 @@ def realise_correlated(
     """Balanced realisation of the correlations of impulse responses (R, N), ``block_rows`` x ``block_columns`` of them.
 
     Each is (columns, columns) and sums over ``rows`` rows of the Hankel matrix,
-    fewer if the samples do not fill it. ValueError when not even two rows are left.
+    fewer if the samples do not fill it. TooFewError when not even two rows are left.
     """
     last = lag * (block_rows + block_columns - 2) + 1
     rows = min(rows, impulse.shape[1] - columns - last)
     if rows < 2:
-        raise ValueError(f"{impulse.shape[1]} samples cannot fill correlations of {columns} columns and lag {last}")
+        what = f"correlations of {columns} columns and lag {last}"
+        raise TooFewError(f"impulse responses of {impulse.shape[1]} samples cannot fill {what}: measure longer")
     window = np.lib.stride_tricks.sliding_window_view(impulse, columns, axis=1)
     first = [np.ascontiguousarray(w[:rows]) for w in window]
 

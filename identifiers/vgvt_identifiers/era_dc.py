@@ -8,8 +8,9 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, ModalModel
+from vgvt.data import Campaign, InputError, ModalModel
 from vgvt.identification import Needs
+from vgvt_identifiers.bounds import check_bounds
 from vgvt_identifiers.data_correlation import CorrelatedRealisation, realise_correlated
 from vgvt_identifiers.era import ERA_CITATION
 from vgvt_identifiers.era_sources import check_settings, identify_by_realisation, shared_settings
@@ -77,6 +78,12 @@ class EraDc:
 
     def __post_init__(self) -> None:
         check_settings(shared_settings(self))
+        check_bounds(self, {"block_rows": (1, 100), "block_columns": (1, 100), "lag": (1, 1000)})
+        fewest = self.columns + self.lag * (self.block_rows + self.block_columns - 2) + 3
+        if self.samples < fewest:
+            asked = f"{self.block_rows} x {self.block_columns} correlations at a lag of {self.lag}"
+            advice = f"give {fewest} or more, or fewer columns, blocks or lag"
+            raise InputError(self.name, f"samples = {self.samples} cannot fill {asked}", advice)
 
     def identify(self, campaign: Campaign, band_hz: tuple[float, float]) -> ModalModel:
         """The modes inside ``band_hz``, with residues, and every pole of every model as a candidate."""

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, InputError, ModalModel
+from vgvt.data import Campaign, ModalModel
+from vgvt_identifiers.bounds import check_bounds
 from vgvt_identifiers.data_correlation import CorrelatedRealisation
 from vgvt_identifiers.hankel import HankelModel, Realisation, Roots
 from vgvt_identifiers.impulse import ImpulseResponses, impulse_responses
@@ -90,10 +91,7 @@ def check_settings(settings: RealisationSettings) -> None:
         "tolerance": (1e-4, 0.2),
         "largest_damping_ratio": (1e-6, 1.0),
     }
-    for name, (low, high) in bounds.items():
-        value = getattr(settings, name)
-        if not low <= value <= high:
-            raise InputError(settings.name, f"{name} = {value}", f"give {low:g} to {high:g}")
+    check_bounds(settings, bounds)
 
 
 def sources_by_response(

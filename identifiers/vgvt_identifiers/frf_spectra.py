@@ -66,13 +66,13 @@ def _accelerances(frf: FrequencyResponseSet) -> FrequencyResponseSet:
 
 def _with_force(frf: FrequencyResponseSet) -> tuple[FrequencyResponseSet, tuple[str, ...]]:
     """The longest stretch of lines on which every response is known, and a remark where it is not the whole band."""
-    known = np.isfinite(frf.values).all(axis=(0, 1))
+    known = np.asarray(np.isfinite(frf.values).all(axis=(0, 1)))
     if known.all():
         return frf, ()
     edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
     starts, ends = edges[::2], edges[1::2]
     if not starts.size:
-        return frf.band(np.inf, np.inf), ("no line of the band has every force",)
+        return frf.lines(known), ("no line of the band has every force",)
     longest = int(np.argmax(ends - starts))
     low, high = (float(frf.frequency_hz[i]) for i in (starts[longest], ends[longest] - 1))
     what = f"{np.count_nonzero(~known)} lines lack a force: the lines from {low:.4g} to {high:.4g} Hz are used"

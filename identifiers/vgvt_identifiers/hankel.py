@@ -16,6 +16,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt_identifiers.too_few import TooFewError
+
 _SMALLEST = 1e-7
 
 
@@ -109,11 +111,12 @@ def realise(impulse: NDArray[np.float64], rows: int, columns: int, order: int) -
     """Balanced realisation of impulse responses (R, N) from their (R rows) x columns Hankel matrix.
 
     The first sample is the first Markov parameter C B. Samples that do not
-    fill the matrix are not used; too few make fewer rows. ValueError when N < columns + 2.
+    fill the matrix are not used; too few make fewer rows. TooFewError when N < columns + 2.
     """
     rows = min(rows, impulse.shape[1] - columns)
     if rows < 2:
-        raise ValueError(f"{impulse.shape[1]} samples cannot fill a Hankel matrix of {columns} columns and two rows")
+        what = f"a Hankel matrix of {columns} columns and two rows"
+        raise TooFewError(f"impulse responses of {impulse.shape[1]} samples cannot fill {what}: measure longer")
     gram = hankel_gram(impulse, rows, columns + 1)
     power, vectors = np.linalg.eigh(gram[:columns, :columns])
     singular = np.sqrt(np.maximum(power[::-1], 0))

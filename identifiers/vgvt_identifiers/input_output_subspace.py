@@ -2,8 +2,9 @@
 
 Verhaegen, Identification of the deterministic part of MIMO state space models
 given in innovations form from input-output data, Automatica 30(1), 1994; with
-Larimore's canonical variate weighting in the unifying frame of Van Overschee and
-De Moor, Automatica 31(12), 1995. The past is the instrument, so white noise on the
+Larimore's canonical variate weighting and the oblique projection of N4SID in the unifying
+frame of Van Overschee and De Moor, Automatica 31(12), 1995, and Subspace Identification for
+Linear Systems, 1996, theorem 12. The past is the instrument, so white noise on the
 responses does not bias the poles, and coloured noise takes states of its own.
 """
 
@@ -75,7 +76,9 @@ def decimated(samples: NDArray[np.floating], sample_rate_hz: float, highest_hz: 
 def observability(run: DecimatedRun, block_rows: int, largest_order: int, weighting: str) -> Observability:
     """Observability matrix from the run, with ``block_rows`` rows of past and of future.
 
-    ``weighting`` is "cva" (future outputs made white) or "moesp" (none).
+    ``weighting`` says what of the past's part O in the future outputs is decomposed, an oblique projection along the
+    future inputs U: "n4sid" O itself, "moesp" what of O is orthogonal to U, "cva" that with the future outputs,
+    orthogonal to U, made white.
     TooFewError when the record is shorter than the rows or they cannot hold the order.
     """
     responses = run.responses
@@ -96,7 +99,12 @@ def observability(run: DecimatedRun, block_rows: int, largest_order: int, weight
     weight = np.eye(known.shape[0])
     if weighting == "cva":
         weight = np.linalg.cholesky(known @ known.T + rest @ rest.T)
-    left, values, _ = np.linalg.svd(np.linalg.solve(weight, known), full_matrices=False)
+    decomposed = np.linalg.solve(weight, known)
+    if weighting == "n4sid":
+        # The past Z is [beside, own] times orthonormal rows, those of the future inputs first, and O = known own^-1 Z.
+        beside, own = factor[first:second, :first], factor[first:second, first:second]
+        decomposed = np.hstack([known @ np.linalg.solve(own, beside), known])
+    left, values, _ = np.linalg.svd(decomposed, full_matrices=False)
     matrix = weight @ (left[:, :largest_order] * np.sqrt(values[:largest_order]))
     return Observability(np.asarray(matrix), responses, run.step_s)
 

@@ -20,6 +20,7 @@ from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.pole_patterns import Pattern, PatternOptions, Patterns, SourcePoles, find_patterns
 from vgvt_identifiers.residues import Residues, fit_residues
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, RunSpectra, campaign_spectra
+from vgvt_identifiers.too_few import TooFewError
 
 _MODEL_ERROR = 5e-3  # of the rms response: what modes outside the band leave is known no better than that
 _CLOSE = 5.0
@@ -69,9 +70,12 @@ def claim_of_sources(
     if lines < FEWEST_LINES:
         why = f"{lines} lines in and around {band_hz[0]:g} to {band_hz[1]:g} Hz are too few: {FEWEST_LINES} are needed"
         return ModalModel.empty(Outcome.NOTHING_FOUND, (*spectra.remarks, why), dofs=spectra.responses)
-    if first is not None and not options.estimator:
-        spectra = _without_transient(find_patterns(first(spectra), spectra, options.patterns), spectra, options)
-    found = find_patterns(sources(spectra), spectra, options.patterns)
+    try:
+        if first is not None and not options.estimator:
+            spectra = _without_transient(find_patterns(first(spectra), spectra, options.patterns), spectra, options)
+        found = find_patterns(sources(spectra), spectra, options.patterns)
+    except TooFewError as error:
+        return ModalModel.empty(Outcome.NOTHING_FOUND, (*spectra.remarks, str(error)), dofs=spectra.responses)
     # In the margin responses are steep with the modes beyond it, which residues inside the band must not pay for.
     return claim_of_patterns(found, _inside(spectra, band_hz), band_hz, options)
 

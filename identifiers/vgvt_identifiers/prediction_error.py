@@ -14,8 +14,9 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, InputError, ModalModel
+from vgvt.data import Campaign, ModalModel
 from vgvt.identification import Needs
+from vgvt_identifiers.bounds import check_bounds
 from vgvt_identifiers.era import ERA_CITATION, Era
 from vgvt_identifiers.era_sources import shared_settings, sources_by_run
 from vgvt_identifiers.hankel import realise
@@ -93,18 +94,16 @@ class PredictionError:
 
     def __post_init__(self) -> None:
         bounds = {
-            "order": (2, min(self.columns, 100)),
             "samples": (20, 100_000),
             "columns": (4, self.samples - 4),
+            "order": (2, min(self.columns, 100)),
             "rows": (4, 100_000),
             "model_error": (1e-9, 1.0),
             "taper": (0.01, 0.5),
             "iterations": (0, 1000),
             "largest_damping_ratio": (1e-6, 1.0),
         }
-        for name, (low, high) in bounds.items():
-            if not low <= getattr(self, name) <= high:
-                raise InputError("pem", f"{name} = {getattr(self, name)}", f"give {low:g} to {high:g}")
+        check_bounds(self, bounds)
 
     def identify(self, campaign: Campaign, band_hz: tuple[float, float]) -> ModalModel:
         """The modes inside ``band_hz``, one pole each for all runs, with residues; poles of the model as candidates."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import Campaign, ModalModel, Outcome
 from vgvt.identification import Needs
-from vgvt_identifiers.cfdd import check_bounds
+from vgvt_identifiers.bounds import check_bounds
 from vgvt_identifiers.covariance_subspace import (
     Poles,
     Realisation,

@@ -55,7 +55,19 @@ def steady_responses(campaign: Campaign, band_hz: tuple[float, float]) -> Steady
             )
     if others and not missing:
         every = (*every, f"run {best.run} is used alone, run {', '.join(map(str, others))} is left out")
+    if not problem:
+        every = (*every, *_trap(campaign))
     return SteadyResponses(channels, samples, best.sample_rate_hz, every, problem)
+
+
+def _trap(campaign: Campaign) -> tuple[str, ...]:
+    """What to know where a force was measured and is not used."""
+    if not any(c.role is not ChannelRole.RESPONSE for r in campaign.runs for c in r.channels):
+        return ()
+    return (
+        "the force is not used: on a shaker the responses alone show the combined resonances of shaker and aircraft; "
+        "use a method that takes the force, such as cfdd",
+    )
 
 
 def steadiness(samples: NDArray[np.float64], sample_rate_hz: float, band_hz: tuple[float, float]) -> float:

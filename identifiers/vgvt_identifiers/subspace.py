@@ -43,6 +43,13 @@ _CITATION = """\
   pages = {1853--1864},
   year = {1995},
 }
+
+@book{vanoverschee1996subspace,
+  author = {Van Overschee, Peter and De Moor, Bart},
+  title = {Subspace Identification for Linear Systems: Theory, Implementation, Applications},
+  publisher = {Kluwer Academic Publishers},
+  year = {1996},
+}
 """
 
 
@@ -51,12 +58,13 @@ class Subspace:
     """State-space models of many orders for every run, what is stable, and residues for that; fields are settings."""
 
     name: ClassVar[str] = "subspace"
-    summary: ClassVar[str] = "Input-output subspace identification (PO-MOESP, CVA) on the samples of every run"
+    summary: ClassVar[str] = "Input-output subspace identification (PO-MOESP, CVA, N4SID) on the samples of every run"
     citation: ClassVar[str] = _CITATION
     needs: ClassVar[Needs] = Needs.FORCE_REFERENCE | Needs.TIME_HISTORIES
 
-    weighting: Literal["cva", "moesp"] = field(
-        default="cva", metadata={"doc": "weight of the future outputs: made white, or none"}
+    weighting: Literal["cva", "moesp", "n4sid"] = field(
+        default="cva",
+        metadata={"doc": "future outputs made white, or not, or (n4sid) with what the past shares with future forces"},
     )
     block_rows: int = field(default=0, metadata={"doc": "samples of past and of future; 0 takes what one run affords"})
     largest_order: int = field(default=40, metadata={"doc": "largest number of states, two a mode"})

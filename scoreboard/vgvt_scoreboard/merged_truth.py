@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import InputError, ModalModel, Truth
+from vgvt.data import InputError, ModalModel, TrueModes, Truth
 from vgvt_scoreboard.pairing import pair_modes
 
 
@@ -22,7 +22,7 @@ class MergedTruth:
 
     ``frequency_spread_hz`` and ``damping_spread`` are standard deviations over
     the runs; ``runs_matched`` counts the runs a mode was recognised in;
-    ``index`` is its place in ``Truth.as_tested[0]``. ``joined_mac`` is the MAC with the true shape that
+    ``index`` is its place in the first run's model of the truth. ``joined_mac`` is the MAC with the true shape that
     the best merging of the runs could reach, see :func:`joined_mac`.
     """
 
@@ -34,18 +34,19 @@ class MergedTruth:
     joined_mac: NDArray[np.float64]
 
 
-def merge_truth(truth: Truth) -> MergedTruth:
-    """Average the as-tested truth over the runs, modes recognised by pole distance and MAC.
+def merge_truth(truth: Truth, which: TrueModes = TrueModes.AS_TESTED) -> MergedTruth:
+    """Average the truth as tested, or with the shaker, over the runs, modes recognised by pole distance and MAC.
 
     The modes are those of the first run; each further run adds to the modes it is paired with.
     Shapes are averaged after a complex least-squares scaling to the first run's, residues as they
     are. InputError when the truth holds no run.
     """
-    if not truth.as_tested:
+    runs = truth.of_runs(which)
+    if not runs:
         raise InputError(f"truth of {truth.scenario}", "it holds no run", "simulate the scenario again")
-    first = truth.as_tested[0]
+    first = runs[0]
     members: list[list[tuple[ModalModel, int]]] = [[(first, i)] for i in range(len(first))]
-    for run in truth.as_tested[1:]:
+    for run in runs[1:]:
         seen = run.at(first.dofs)
         for i, j in pair_modes(first, seen).pairs:
             members[i].append((seen, j))

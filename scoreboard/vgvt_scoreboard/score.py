@@ -7,10 +7,9 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Dof, InputError, ModalModel, ModeScore, ModeStatus, Scorecard, Truth
-from vgvt_scoreboard.merged_truth import MergedTruth, merge_truth
+from vgvt.data import Dof, InputError, ModalModel, ModeScore, ModeStatus, Scorecard, TrueModes, Truth
+from vgvt_scoreboard.judged_by import JudgedBy, judged_by
 from vgvt_scoreboard.pairing import Pairing, PairingRule, pair_modes
-from vgvt_scoreboard.reach import reachable
 from vgvt_scoreboard.scaling import scaling_error_percent
 
 
@@ -30,7 +29,7 @@ def score(
     identifier: str = "",
     rule: PairingRule | None = None,
 ) -> Scorecard:
-    """Score a claim against the average as-tested truth, within a band.
+    """Score a claim against the average truth, within a band: as tested, or with the shaker for one without the force.
 
     Frequencies in Hz. Shapes are compared at the claim's DOFs. True modes in the band are found,
     missed or unreached; a claim that fits a true mode just outside the band is found too but never
@@ -40,13 +39,13 @@ def score(
     scenario, identifier = scenario or truth.scenario, identifier or claim.method
     if not 0 <= band_hz[0] < band_hz[1]:
         raise InputError(f"score of {identifier}", f"band {band_hz} Hz is no band", "give 0 <= low < high")
-    merged = merge_truth(truth)
-    dofs = _common_dofs(merged.model, claim, f"score of {identifier or 'the claim'} on {scenario}")
-    true_model = merged.model.at(dofs)
+    judge = judged_by(truth, claim)
+    dofs = _common_dofs(judge.merged.model, claim, f"score of {identifier or 'the claim'} on {scenario}")
+    true_model = judge.merged.model.at(dofs)
     claimed = claim.at(dofs) if len(claim) else ModalModel.empty(claim.outcome, claim.advice, claim.method, dofs)
-    shapeless = merged.joined_mac < (rule or PairingRule()).min_mac
+    shapeless = judge.merged.joined_mac < (rule or PairingRule()).min_mac
     pairing = pair_modes(true_model, claimed, rule, shapeless)
-    rows = _rows(merged, true_model, claimed, pairing, band_hz, shapeless)
+    rows = _rows(judge, true_model, claimed, pairing, band_hz, shapeless)
     rows.sort(key=lambda row: row.true_hz if row.true_hz is not None else row.claimed_hz or 0.0)
     return Scorecard(
         identifier=identifier,
@@ -56,6 +55,8 @@ def score(
         unreached=tuple(r for r in rows if r.status is ModeStatus.UNREACHED),
         outcome=claim.outcome,
         advice=claim.advice,
+        true_modes=judge.which,
+        remarks=judge.remarks(band_hz, dofs),
     )
 
 
@@ -78,7 +79,7 @@ def _common_dofs(true_model: ModalModel, claim: ModalModel, where: str) -> tuple
 
 
 def _rows(
-    merged: MergedTruth,
+    judge: JudgedBy,
     true_model: ModalModel,
     claimed: ModalModel,
     pairing: Pairing,
@@ -87,13 +88,13 @@ def _rows(
 ) -> list[ModeScore]:
     partner = dict(pairing.pairs)
     inside = _inside(true_model.natural_frequency_hz, band_hz)
-    seen = reachable(true_model) & ~shapeless
+    seen = judge.reached(true_model.dofs) & ~shapeless
     rows = []
     for i in range(len(true_model)):
         j = partner.get(i)
         # Out-of-band truth excuses an in-band claim that belongs to it; it asks for nothing.
         if inside[i] or (j is not None and _inside(claimed.natural_frequency_hz, band_hz)[j]):
-            rows.append(_true_row(merged, true_model, claimed, pairing, i, j, bool(seen[i]), bool(inside[i])))
+            rows.append(_true_row(judge, true_model, claimed, pairing, i, j, bool(seen[i]), bool(inside[i])))
     taken = set(partner.values())
     in_band = _inside(claimed.natural_frequency_hz, band_hz)
     rows += [_false_row(true_model, claimed, pairing, j) for j in range(len(claimed)) if j not in taken and in_band[j]]
@@ -101,7 +102,7 @@ def _rows(
 
 
 def _true_row(
-    merged: MergedTruth,
+    judge: JudgedBy,
     true_model: ModalModel,
     claimed: ModalModel,
     pairing: Pairing,
@@ -111,26 +112,33 @@ def _true_row(
     inside: bool,
 ) -> ModeScore:
     status = ModeStatus.FOUND if j is not None else ModeStatus.MISSED if seen else ModeStatus.UNREACHED
-    remark = "" if seen else _why_unseen(merged, i)
+    remark = "" if seen else _why_unseen(judge, i)
+    coupled = judge.which is TrueModes.COUPLED
+    if coupled and judge.counterpart[i] < 0:
+        remark = "; ".join(filter(None, ("shaker and aircraft together: like no mode as tested", remark)))
+    as_tested_hz, as_tested_damping_ratio = judge.as_tested_at(i)
     return ModeScore(
         status=status,
         true_hz=float(true_model.natural_frequency_hz[i]),
         true_damping_ratio=float(true_model.damping_ratio[i]),
-        true_spread_hz=float(merged.frequency_spread_hz[i]),
+        true_spread_hz=float(judge.merged.frequency_spread_hz[i]),
         frequency_bound_hz=_stated(true_model.natural_frequency_std_hz, i),
-        scaling_error_percent=None if j is None else scaling_error_percent(true_model, i, claimed, j),
+        # Residues with the shaker are for a volt of command, which no claim knows.
+        scaling_error_percent=None if j is None or coupled else scaling_error_percent(true_model, i, claimed, j),
         mac=None if j is None else float(pairing.mac[i, j]),
         label=true_model.labels[i] if true_model.labels else "",
         reachable=seen,
         in_band=inside,
-        true_index=int(merged.index[i]),
+        true_index=int(judge.merged.index[i]),
+        as_tested_hz=as_tested_hz,
+        as_tested_damping_ratio=as_tested_damping_ratio,
         remark=remark if inside else "outside the band asked for",
         **_claim_side(claimed, j),
     )
 
 
-def _why_unseen(merged: MergedTruth, i: int) -> str:
-    if reachable(merged.model)[i]:
+def _why_unseen(judge: JudgedBy, i: int) -> str:
+    if judge.reached(judge.merged.model.dofs)[i]:
         return "the runs drive this mode so differently that no method can join its shape; the pole alone counts"
     return "force, noise and sensors leave too little of this mode in the records"
 

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from threadpoolctl import threadpool_info
 
-from vgvt.bench.executors import MakeExecutor, in_order_of_completion
+from vgvt.bench.executors import MakeExecutor, in_order_of_completion, process_pool
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,23 @@ def finished(stubs: list[Stub], make: MakeExecutor, done: list[int]) -> None:
     for stub, rows in in_order_of_completion(stubs, make, work):  # type: ignore[arg-type]
         assert rows == [{"number": stub.number}]
         done.append(stub.number)
+
+
+PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+
+def test_workers_have_one_blas_thread_each_where_nobody_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the environment says nothing each would take all cores. What it says here is as before when all is done."""
+    for name in PINS:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv(PINS[2], "7")
+    with process_pool(1)() as pool:
+        libraries = pool.submit(threadpool_info).result()
+        pins = [pool.submit(os.getenv, name).result() for name in PINS]
+    assert any(library["user_api"] == "blas" for library in libraries)
+    assert {library["num_threads"] for library in libraries} == {1}
+    assert pins == ["1"] * len(PINS)
+    assert [os.getenv(name) for name in PINS] == [None, None, "7", None]
 
 
 def test_three_cells_that_lose_a_worker_each_are_no_three_deaths_of_one(tmp_path: Path) -> None:

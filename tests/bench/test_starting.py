@@ -62,6 +62,31 @@ def test_nothing_passes_from_one_contestant_to_the_next(gate, task, monkeypatch)
     assert reason(honest) == ""
 
 
+@pytest.mark.parametrize("how", ["gate", "interpreter"])
+def test_a_contestant_has_one_blas_thread_where_nobody_said_so(task, monkeypatch, how: str) -> None:
+    """Where the environment says nothing it would take all cores, of which another one measures its time."""
+    body = (
+        "import json, os, numpy, threadpoolctl\n"
+        "threads = [library['num_threads'] for library in threadpoolctl.threadpool_info()]\n"
+        "pins = {name: os.getenv(name) for name in os.environ if name.endswith('_THREADS')}\n"
+        "with open('threads.json', 'w') as file: json.dump([threads, pins], file)"
+    )
+    folder = task("counter", body)
+    monkeypatch.syspath_prepend(str(folder))
+    pins = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+    for name in pins:
+        monkeypatch.delenv(name, raising=False)
+    if how == "gate":
+        fresh = Gate()
+        assert fresh.run(folder, 60) == 0
+        fresh.close()
+    else:
+        assert starting._interpreter(folder, 60) == 0
+    threads, found = json.loads((folder / "threads.json").read_text())
+    assert threads and set(threads) == {1}
+    assert {name: found.get(name) for name in pins} == dict.fromkeys(pins, "1")
+
+
 @pytest.mark.slow
 def test_a_contestant_that_does_not_end_is_killed_with_what_it_started(gate, task, monkeypatch) -> None:
     body = (

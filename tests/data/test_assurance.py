@@ -44,6 +44,15 @@ def test_a_shape_of_zeros_is_like_nothing() -> None:
     assert modal_phase_collinearity(np.zeros(4))[0] == 0
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, complex(0, np.nan)])
+def test_a_shape_that_is_not_known_is_like_nobody_knows_what(value: complex) -> None:
+    """Not like nothing: 0 would say that two shapes have been compared."""
+    unknown = np.array([[1.0, value, 0.0, 2.0], [1.0, 1.0, 1.0, 1.0]])
+    mac = modal_assurance(unknown, np.ones(4))[:, 0]
+    assert np.isnan(mac[0]) and mac[1] == pytest.approx(1)
+    np.testing.assert_array_equal(np.isnan(modal_phase_collinearity(unknown.astype(complex))), [True, False])
+
+
 def test_shapes_at_other_points_are_refused() -> None:
     with pytest.raises(ValueError, match="share their DOFs"):
         modal_assurance(np.ones((2, 3)), np.ones((2, 4)))

@@ -14,6 +14,7 @@ from vgvt.data import (
     Dof,
     FrequencyResponseSet,
     Geometry,
+    InputError,
     ModalModel,
     Outcome,
     Quantity,
@@ -149,6 +150,29 @@ def test_a_band_of_responses_keeps_everything_else() -> None:
 
 
 @pytest.mark.parametrize(
+    ("band", "problem"),
+    [
+        ((6.0, 3.0), "6 to 3 Hz is not low <= high"),
+        ((float("nan"), 3.0), "nan to 3 Hz is not low <= high"),
+        ((3.0, float("nan")), "3 to nan Hz is not low <= high"),
+        ((10.5, 20.0), r"10.5 to 20 Hz lies outside the lines, 1 to 10 Hz"),
+        ((0.0, 0.9), r"0 to 0.9 Hz lies outside the lines, 1 to 10 Hz"),
+    ],
+)
+def test_a_band_without_a_meaning_is_refused(band: tuple[float, float], problem: str) -> None:
+    with pytest.raises(InputError, match=problem):
+        frf().band(*band)
+
+
+@pytest.mark.parametrize(("band", "lines"), [((10.0, 20.0), 1), ((0.0, np.inf), 10), ((4.0, 4.0), 1), ((4.2, 4.8), 0)])
+def test_a_band_reaches_beyond_the_lines_or_falls_between_two(band: tuple[float, float], lines: int) -> None:
+    part = frf().band(*band)
+    assert part.frequency_hz.size == lines
+    assert part.values.shape == (3, 1, lines)
+    assert not frf().lines(np.zeros(10, bool)).band(1.0, 2.0).frequency_hz.size
+
+
+@pytest.mark.parametrize(
     "change",
     [
         {"values": np.zeros((3, 1, 9), complex)},
@@ -200,6 +224,11 @@ def test_an_empty_model_says_why() -> None:
         {"shapes": np.zeros((3, 3), complex)},
         {"residues": np.zeros((3, 2), complex)},
         {"natural_frequency_hz": np.array([5.0, 1.0, 9.0])},
+        {"natural_frequency_hz": np.array([1.0, 5.0, np.nan])},
+        {"natural_frequency_hz": np.array([1.0, 5.0, np.inf])},
+        {"natural_frequency_hz": np.array([-1.0, 5.0, 9.0])},
+        {"dofs": (D("1+Z"), D("1+Z"))},
+        {"dofs": (D("1+Z"), D("1-Z"))},
         {"labels": ("a",)},
         {"flags": ((),)},
     ],
@@ -207,6 +236,13 @@ def test_an_empty_model_says_why() -> None:
 def test_a_modal_model_that_does_not_fit_is_refused(change: dict) -> None:
     with pytest.raises(ValueError, match="must"):
         replace(model(), **change)
+
+
+def test_a_dof_that_is_there_twice_is_named() -> None:
+    """Along an axis and against it is one DOF; along another axis it is another one."""
+    with pytest.raises(ValueError, match=r"once each; twice: 1\+Z$"):
+        model().at((D("1+Z"), D("1-Z")))
+    assert replace(model(), dofs=(D("1+Z"), D("1+RZ"))).dofs[1] == D("1+RZ")
 
 
 def test_a_truth_has_a_model_for_each_run() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vgvt.data import InputError
-from vgvt.files.claim import Claim, read_claim
+from vgvt.files.claim import Claim, claim_document, read_claim
 
 
 def point(dof: str) -> dict[str, Any]:
@@ -31,13 +31,21 @@ def read(folder: Path, **changes: Any) -> Claim:
 
 
 def test_what_is_null_is_not_known(tmp_path: Path) -> None:
-    keys = ("settings", "advice", "method", "campaign", "residues", "candidates")
+    keys = ("settings", "advice", "method", "campaign", "residues", "candidates", "output_only")
     open_mode = mode(frequency_std_hz=None, damping_ratio=None, damping_ratio_std=None, label=None, flags=None)
     claim = read(tmp_path, modes=[open_mode], **dict.fromkeys(keys))
     model = claim.model
     assert (model.settings, model.advice, model.method, claim.campaign) == ({}, (), "", "")
     assert (model.residues, model.candidates, model.labels, model.flags) == (None, (), ("",), ((),))
+    assert model.output_only is False
     assert np.isnan([model.damping_ratio[0], model.natural_frequency_std_hz[0], model.damping_ratio_std[0]]).all()
+
+
+def test_a_claim_without_the_force_says_so_in_its_file(tmp_path: Path) -> None:
+    claim = read(tmp_path, output_only=True)
+    assert claim.model.output_only
+    assert claim_document(claim)["output_only"] is True
+    assert claim_document(read(tmp_path))["output_only"] is False
 
 
 @pytest.mark.parametrize("ratio", [-0.3, -1e-6, 0.0, 0.999])
@@ -55,6 +63,7 @@ HUGE = 10**400
         ({"settings": []}, r"settings: expected an object, got \[\]"),
         ({"advice": "hello"}, "advice: expected a list of texts, got 'hello'"),
         ({"method": 3}, "method: expected text, got 3"),
+        ({"output_only": "yes"}, "output_only: expected true or false, got 'yes'"),
         ({"band_hz": [3, float("inf")]}, r"band_hz: expected \[low, high\]"),
         ({"band_hz": [False, True]}, r"band_hz: expected \[low, high\]"),
         ({"band_hz": [3, HUGE]}, r"band_hz: expected \[low, high\]"),

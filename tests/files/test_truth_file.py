@@ -104,6 +104,7 @@ def test_the_hash_depends_on_everything_that_a_truth_says(truth: Truth) -> None:
     models += [replace(rich, dofs=rich.dofs[::-1]), replace(rich, references=(Dof.from_label("100-Z"),))]
     models += [replace(rich, labels=("",) * 4), replace(rich, flags=((),) * 4), replace(rich, method="", advice=("b",))]
     models += [replace(rich, settings={"engine": "mujoco"}), replace(rich, modal_mass_kg=None)]
+    models += [replace(rich, output_only=True)]
     changed = [replace(truth, as_tested=(model, truth.as_tested[1])) for model in models]
     changed += [replace(truth, scenario="other"), replace(truth, runs=(1, 4)), replace(truth, bare=rich)]
     changed += [
@@ -125,6 +126,26 @@ def test_files_from_before_truths_had_hashes_are_read(truth: Truth, tmp_path: Pa
     with h5py.File(path, "r+") as file:
         file.attrs["format_version"] = 1
     assert content_hash(read_truth(path)) == content_hash(truth)
+
+
+def test_files_from_before_a_claim_could_be_without_the_force_are_read(truth: Truth, tmp_path: Path) -> None:
+    """That word is in no hash where it is not said, and means no where it is missing."""
+    path = tmp_path / "truth.nc"
+    write_truth(path, truth)
+    with h5py.File(path, "r+") as file:
+        for run in truth.runs:
+            del file[f"as_tested_{run}"].attrs["output_only"]
+            del file[f"coupled_{run}"].attrs["output_only"]
+        del file["bare"].attrs["output_only"]
+        file.attrs["format_version"] = 2
+    assert content_hash(read_truth(path)) == content_hash(truth)
+
+
+def test_a_claim_without_the_force_comes_back_as_one(truth: Truth, tmp_path: Path) -> None:
+    path = tmp_path / "truth.nc"
+    write_truth(path, replace(truth, bare=replace(truth.bare, output_only=True)))
+    back = read_truth(path)
+    assert (back.bare.output_only, back.as_tested[0].output_only) == (True, False)
 
 
 @pytest.mark.parametrize("name", ["dofs", "flags", "settings", "labels"])

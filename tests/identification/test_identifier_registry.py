@@ -46,6 +46,9 @@ class Sample:
 @dataclass(frozen=True)
 class Adapter:
     name: ClassVar[str] = "adapter"
+    summary: ClassVar[str] = "for tests"
+    citation: ClassVar[str] = "@misc{adapter, title = {Adapter}}"
+    needs: ClassVar[Needs] = Needs.FRFS
     requires: ClassVar[tuple[Requirement, ...]] = (
         Requirement("dataclasses", "python"),
         Requirement("no_such_package.part", "somewhere[else]"),
@@ -97,6 +100,58 @@ def test_the_same_plugin_listed_twice_is_no_quarrel(plugins: list[EntryPoint]) -
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert available_identifiers() == {"sample": Sample}
+
+
+PLUGIN = """
+from dataclasses import dataclass
+from typing import ClassVar
+from vgvt.identification import Needs
+
+@dataclass(frozen=True)
+class Method:
+    name: ClassVar[str] = "{name}"
+    summary: ClassVar[str] = "another one"
+    citation: ClassVar[str] = "@misc{{none, title = {{None}}}}"
+    needs: ClassVar[Needs] = Needs.FRFS
+
+    def identify(self, campaign, band_hz):
+        raise KeyError("k")
+"""
+
+
+def test_a_bundled_name_is_not_to_be_taken(install) -> None:
+    """By a package whose module comes before that of the bundled ones in the alphabet, too."""
+    install("aaa", PLUGIN.format(name="quadrature"), "vgvt.identifiers", {"quadrature": "Method"})
+    told = r"'quadrature': that of vgvt is used, that of aaa \(aaa:Method\) is left out"
+    with pytest.warns(PluginWarning, match=told):
+        assert available_identifiers()["quadrature"].__module__ == "vgvt_identifiers.quadrature"
+    with pytest.warns(PluginWarning, match=told):
+        assert type(make_identifier("quadrature")).__module__ == "vgvt_identifiers.quadrature"
+
+
+def test_of_two_packages_with_one_name_the_first_counts_and_both_are_named(install) -> None:
+    for package in ("zulu", "mike"):
+        install(package, PLUGIN.format(name="peaks"), "vgvt.identifiers", {"peaks": "Method"})
+    told = r"'peaks': that of mike is used, that of zulu \(zulu:Method\) is left out"
+    with pytest.warns(PluginWarning, match=told):
+        assert available_identifiers()["peaks"].__module__ == "mike"
+    with pytest.warns(PluginWarning, match=told):
+        assert type(make_identifier("peaks")).__module__ == "mike"
+
+
+@pytest.mark.parametrize(
+    ("spoiled", "why"),
+    [
+        (("summary: ClassVar[str]", "motto: ClassVar[str]"), "class attribute 'summary' is missing, or no str"),
+        (("needs: ClassVar[Needs] = Needs.FRFS", "needs: ClassVar[str] = 'force'"), "'needs' is missing, or no Needs"),
+        (('"peaks"', '"troughs"'), "the class calls itself 'troughs'"),
+    ],
+)
+def test_one_that_does_not_say_what_it_is_is_left_out(install, spoiled: tuple[str, str], why: str) -> None:
+    install("mike", PLUGIN.format(name="peaks").replace(*spoiled), "vgvt.identifiers", {"peaks": "Method"})
+    with pytest.warns(PluginWarning, match=rf"'peaks' \(mike:Method\) is left out: .*{why}"):
+        found = available_identifiers()
+    assert "peaks" not in found and "quadrature" in found
 
 
 def test_an_unknown_name_is_answered_with_the_nearest(plugins: list[EntryPoint]) -> None:

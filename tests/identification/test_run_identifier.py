@@ -8,8 +8,15 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from vgvt.data import Campaign, Dof, InputError, ModalModel, Outcome
-from vgvt.identification import ContractError, Needs, bibliography, bibtex_entries, run_identifier
+from vgvt.data import Campaign, Dof, InputError, ModalModel, Outcome, PluginError
+from vgvt.identification import (
+    ContractError,
+    Needs,
+    bibliography,
+    bibtex_entries,
+    make_identifier,
+    run_identifier,
+)
 from vgvt.identification.conformance import without_force
 from vgvt.identification.example import Example
 
@@ -71,6 +78,17 @@ def test_a_band_beyond_the_excitation_is_remarked(campaign: Campaign) -> None:
     assert any("beyond the excited one" in text for text in model.advice)
 
 
+def test_the_claim_says_whether_the_force_was_used(campaign: Campaign) -> None:
+    """The needs decide, for what is found as for a refusal."""
+
+    class Blind(Fixed):
+        needs: ClassVar[Needs] = Needs.OUTPUT_ONLY
+
+    assert run_identifier(Blind((10.0,)), campaign).output_only
+    assert run_identifier(Blind(outcome=Outcome.DECLINED, advice=("a sweep",)), campaign).output_only
+    assert not run_identifier(Fixed((10.0,)), campaign).output_only
+
+
 def test_a_method_that_needs_a_force_is_declined_without_one(campaign: Campaign) -> None:
     model = run_identifier(Fixed((10.0,)), without_force(campaign))
     assert model.outcome is Outcome.DECLINED
@@ -89,9 +107,31 @@ def test_an_empty_claim_needs_a_reason(campaign: Campaign) -> None:
     assert model.advice == ("quiet",)
 
 
-def test_a_frequency_that_is_not_finite_breaks_the_contract(campaign: Campaign) -> None:
-    with pytest.raises(ContractError, match="not finite"):
+def test_what_no_modal_model_may_hold_is_the_identifiers_fault(campaign: Campaign) -> None:
+    with pytest.raises(PluginError, match="'fixed' failed in identify: ValueError: natural_frequency_hz must"):
         run_identifier(Fixed((float("nan"),)), campaign)
+    twice = (("dofs", (Dof.from_label("1+Z"), Dof.from_label("1-Z"))), ("shapes", np.ones((1, 2), complex)))
+    with pytest.raises(PluginError, match=r"'fixed' failed in identify: ValueError: dofs .* twice: 1\+Z"):
+        run_identifier(Wrong((10.0,), changes=twice), campaign)
+
+
+def test_a_fault_of_a_bundled_identifier_is_seen_as_it_is(campaign: Campaign, monkeypatch: pytest.MonkeyPatch) -> None:
+    method = make_identifier("quadrature")
+    monkeypatch.setattr(type(method), "identify", lambda *_: {}["k"])
+    with pytest.raises(KeyError, match="k"):
+        run_identifier(method, campaign)
+
+
+@pytest.mark.parametrize("error", [InputError("run 1", "is no sweep"), MemoryError("enough")])
+def test_what_is_no_fault_of_the_identifier_passes(
+    campaign: Campaign, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def refuse(*_: object) -> ModalModel:
+        raise error
+
+    monkeypatch.setattr(Fixed, "identify", refuse)
+    with pytest.raises(type(error), match=str(error)):
+        run_identifier(Fixed((10.0,)), campaign)
 
 
 @dataclass(frozen=True)
@@ -112,7 +152,7 @@ class Wrong(Fixed):
         ({"damping_ratio": np.array([-1.5])}, "does not swing"),
         ({"natural_frequency_std_hz": np.array([-0.1])}, "below zero"),
         ({"damping_ratio_std": np.array([-0.1])}, "below zero"),
-        ({"dofs": (Dof.from_label("1+Z"), Dof.from_label("1-Z")), "shapes": np.ones((1, 2), complex)}, "DOF twice"),
+        ({"shapes": np.full((1, 8), np.nan, complex)}, "not finite"),
     ],
 )
 def test_values_that_no_claim_file_may_hold_break_the_contract(

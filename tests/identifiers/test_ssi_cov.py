@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from vgvt.data import Outcome, modal_assurance
+from vgvt.data import Campaign, Channel, ChannelRole, Dof, Outcome, Quantity, modal_assurance
 from vgvt.identification import run_identifier
 from vgvt.identification.example import Example
+from vgvt_identifiers.cfdd_output_only import CfddOutputOnly
 from vgvt_identifiers.covariance_subspace import BlockCovariances, poles_at, realise
 from vgvt_identifiers.ssi_cov import SsiCov
 
@@ -72,3 +73,25 @@ def test_a_short_record_is_declined_with_a_reason() -> None:
     model = run_identifier(SsiCov(), PLATE.ambient_campaign(4.0))
     assert model.outcome is Outcome.NOTHING_FOUND
     assert any("too short" in text for text in model.advice)
+
+
+def with_force(campaign: Campaign) -> Campaign:
+    """The same records with a force channel beside them."""
+    (record,) = campaign.runs
+    force = Channel("force", Quantity.EXCITATION_FORCE, ChannelRole.REFERENCE, Dof.from_label("1+Z"))
+    noise = np.random.default_rng(5).standard_normal((1, record.samples.shape[1]))
+    samples = np.concatenate([record.samples, noise])
+    return replace(campaign, runs=(replace(record, channels=(*record.channels, force), samples=samples),))
+
+
+@pytest.mark.parametrize("identifier", [SsiCov(), CfddOutputOnly()], ids=lambda i: i.name)
+def test_a_force_that_is_not_used_is_advised(identifier: SsiCov | CfddOutputOnly) -> None:
+    """And the claim says that it was made without, as what its modes are depends on it."""
+    alone, beside = (
+        run_identifier(identifier, c) for c in (PLATE.ambient_campaign(), with_force(PLATE.ambient_campaign()))
+    )
+    assert not any("the force is not used" in text for text in alone.advice)
+    assert sum("combined resonances of shaker and aircraft" in text for text in beside.advice) == 1
+    assert alone.output_only
+    assert beside.output_only
+    np.testing.assert_allclose(beside.natural_frequency_hz, alone.natural_frequency_hz, rtol=1e-12)

@@ -33,7 +33,43 @@ def test_decimation_keeps_the_band_and_remembers_the_scale() -> None:
     np.testing.assert_allclose(run.scale, [np.sqrt(0.5), 3 * np.sqrt(0.5)], rtol=0.02)
 
 
-@pytest.mark.parametrize("weighting", ["cva", "moesp"])
+@pytest.mark.parametrize("weighting", ["cva", "moesp", "n4sid"])
+def test_the_weights_are_those_of_the_book(weighting: str) -> None:
+    """Of explicit Hankel matrices and projections, (1.8) and table 4.1 of Van Overschee and De Moor, 1996."""
+    generator, rows, order = np.random.default_rng(7), 4, 3
+    force = np.convolve(generator.standard_normal(402), [1.0, 1.6, 0.8], mode="valid")
+    answers = np.array([_filtered(force, 0.8 * np.exp(0.5j)).real, _filtered(force, 0.9 * np.exp(1.1j)).imag])
+    samples = np.vstack([force, answers + 0.3 * generator.standard_normal(answers.shape)])
+    hankel = np.array([samples[:, lag : lag + 401 - 2 * rows] for lag in range(2 * rows)])
+    past, inputs = hankel[:rows].reshape(3 * rows, -1), hankel[rows:, 0]
+    outputs = hankel[rows:, 1:].reshape(2 * rows, -1)
+    beside = np.eye(inputs.shape[1]) - np.linalg.pinv(inputs) @ inputs
+    oblique = outputs @ beside @ np.linalg.pinv(past @ beside) @ past
+    power = outputs @ beside @ outputs.T
+    white = np.linalg.cholesky(power) if weighting == "cva" else np.eye(2 * rows)
+    taken = oblique if weighting == "n4sid" else np.linalg.solve(white, oblique @ beside)
+    left, values, _ = np.linalg.svd(taken, full_matrices=False)
+    expected = white @ (left[:, :order] * np.sqrt(values[:order]))
+    found = observability(DecimatedRun(samples, np.ones(3), 1.0), rows, order, weighting).matrix
+    signs = np.sign((found * expected).sum(axis=0))
+    np.testing.assert_allclose(found * signs, expected, atol=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("weighting", ["cva", "moesp", "n4sid"])
+def test_without_noise_the_poles_come_back_exactly(weighting: str) -> None:
+    """Two outputs of four states under a force of no colour in particular; the right order is asked for."""
+    roots = np.array([0.95 * np.exp(0.4j), 0.9 * np.exp(1.2j)])
+    force = np.random.default_rng(3).standard_normal(3000)
+    outputs = sum(
+        np.real(np.outer(gains, _filtered(force, root)))
+        for root, gains in zip(roots, ((1.0 + 1j, 0.5), (0.7, -1.0 + 0.3j)), strict=True)
+    )
+    table = observability(DecimatedRun(np.vstack([force, outputs]), np.ones(3), 1.0), 8, 4, weighting).poles((4,))
+    found = np.sort_complex(np.exp(table[0].poles_rad_s))
+    np.testing.assert_allclose(found, np.sort_complex(roots), rtol=1e-8)
+
+
+@pytest.mark.parametrize("weighting", ["cva", "moesp", "n4sid"])
 def test_a_state_space_model_gives_its_own_poles_back(weighting: str) -> None:
     """Four states of discrete time under a white input, and two more that colour the noise of the outputs."""
     generator = np.random.default_rng(1)
@@ -57,7 +93,7 @@ def _filtered(force: np.ndarray, root: complex) -> np.ndarray:
     return np.asarray(lfilter([1.0], [1.0, -root], force))
 
 
-@pytest.mark.parametrize("weighting", ["cva", "moesp"])
+@pytest.mark.parametrize("weighting", ["cva", "moesp", "n4sid"])
 def test_a_close_pair_and_a_very_light_damping_under_roving_sensors(weighting: str) -> None:
     model, truth = run_identifier(Subspace(weighting=weighting, replicates=2), CLOSE.campaign()), CLOSE.modes()
     assert len(model) == len(truth)

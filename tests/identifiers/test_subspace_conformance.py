@@ -1,3 +1,5 @@
+from typing import Literal
+
 import pytest
 
 from vgvt.identification.conformance import Check, checks
@@ -11,5 +13,6 @@ def test_subspace_conforms(check: Check) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("check", checks(), ids=str)
-def test_subspace_without_weighting_conforms(check: Check) -> None:
-    check(Subspace(weighting="moesp"))
+@pytest.mark.parametrize("weighting", ["moesp", "n4sid"])
+def test_subspace_without_weighting_conforms(check: Check, weighting: Literal["moesp", "n4sid"]) -> None:
+    check(Subspace(weighting=weighting))

@@ -5,6 +5,11 @@ from __future__ import annotations
 import bff_models
 import numpy as np
 import pytest
+from virtual_lab import PAGES
+
+from vgvt.scenario import load_scenario
+from vgvt.simulation import truth_of
+from vgvt_scoreboard import merge_truth
 
 
 @pytest.fixture(scope="module")
@@ -40,3 +45,12 @@ def test_every_true_mode_is_in_the_model_of_each_run(outcome: bff_models.Outcome
     claim = outcome.claims["20 states for each run"]
     assert claim.natural_frequency_hz == pytest.approx(outcome.true.natural_frequency_hz, rel=5e-3)
     assert bff_models.extra(claim, outcome.true) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["bff", "bff-hung-aft"])
+def test_the_page_has_the_modes_of_both_hangs(name: str) -> None:
+    (row,) = (line for line in (PAGES / "bff-models.md").read_text("utf-8").splitlines() if f"(`{name}`) |" in line)
+    modes = merge_truth(truth_of(load_scenario(name))).model.band(*bff_models.BAND_HZ)
+    stated = [float(cell) for cell in row.strip("|").split("|")[2:]]
+    assert stated == pytest.approx(modes.natural_frequency_hz, abs=1.5e-3)

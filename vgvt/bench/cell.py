@@ -10,7 +10,7 @@ from typing import Any
 from vgvt.bench.entry import Entry
 from vgvt.bench.rows import failure_row, score_rows
 from vgvt.bench.umpire import Limits, attempt, handed_out
-from vgvt.data import Campaign, FrequencyResponseSet, FrfFit, InputError, ModalModel
+from vgvt.data import Campaign, FrequencyResponseSet, FrfFit, InputError, ModalModel, PluginError
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.signals import estimate_frf
@@ -74,7 +74,7 @@ def run_cell(cell: Cell) -> list[Row]:
     common: Row = {"scenario": cell.scenario.name, "seed_number": cell.seed_number, "seed": cell.scenario.seed}
     try:
         result = simulate(cell.scenario)
-    except (InputError, RuntimeError) as error:
+    except (InputError, PluginError, RuntimeError) as error:
         reason = f"simulation failed: {str(error).splitlines()[0]}"
         return [failure_row(common, entry, reason) for entry in cell.entries]
     band = cell.band_hz or result.campaign.band_hz

@@ -20,6 +20,7 @@ COLUMNS: dict[str, str] = {
     "identifier": "VARCHAR",
     "outcome": "VARCHAR",
     "reason": "VARCHAR",
+    "true_modes": "VARCHAR",
     "mode": "BIGINT",
     "status": "VARCHAR",
     "label": "VARCHAR",
@@ -38,6 +39,8 @@ COLUMNS: dict[str, str] = {
     "frequency_efficiency": "DOUBLE",
     "mac": "DOUBLE",
     "scaling_error_percent": "DOUBLE",
+    "as_tested_hz": "DOUBLE",
+    "as_tested_damping_ratio": "DOUBLE",
     "split": "BOOLEAN",
     "remark": "VARCHAR",
     "frf_fit_percent": "DOUBLE",
@@ -47,8 +50,9 @@ COLUMNS: dict[str, str] = {
 }
 """Columns of the table in order, with their types in Parquet.
 
-``frf_fit_percent`` (median NRMSE fit over the responses), ``nu_gap`` (largest over the band), ``wall_s`` and
-``peak_memory_mib`` are those of the whole claim, the same in each of its rows.
+``true_modes`` says what a claim was judged by: ``as_tested``, or ``coupled`` for one without the force, whose rows
+have the mode as tested beside. ``frf_fit_percent`` (median NRMSE fit over the responses), ``nu_gap`` (largest over the
+band), ``wall_s`` and ``peak_memory_mib`` are those of the whole claim, the same in each of its rows.
 """
 
 FAILED = "failed"
@@ -68,6 +72,7 @@ def score_rows(common: dict[str, Any], entry: Entry, card: Scorecard, fit: FrfFi
         "entry": entry.label,
         "identifier": entry.identifier,
         "outcome": card.outcome.value,
+        "true_modes": card.true_modes.value,
         "reason": "; ".join(card.advice) if not card.found + card.false else "",
     }
     if fit is not None:

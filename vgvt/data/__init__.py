@@ -14,10 +14,11 @@ from vgvt.data.frf import FrequencyResponseSet
 from vgvt.data.frf_fit import FrfFit
 from vgvt.data.geometry import Geometry
 from vgvt.data.modal import ModalModel, Outcome
+from vgvt.data.plugin import PluginError
 from vgvt.data.record import Record
 from vgvt.data.scorecard import ModeScore, ModeStatus, Scorecard
 from vgvt.data.synthesis import modal_contributions, synthesise
-from vgvt.data.truth import RigidBodyProperties, Truth
+from vgvt.data.truth import RigidBodyProperties, TrueModes, Truth
 
 __all__ = [
     "Campaign",
@@ -34,11 +35,13 @@ __all__ = [
     "ModeScore",
     "ModeStatus",
     "Outcome",
+    "PluginError",
     "PoleCandidate",
     "Quantity",
     "Record",
     "RigidBodyProperties",
     "Scorecard",
+    "TrueModes",
     "Truth",
     "auto_mac",
     "grouped_candidates",

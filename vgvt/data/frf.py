@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.channel import Quantity
 from vgvt.data.dof import Dof
+from vgvt.data.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,8 +51,20 @@ class FrequencyResponseSet:
         return float(self.frequency_hz[1] - self.frequency_hz[0])
 
     def band(self, low_hz: float, high_hz: float) -> FrequencyResponseSet:
-        """The lines with low_hz <= f <= high_hz."""
-        keep = (self.frequency_hz >= low_hz) & (self.frequency_hz <= high_hz)
+        """The lines with low_hz <= f <= high_hz; none of them where it falls between two lines.
+
+        InputError for a band that ends before it begins, and for one on one side of all lines.
+        """
+        asked = f"band {low_hz:g} to {high_hz:g} Hz"
+        if not low_hz <= high_hz:
+            raise InputError("frequency responses", f"{asked} is not low <= high", "give its lower end first")
+        if self.frequency_hz.size and (low_hz > self.frequency_hz[-1] or high_hz < self.frequency_hz[0]):
+            lines = f"{self.frequency_hz[0]:g} to {self.frequency_hz[-1]:g} Hz"
+            raise InputError("frequency responses", f"{asked} lies outside the lines, {lines}", "take a band in there")
+        return self.lines((self.frequency_hz >= low_hz) & (self.frequency_hz <= high_hz))
+
+    def lines(self, keep: NDArray[np.bool_]) -> FrequencyResponseSet:
+        """The lines at which ``keep`` (frequency,) is true, be it none."""
         return replace(
             self,
             frequency_hz=self.frequency_hz[keep],

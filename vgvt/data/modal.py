@@ -36,7 +36,13 @@ class ModalModel:
     H(s) = sum R / (s - p) + conj, in m/(N s). ``labels`` name a mode in words; ``flags``
     is a tuple of short remarks per mode. ``advice`` is for people: why nothing
     was found, what was left out, what to try. ``candidates`` are all poles that
-    a method with a stabilisation diagram weighed, claimed or not.
+    a method with a stabilisation diagram weighed, claimed or not. ``output_only`` is true of a claim that was made
+    without the force: its modes are those of aircraft and shaker together.
+
+    Accelerometers feel gravity as they tilt, and records do not tell the two apart. Shapes and the responses of
+    residues, of claims and of the truth, are what accelerometers feel (but for true modes an octave and more below the
+    swept band, whose residues are the displacement's). The force of a residue acts through the displacement alone, and
+    by it go the scale of a true shape and its modal mass.
     """
 
     natural_frequency_hz: NDArray[np.float64]
@@ -55,6 +61,7 @@ class ModalModel:
     advice: tuple[str, ...] = ()
     settings: dict[str, str] = field(default_factory=dict)
     candidates: tuple[PoleCandidate, ...] = ()
+    output_only: bool = False
 
     def __post_init__(self) -> None:
         modes = self.natural_frequency_hz.size
@@ -71,6 +78,13 @@ class ModalModel:
             array = getattr(self, name)
             if array is not None and array.shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {array.shape}")
+        if not (np.isfinite(self.natural_frequency_hz) & (self.natural_frequency_hz >= 0)).all():
+            raise ValueError("natural_frequency_hz must be finite and at least 0")
+        # Along an axis and against it is one DOF: a shape has one value there.
+        if len({(dof.node, abs(dof.direction)) for dof in self.dofs}) < len(self.dofs):
+            unsigned = [dof.unsigned for dof in self.dofs]
+            twice = sorted({str(dof) for dof in unsigned if unsigned.count(dof) > 1})
+            raise ValueError(f"dofs must be there once each; twice: {', '.join(twice)}")
         if np.any(np.diff(self.natural_frequency_hz) < 0):
             raise ValueError("modes must be in order of natural frequency")
         for name in ("labels", "flags"):

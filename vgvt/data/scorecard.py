@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vgvt.data.modal import Outcome
+from vgvt.data.truth import TrueModes
 
 _TWO_SIDED_95_PERCENT = 1.959963984540054
 
@@ -34,7 +35,8 @@ class ModeScore:
     modal scaling, where both sides state them. ``reachable`` is False for a true mode that the excitation
     leaves invisible at the measured DOFs, ``in_band`` for one outside the band
     asked for. ``true_index`` and ``claimed_index`` count modes in the two
-    models, from 0. ``remark`` says in words what the numbers cannot.
+    models, from 0. ``as_tested_hz`` and ``as_tested_damping_ratio`` are those of the mode without the shaker, where the
+    claim is judged by the modes with it. ``remark`` says in words what the numbers cannot.
     """
 
     status: ModeStatus
@@ -53,6 +55,8 @@ class ModeScore:
     in_band: bool = True
     true_index: int | None = None
     claimed_index: int | None = None
+    as_tested_hz: float | None = None
+    as_tested_damping_ratio: float | None = None
     remark: str = ""
 
     def __post_init__(self) -> None:
@@ -113,6 +117,8 @@ class ModeScore:
             "in_band": self.in_band,
             "true_index": self.true_index,
             "claimed_index": self.claimed_index,
+            "as_tested_hz": self.as_tested_hz,
+            "as_tested_damping_ratio": self.as_tested_damping_ratio,
             "remark": self.remark,
         }
 
@@ -122,7 +128,8 @@ class Scorecard:
     """The rows of one identifier on one scenario, in order of frequency.
 
     ``modes`` holds found, missed and false rows; ``unreached`` the true modes
-    in the band that nobody could see from this drive point and did not claim.
+    in the band that nobody could see from this drive point and did not claim. ``true_modes`` says which of the truth's
+    modes the claim was judged by, ``remarks`` what to know about that; ``advice`` is the claim's own.
     """
 
     identifier: str
@@ -132,6 +139,8 @@ class Scorecard:
     unreached: tuple[ModeScore, ...] = ()
     outcome: Outcome = Outcome.FOUND
     advice: tuple[str, ...] = ()
+    true_modes: TrueModes = TrueModes.AS_TESTED
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if any(row.status is ModeStatus.UNREACHED for row in self.modes):
@@ -192,12 +201,14 @@ class Scorecard:
             "scenario": self.scenario,
             "band_hz": list(self.band_hz),
             "outcome": self.outcome.value,
+            "true_modes": self.true_modes.value,
             "modes": [row.as_dict() for row in self.modes],
             "missed": self.missed,
             "false": self.false,
             "unreached": [row.as_dict() for row in self.unreached],
             "summary": self.summary(),
             "advice": list(self.advice),
+            "remarks": list(self.remarks),
         }
 
 

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.modal import ModalModel
+
+
+class TrueModes(StrEnum):
+    """Which true modes a claim is judged by: those as tested, or with the shaker attached where no force is used."""
+
+    AS_TESTED = "as_tested"
+    COUPLED = "coupled"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,8 +35,9 @@ class Truth:
     run, hung and instrumented, with the force at the transducer's sensing
     element as the input (the poles of A/F); its standard deviations are the smallest
     that the run's force, noise and sensors allow any unbiased method. ``coupled``: per run, with the
-    shaker attached and driven (the poles of A/drive). ``runs`` are the run
-    numbers of the last two.
+    shaker attached and driven (the poles of A/drive, which the responses show by themselves);
+    its residues are for a unit of command, volts or the hammer's newtons. Shapes of both
+    are those that accelerometers feel. ``runs`` are the run numbers of the last two.
     """
 
     scenario: str
@@ -41,3 +50,7 @@ class Truth:
     def __post_init__(self) -> None:
         if not len(self.runs) == len(self.as_tested) == len(self.coupled):
             raise ValueError("runs, as_tested and coupled must have one entry a run")
+
+    def of_runs(self, which: TrueModes) -> tuple[ModalModel, ...]:
+        """The modes as tested or with the shaker attached, one model a run."""
+        return self.coupled if which is TrueModes.COUPLED else self.as_tested

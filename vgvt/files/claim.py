@@ -23,6 +23,7 @@ from vgvt.files.claim_values import (
     text,
     texts,
     value_of,
+    yes_or_no,
 )
 
 _ADVICE = "write it with: vgvt identify CAMPAIGN --identifier NAME --json > claim.json"
@@ -79,6 +80,7 @@ def claim_document(claim: Claim, candidates: bool = False) -> dict[str, Any]:
         "campaign": claim.campaign or None,
         "band_hz": list(claim.band_hz),
         "outcome": claim.model.outcome.value,
+        "output_only": claim.model.output_only,
         "method": claim.model.method,
         "settings": dict(claim.model.settings),
         "advice": list(claim.model.advice),
@@ -159,6 +161,7 @@ def _model(document: dict[str, Any]) -> ModalModel:
         advice=texts(document, "advice"),
         settings=settings(document),
         candidates=_candidates(document),
+        output_only=yes_or_no(document, "output_only"),
     )
 
 

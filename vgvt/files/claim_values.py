@@ -72,6 +72,16 @@ def texts(document: dict[str, Any], key: str, where: str = "") -> tuple[str, ...
     return tuple(value)
 
 
+def yes_or_no(document: dict[str, Any], key: str) -> bool:
+    """True or false; false where the key is null or left out."""
+    value = document.get(key)
+    if value is None:
+        return False
+    if not isinstance(value, bool):
+        raise BadKeyError(key, f"expected true or false, got {_shown(value)}")
+    return value
+
+
 def settings(document: dict[str, Any]) -> dict[str, str]:
     """Settings by name, as text; none where the key is null or left out."""
     value = document.get("settings")

@@ -37,6 +37,7 @@ def modal_dataset(model: ModalModel) -> xarray.Dataset:
         "references": json.dumps([d.label for d in model.references]),
         "method": model.method,
         "outcome": model.outcome.value,
+        "output_only": int(model.output_only),
     }
     return xarray.Dataset(arrays, attrs=labels | {name: json.dumps(getattr(model, name)) for name in _TEXTS})
 
@@ -53,6 +54,8 @@ def model_hash(model: ModalModel) -> str:
         model.advice,
         sorted(model.settings.items()),
     ]
+    # Only where it says something: the hashes of files from before there was such a word must stay.
+    facts += ["output only"] * model.output_only
     digest.update(json.dumps(facts).encode())
     for name in _ARRAYS:
         array = getattr(model, name)
@@ -84,4 +87,5 @@ def modal_model(path: Path, dataset: xarray.Dataset, group: str) -> ModalModel:
         outcome=Outcome(field(path, dataset, "outcome", group)),
         advice=tuple(text("advice")),
         settings=text("settings"),
+        output_only=bool(dataset.attrs.get("output_only", 0)),
     )

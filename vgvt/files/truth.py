@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray
 
 FORMAT = "vgvt truth"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 _FIRST_WITH_HASH = 2
 
 
@@ -50,7 +50,8 @@ def write_truth(path: str | Path, truth: Truth) -> None:
 def read_truth(path: str | Path) -> Truth:
     """Read the truth; InputError when the file is missing, damaged, of another kind or not what was written.
 
-    Files of version 1 have no hash and are taken as they are.
+    Files of version 1 have no hash and are taken as they are. Up to version 2 the residues as tested, and the shapes
+    with the shaker attached, are those of the displacement, where sensors that tilt feel gravity as well.
     """
     path = Path(path)
     root = read_group(path)

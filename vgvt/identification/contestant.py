@@ -23,7 +23,7 @@ def compete(folder: Path) -> dict[str, Any]:
 
     All but the first two may be null: the excited band, no limit.
     """
-    from vgvt.data import InputError
+    from vgvt.data import InputError, PluginError
     from vgvt.files.campaign_file import read_campaign
     from vgvt.files.modal_dataset import modal_dataset
     from vgvt.files.netcdf import write_groups
@@ -54,7 +54,8 @@ def compete(folder: Path) -> dict[str, Any]:
     except ContractError as error:
         outcome["reason"] = f"broke its contract: {error}"
     except Exception as error:  # noqa: BLE001  whatever a method raises is an entry in the table
-        outcome["reason"] = f"crashed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        met = error.__cause__ if isinstance(error, PluginError) and error.__cause__ else error  # the entry has the name
+        outcome["reason"] = f"crashed: {type(met).__name__}: {str(met).splitlines()[0] if str(met) else ''}"
     outcome["wall_s"] = time.perf_counter() - start
     _limit_time(0.0)
     outcome["peak_memory_mib"] = _peak_memory_mib()

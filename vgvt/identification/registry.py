@@ -11,10 +11,12 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from vgvt.data import InputError
-from vgvt.identification.protocol import Identifier
+from vgvt.data.plugin import lacking, one_of_each_name
+from vgvt.identification.protocol import Identifier, Needs
 from vgvt.identification.requirement import install_advice, missing_requirements
 
 GROUP = "vgvt.identifiers"
+_DECLARED = {"summary": str, "citation": str, "needs": Needs}
 
 
 class PluginWarning(UserWarning):
@@ -35,7 +37,8 @@ def available_identifiers() -> dict[str, type]:
     """Every usable installed identifier class by name, in alphabetical order.
 
     A plugin that cannot be imported or is not an identifier is left out with a
-    ``PluginWarning`` that names it; it never breaks the others. One that requires a library
+    ``PluginWarning`` that names it; it never breaks the others. So is one of a name that a bundled
+    identifier has, or another plugin of a package that comes first. One that requires a library
     which is not installed is left out without a word: ``absent_identifiers`` has it.
     """
     return {name: cls for name, cls in _installed().items() if not missing_requirements(cls)}
@@ -48,18 +51,7 @@ def absent_identifiers() -> dict[str, str]:
 
 
 def _installed() -> dict[str, type]:
-    found: dict[str, type] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
-        loaded = _load(point)
-        if loaded is None:
-            continue
-        if point.name in found and found[point.name] is not loaded:
-            warnings.warn(
-                f"two identifiers are called {point.name!r}; {point.value} is left out", PluginWarning, stacklevel=3
-            )
-            continue
-        found[point.name] = loaded
-    return found
+    return one_of_each_name(entry_points(group=GROUP), _load, _warn)
 
 
 def make_identifier(name: str, **settings: Any) -> Identifier:
@@ -102,9 +94,8 @@ def settings_of(cls: type) -> tuple[Setting, ...]:
 
 
 def _named(name: str) -> type | None:
-    """The class registered as ``name``; the other plugins are not even imported."""
-    points = sorted((p for p in entry_points(group=GROUP) if p.name == name), key=lambda p: p.value)
-    return next((loaded for point in points if (loaded := _load(point)) is not None), None)
+    """The class registered as ``name``; plugins of other names are not even imported."""
+    return one_of_each_name((p for p in entry_points(group=GROUP) if p.name == name), _load, _warn).get(name)
 
 
 def _load(point: EntryPoint) -> type | None:
@@ -113,15 +104,16 @@ def _load(point: EntryPoint) -> type | None:
     except Exception as error:  # noqa: BLE001  whatever a third-party import raises must not stop the others
         why = f"{type(error).__name__}: {error}"
     else:
-        if (
-            isinstance(loaded, type)
-            and dataclasses.is_dataclass(loaded)
-            and callable(getattr(loaded, "identify", None))
-        ):
-            return loaded
-        why = "it is not a dataclass with a method identify(campaign, band_hz)"
-    warnings.warn(f"identifier plugin {point.name!r} ({point.value}) is left out: {why}", PluginWarning, stacklevel=4)
+        why = lacking(loaded, point.name, "identify(campaign, band_hz)", _DECLARED)
+        if not why:
+            return typing.cast(type, loaded)
+    _warn(f"identifier plugin {point.name!r} ({point.value}) is left out: {why}")
     return None
+
+
+def _warn(what: str) -> None:
+    # From one place whoever asks, so that a command that asks often says it once.
+    warnings.warn(what, PluginWarning, stacklevel=1)
 
 
 def _advice(name: str) -> str:

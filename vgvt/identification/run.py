@@ -7,24 +7,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from vgvt.data import Campaign, ChannelRole, InputError, ModalModel, Outcome
+from vgvt.data import Campaign, ChannelRole, InputError, ModalModel, Outcome, PluginError
+from vgvt.data.plugin import whose_fault
 from vgvt.identification.protocol import Identifier, Needs
 from vgvt.identification.requirement import install_advice, missing_requirements
 
 
-class ContractError(RuntimeError):
+class ContractError(PluginError):
     """An identifier returned a claim that breaks the contract: a mistake in the plugin, not in the input."""
 
 
 def run_identifier(
     identifier: Identifier, campaign: Campaign, band_hz: tuple[float, float] | None = None
 ) -> ModalModel:
-    """The identifier's claim on a campaign, stamped with the method's name and settings.
+    """The identifier's claim on a campaign, stamped with the method's name, its settings and whether it uses the force.
 
     ``band_hz`` defaults to the excited band of the campaign. A method that
     needs a force is declined here when a run has none, and one that lacks a library. Raises InputError for a
     band that the records cannot hold, ContractError for a claim with modes
-    outside the band, non-finite values or an empty claim without a reason.
+    outside the band, non-finite values or an empty claim without a reason, PluginError,
+    which names the identifier, for whatever else one that is not bundled raises.
     """
     band = campaign.band_hz if band_hz is None else (float(band_hz[0]), float(band_hz[1]))
     _check_band(campaign, band)
@@ -36,7 +38,8 @@ def run_identifier(
         advice = f"{identifier.name} needs a force channel in every run; missing in run {', '.join(map(str, missing))}"
         model = ModalModel.empty(Outcome.DECLINED, (advice,))
     else:
-        model = identifier.identify(campaign, band)
+        with whose_fault(identifier, f"identifier {identifier.name!r}", "identify"):
+            model = identifier.identify(campaign, band)
     _check_claim(identifier.name, model, band)
     advice_band = _outside_excitation(campaign, band)
     return replace(
@@ -44,6 +47,7 @@ def run_identifier(
         method=identifier.name,
         settings=settings_text(identifier),
         advice=model.advice if advice_band is None else (*model.advice, advice_band),
+        output_only=Needs.OUTPUT_ONLY in identifier.needs,
     )
 
 
@@ -94,7 +98,5 @@ def _check_claim(name: str, model: object, band: tuple[float, float]) -> None:
         raise ContractError(f"identifier {name!r} claims a mode with a damping ratio of 1 or more: it does not swing")
     if any((std < 0).any() for std in (model.natural_frequency_std_hz, model.damping_ratio_std) if std is not None):
         raise ContractError(f"identifier {name!r} states a standard deviation below zero")
-    if len({dof.unsigned for dof in model.dofs}) < len(model.dofs):
-        raise ContractError(f"identifier {name!r} claims a shape that has a DOF twice")
     if frequency[0] < band[0] or frequency[-1] > band[1]:
         raise ContractError(f"identifier {name!r} claims modes outside the band {band[0]:g} to {band[1]:g} Hz")
