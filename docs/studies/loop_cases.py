@@ -177,7 +177,8 @@ def _over_the_limit(case: Case, name: str, said: dict[str, Any]) -> float:
     sizes = {p.name for p in parameters_of(cls) if p.neutral is not None}
     fixed = Hypothesis(cls, {k: v for k, v in said.items() if k not in sizes})
     limits = power(here, [fixed])
-    return max((abs(said[p.parameter]) / p.named for p in limits if p.parameter in said), default=float("nan"))
+    known = [p for p in limits if p.parameter in said and not np.isnan(p.named)]
+    return max((abs(said[p.parameter]) / p.named for p in known), default=float("nan"))
 
 
 def _chosen(case: Case, name: str) -> tuple[dict[str, Any], float] | None:

@@ -156,9 +156,11 @@ def truncate(path: Path) -> None:
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
-def flip_a_byte(path: Path) -> None:
+def flip_some_bytes(path: Path) -> None:
+    """A sector of a disk: one byte may lie in a gap of the file that nobody reads."""
     data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 0xFF
+    middle = slice(len(data) // 2, len(data) // 2 + 512)
+    data[middle] = bytes(b ^ 0xFF for b in data[middle])
     path.write_bytes(bytes(data))
 
 
@@ -166,7 +168,7 @@ def empty(path: Path) -> None:
     path.write_bytes(b"")
 
 
-@pytest.mark.parametrize("damage", [truncate, flip_a_byte, empty])
+@pytest.mark.parametrize("damage", [truncate, flip_some_bytes, empty])
 def test_a_damaged_campaign_or_truth(vgvt, simulations, damage: Callable[[Path], None]) -> None:
     vgvt("simulate", "quick", "--out", "here")
     vgvt("identify", "here", "--out", "claim.json")

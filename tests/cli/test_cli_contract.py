@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
+from vgvt.data import Campaign
+from vgvt.files import write_campaign
 
 DOCUMENTS = [
     (("list", "scenarios"), ("items",)),
@@ -51,6 +55,14 @@ def test_inspect(vgvt, campaign_file: Path) -> None:
     assert (force["quantity"], force["unit"], force["overloaded"]) == ("excitation_force", "N", False)
     assert 0 < force["rms"] <= force["peak"] <= 2.0 + 1e-12  # the plate is driven with 2 N
     assert "99+Z" in vgvt("inspect", campaign_file).out
+
+
+def test_inspect_says_at_which_instrument_a_channel_ended(vgvt, tmp_path: Path, plate_campaign: Campaign) -> None:
+    first, *others = plate_campaign.runs
+    note = f"{first.channels[0].name}: reached the force transducer's ±44.5 N"
+    marked = replace(first, overloaded=(first.channels[0].name,), notes=(note,))
+    write_campaign(tmp_path / "marked.nc", replace(plate_campaign, runs=(marked, *others)))
+    assert f"run {first.run}: {note}" in vgvt("inspect", tmp_path / "marked.nc").out
 
 
 def test_identify(vgvt, campaign_file: Path) -> None:

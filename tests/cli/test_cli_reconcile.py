@@ -17,7 +17,7 @@ from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, 
 from vgvt.scenario.points import sensor_points
 from vgvt.view.reconcile_account import Account, ChannelRow, EffectRow, ModelState, SuggestionRow
 
-MERIT = {"chi2_per_dof": 1.0, "nrmse_percent": 99.0, "mean_abs_db": 0.01, "frac": 0.999}
+MERIT = {"chi2_per_dof": 1.0, "nrmse_percent": 99.0, "mean_abs_db": 0.01, "frac": 0.999, "nu_gap": 0.01}
 
 
 @pytest.fixture
@@ -293,6 +293,11 @@ def test_power_before_the_test(vgvt, tmp_path: Path, beam: Path) -> None:
     # All sensors alike is what the gains' own tolerance of 1 % can imitate at once.
     assert seen["channel-gain (channels = response)"] > 0.01
     assert document["invisible"] == ["mains-hum"]
+    (spread,) = (row for row in document["places"] if row["effect"] == "channel-gain")
+    assert spread["variants"] == len(gains)
+    assert spread["best"] == min(seen.values()) == seen[spread["best_variant"]]
+    assert spread["best"] < spread["median"]
+    assert {row["reason"] for row in document["power"] if row["effect"] == "mains-hum"} == {"never"}
     assert {p.name for p in (tmp_path / "seen").iterdir()} == {"power.json", "power.html"}
     assert "channel-gain" in vgvt(*arguments).out
 

@@ -273,13 +273,15 @@ def test_overloads_are_said(vgvt, simulations, monkeypatch) -> None:
     def clipped(*arguments: object, **options: object) -> simulation.SimulationResult:
         result = whole(*arguments, **options)
         first = result.campaign.runs[0]
-        runs = (replace(first, overloaded=(first.channels[0].name,)), *result.campaign.runs[1:])
+        name = first.channels[0].name
+        marked = replace(first, overloaded=(name,), notes=(f"{name}: reached its end",))
+        runs = (marked, *result.campaign.runs[1:])
         return replace(result, campaign=replace(result.campaign, runs=runs))
 
     monkeypatch.setattr(simulation, "simulate", clipped)
     result = vgvt("run", "quick", "--no-report", "--json")
     ((run, channels),) = result.document["overloaded"].items()
-    assert f"run {run}: {channels[0]} overloaded" in result.err
+    assert f"run {run}: {channels[0]} overloaded ({channels[0]}: reached its end)" in result.err
 
 
 def test_a_resumed_run_keeps_no_old_simulation_time(vgvt, simulations) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from rich.console import Console
 
@@ -64,3 +66,47 @@ def test_the_fit_is_not_headed_as_an_error() -> None:
     found = "\n".join(lines_of(error_table({"effects": (), "before": state}), 120))
     assert "NRMSE fit % before" in found and "99.34" in found
     assert "error" not in found
+
+
+def test_what_the_file_does_when_simulated_stands_beside_the_fit() -> None:
+    merit = {"chi2_per_dof": 1.0, "nrmse_percent": 99.34, "mean_abs_db": 0.1}
+    again = {"chi2_per_dof": 1.57, "nrmse_percent": 88.25, "mean_abs_db": 0.4}
+    state = {"train": merit, "held_out": merit, "held_runs": None}
+    made = {"train": again, "held_out": again, "held_runs": None, "apart": 0.02, "remark": "It is 2 % from the fit"}
+    found = "\n".join(lines_of(error_table({"effects": (), "before": state, "resimulated": made}), 120))
+    assert "χ²/dof simulated" in found and found.count("88.25") == found.count("1.57") == 2
+    assert "It is 2 % from the fit" in found
+    skipped = dict.fromkeys(made) | {"remark": "reconciled.toml was not simulated: no reason"}
+    found = "\n".join(lines_of(error_table({"effects": (), "before": state, "resimulated": skipped}), 120))
+    assert "/dof simulated" not in found and "was not simulated: no reason" in found
+
+
+def spread(smallest: float, named: float, worst: float, reason: str = "") -> PowerRow:
+    return PowerRow(
+        "local-absorber", "", "mass_kg", "kg", smallest, named, 0.02, 0.3, variants=3, worst=worst, reason=reason
+    )
+
+
+def test_where_it_shows_worst_stands_beside_where_it_shows_best() -> None:
+    rows = [spread(6e-5, 1.6e-4, 7.8e-3), spread(6e-5, 1.6e-4, math.inf)]
+    found = "\n".join(lines_of(power_table(rows), 120))
+    assert found.count("6e-05") == found.count("0.00016") == 2
+    assert found.count("0.0078") == found.count("never") == 1
+    for words in ("where it shows best", "at worst", "place, side or channel"):
+        assert words in found
+    alone = "\n".join(lines_of(power_table([row("hook-offset", "aft_m", "m")]), 120))
+    assert "worst" not in alone
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_a_size_that_is_not_known_is_no_answer(width: int) -> None:
+    rows = [
+        spread(math.nan, math.nan, math.nan, "by level: not foretold"),
+        spread(math.nan, math.nan, math.nan, "not known"),
+    ]
+    found = " ".join(lines_of(power_table(rows), width))
+    assert "nan" not in found
+    assert found.count(" unknown") == 2
+    assert found.count("not known") == 1
+    assert "0 of 2 show" in found
+    assert "by level: not foretold" in " ".join(found.split())

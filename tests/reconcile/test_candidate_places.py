@@ -13,6 +13,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects, parameter
+from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.run_schedule import Shape
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.search.candidates import _spread, candidates, freed, places, tied_places
@@ -144,6 +145,9 @@ class Mixed:
     other_node: int = field(default=0, metadata={"doc": "the other"})
     kind: Literal["a", "b"] = field(default="a", metadata={"doc": "how"})
 
+    def act(self, *_: object) -> Action:
+        return NOTHING
+
 
 @dataclass(frozen=True)
 class Growing:
@@ -156,6 +160,9 @@ class Growing:
     shape: Shape = field(default="linear", metadata={"doc": "how"})
     from_run: int = field(default=2, metadata={"doc": "when"})
     side: Literal["left", "right"] = field(default="left", metadata={"doc": "where"})
+
+    def act(self, *_: object) -> Action:
+        return NOTHING
 
 
 def _about(runs: int) -> Any:

@@ -13,6 +13,7 @@ from vgvt.effects import Effect, available_effects
 from vgvt.reconcile import Kind, Verdict, loop, reconcile
 from vgvt.reconcile.decision.leads import demoted
 from vgvt.reconcile.outcome.account import account_of
+from vgvt.reconcile.outcome.instruments import gain_tables
 from vgvt.scenario import load_scenario
 
 SOME = ("channel-gain", "channel-delay", "transducer-mass")
@@ -33,6 +34,10 @@ def verdict(folder: Path, seed: int, names: tuple[str, ...], *made: Effect) -> V
     return reconcile(campaign, scenario, effects={n: known[n] for n in names}, lines=150, folder=folder)
 
 
+def text_of(folder: Path) -> str:
+    return (folder / "reconciled.toml").read_text(encoding="utf-8")
+
+
 def test_a_campaign_without_any_effect_is_adequate(folder: Path) -> None:
     found = verdict(folder, 11, SOME)
     assert found.kind is Kind.ADEQUATE, found.reasons
@@ -50,8 +55,14 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
     # Without the name the channel's own gain takes the error, far out of its tolerance: the data are met either way.
     assert found.after.train.chi2_per_dof < 1.01 * found.before.train.chi2_per_dof
     again = load_scenario(folder / "reconciled.toml")
-    assert [t.name for t in again.effect] == ["channel-gain"]
-    assert found.document()["verdict"] == "explained"
+    gains = gain_tables(again, found.attribution.final)
+    assert [t.name for t in again.effect[: -len(gains)]] == ["channel-gain"]
+    assert again.effect[-len(gains) :] == gains
+    assert f"# The last {len(gains)} [[effect]] tables are no findings" in text_of(folder)
+    document: Any = found.document()
+    assert document["verdict"] == "explained"
+    assert document["resimulated"]["train"]["chi2_per_dof"] < document["after"]["train"]["chi2_per_dof"] + 1.0
+    assert document["resimulated"]["held_out"]["nu_gap"] < 0.05
 
 
 @pytest.mark.slow
@@ -84,8 +95,9 @@ def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypa
     assert [row.name for row in told.posterior if not row.tolerance] == ["cells"]
     assert [e.name for e in told.leads] == ["channel-gain"]
     assert [c.standing for c in told.candidates].count("lead") == 1
-    assert load_scenario(folder / "reconciled.toml").effect == ()
-    assert "a lead, not switched on here: channel-gain" in (folder / "reconciled.toml").read_text(encoding="utf-8")
+    written = load_scenario(folder / "reconciled.toml")
+    assert written.effect == gain_tables(written, found.attribution.final)
+    assert "a lead, not switched on here: channel-gain" in text_of(folder)
 
 
 @pytest.mark.parametrize("as_good", [True, pytest.param(False, marks=pytest.mark.slow)])

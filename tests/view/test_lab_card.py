@@ -73,3 +73,23 @@ def test_noise_is_recorded_and_not_swept() -> None:
     page = card_page(several, "a test", facts)
     assert "<b>Record</b> 3 records, one after the other" in page
     assert "sweep" not in page.lower()
+
+
+def card(scenario: Scenario, force_n: float, g: float) -> str:
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), force_n, 9.80665 * g, 0.4)
+    return card_page(scenario, "a test", facts)
+
+
+def test_where_force_and_acceleration_end_is_on_the_card_and_what_goes_beyond() -> None:
+    page = card(excited(), 20.0, 2.0)
+    assert "the force is cut off at 44.5 N (the force transducer&#x27;s ±44.5 N)" in page
+    assert "the acceleration at 60.9 g (the converter&#x27;s ±62.58 V)" in page
+    assert "Turn the level down" not in page
+    loud = card(excited(), 50.0, 2.0)
+    assert "<b>Turn the level down</b>: the force of up to 50 N is beyond the force transducer&#x27;s ±44.5 N" in loud
+
+
+def test_a_record_that_begins_late_says_when() -> None:
+    step = generator_step(excited(unrecorded_s=4.0, ring_down_s=2.0))
+    assert "14 s a record, begun 4 s after the shaker." in step
+    assert "begun" not in generator_step(excited(ring_down_s=2.0))

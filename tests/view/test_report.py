@@ -15,6 +15,7 @@ import pytest
 
 from vgvt.data import Geometry, InputError, ModalModel, Outcome, Scorecard
 from vgvt.view import render_report, write_report
+from vgvt.view.sections import facts_section
 
 SECTIONS = {"summary", "modes", "sigma", "shapes", "animation", "mac", "frf", "setup"}
 
@@ -171,3 +172,15 @@ def test_importing_the_view_loads_no_plotting_library() -> None:
     code = f"import sys, vgvt.view; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("notes", "words"), [((), "force"), (("force: reached a & b",), "force: reached a &amp; b")], ids=["bare", "noted"]
+)
+def test_an_overload_is_told_with_the_instrument_where_that_is_noted(
+    example, notes: tuple[str, ...], words: str
+) -> None:
+    first, *others = example.campaign.runs
+    marked = replace(first, overloaded=("force",), notes=notes)
+    section = facts_section(replace(example.campaign, runs=(marked, *others)), {})
+    assert f"<dt>Overloaded</dt><dd>run {first.run}: {words}</dd>" in section

@@ -89,7 +89,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
 
 
 def _explain(error: Exception, as_json: bool) -> int:
-    from vgvt.data.errors import InputError  # here, because it brings numpy and --help is to be quick
+    from vgvt.data import InputError, PluginError  # here, because it brings numpy and --help is to be quick
 
     if isinstance(error, InputError):
         details = {"where": error.where, "problem": error.problem, "advice": error.advice}
@@ -108,8 +108,8 @@ def _explain(error: Exception, as_json: bool) -> int:
     if os.environ.get("VGVT_TRACEBACK"):
         raise error
     first_line = (str(error).strip().splitlines() or [""])[0]
-    message = f"failed: {type(error).__name__}: {first_line} (run with VGVT_TRACEBACK=1 to see where)"
-    return _report(FAILED, "failure", message, as_json)
+    what = first_line if isinstance(error, PluginError) else f"failed: {type(error).__name__}: {first_line}"
+    return _report(FAILED, "failure", f"{what} (run with VGVT_TRACEBACK=1 to see where)", as_json)
 
 
 def _report(status: int, kind: str, message: str, as_json: bool, details: dict[str, str] | None = None) -> int:

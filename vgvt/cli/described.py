@@ -34,13 +34,16 @@ def described_scenario(name: str, *, own_runs: bool = True) -> Scenario:
     return scenario
 
 
-def say_what_goes_to_no_mode(scenario: Scenario) -> None:
-    """A line on stderr where damping ratios of the airframe as described reach none of its modes."""
+def say_what_is_not_as_described(scenario: Scenario) -> None:
+    """A line on stderr where damping ratios reach no mode, and one for each beam whose cells hold a sharp bend."""
+    from vgvt.scenario.cells import bent_within_a_cell
     from vgvt.simulation.once import damping_once
 
-    words = damping_once(scenario.airframe).without_effect(scenario.airframe.damping)
-    if words is not None:
-        log(f"vgvt: warning: {words}")
+    airframe = scenario.airframe
+    bent = (bent_within_a_cell(beam) for beam in airframe.beam)
+    for words in (damping_once(airframe).without_effect(airframe.damping), *bent):
+        if words is not None:
+            log(f"vgvt: warning: {words}")
 
 
 def _in_its_file(error: InputError, scenario: Scenario, path: Path) -> InputError:

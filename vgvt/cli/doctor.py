@@ -191,17 +191,25 @@ def _scenarios() -> list[Finding]:
 
 
 def _plugins() -> list[Finding]:
+    from vgvt.effects import available_effects
+    from vgvt.identification import available_identifiers
+
+    return [*_installed("identifiers", available_identifiers), *_installed("effects", available_effects)]
+
+
+def _installed(kind: str, available: Callable[[], dict[str, type]]) -> list[Finding]:
+    """What there is of a kind of plugin, those of other packages named after the bundled ones; whatever is left out."""
     import warnings
 
-    from vgvt.identification import available_identifiers
+    from vgvt.data.plugin import is_bundled
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        names = list(available_identifiers())
-    findings = [Finding("identifiers", "warn", str(w.message), "update or remove that plugin") for w in caught]
+        names = [n for n, _ in sorted(available().items(), key=lambda item: not is_bundled(item[1].__module__))]
+    findings = [Finding(kind, "warn", str(w.message), "update or remove that plugin") for w in caught]
     if not names:
-        return [*findings, Finding("identifiers", "fail", "none installed", "install vgvt again with pip")]
-    return [Finding("identifiers", "ok", ", ".join(names)), *findings]
+        return [*findings, Finding(kind, "fail", "none installed", "install vgvt again with pip")]
+    return [Finding(kind, "ok", ", ".join(names)), *findings]
 
 
 def _measured_data() -> list[Finding]:

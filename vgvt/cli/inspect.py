@@ -47,6 +47,9 @@ def inspect(campaign: CampaignArgument, as_json: JsonOption = False) -> int:
             rows, ("run", "name", "role", "dof", "duration_s", "sample_rate_hz", "rms", "peak", "unit", "remarks")
         )
     )
+    for run in document["runs"]:
+        for note in run["notes"]:
+            show(f"run {run['run']}: {note}")
     return 0
 
 

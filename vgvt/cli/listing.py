@@ -47,7 +47,7 @@ def scenarios(
                 "runs": len(acquisition.run_nodes),
                 "duration_s": excitation.record_s,
                 "sample_rate_hz": acquisition.sample_rate_hz,
-                "band_hz": list(excitation.band_hz),
+                "band_hz": list(excitation.recorded_band_hz),
             }
         )
     if spoiled:

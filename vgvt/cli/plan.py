@@ -11,6 +11,7 @@ import typer
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import JsonOption, ScenarioArgument
+from vgvt.cli.results_folder import checked_folder, telling_what_is_kept
 
 if TYPE_CHECKING:
     from vgvt.planning.planner import Order
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 _LAB = "The lab's own times and limits"
 _CONFIRM = "Confirmation"
+_FILES = ("plan.toml", "plan.svg", "card.html")
 
 
 def plan(
@@ -96,7 +98,8 @@ def plan(
         confirmed=confirm,
         identifier=identifier,
     )
-    with progress("plan") as report:
+    checked_folder(out, _FILES)
+    with telling_what_is_kept(out), progress("plan") as report:
         result = plan_test(described, order, report)
     paths = _written(described, scenario, result, order, out)
     if as_json:
@@ -197,6 +200,9 @@ def _show(result: PlanningResult, paths: dict[str, Path]) -> None:
             note = f"  simulated, {seen.seeds} seeds (± {100 * seen.own_error:.0f} % of each)"
             table.add_row(note, *[""] * 5, *(f"{share:.2g}" for share in shares))
     show(table)
+    for plan in plans:
+        for words in plan.overloads:
+            log(f"{plan.name}: {words}; turn the level down")
     if result.verdict is Verdict.NOTHING_TO_GAIN:
         show(f"Nothing to gain: the best plan found is {result.gain:.3g} times as good; {LEAST_GAIN:g} would count.")
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from vgvt.cli.document import document_text, write_document
 
 if TYPE_CHECKING:
     from vgvt.scenario.model import Scenario
+    from vgvt.view.reconcile_account import PowerRow
 
 _SIMULATED, _LINED_UP = 0.2, 0.3
 
@@ -26,7 +28,7 @@ def power_before_the_test(
     """Print the table of detectability; with ``out`` write power.json and power.html there too."""
     from vgvt.reconcile.next_test.before_test import expected_fit
     from vgvt.reconcile.next_test.power import power
-    from vgvt.reconcile.outcome.account import power_rows
+    from vgvt.reconcile.next_test.power_rows import power_rows
     from vgvt.reconcile.question.suitable import check_excitation, within_excited
     from vgvt.reconcile.search.candidates import candidates
 
@@ -43,6 +45,7 @@ def power_before_the_test(
         "scenario": scenario.name,
         "band_hz": [float(fit.problem.measured.frequency_hz[0]), float(fit.problem.measured.frequency_hz[-1])],
         "power": [p.document() for p in found],
+        "places": [_places(r) for r in rows if r.variants > 1],
         "invisible": sorted({r.effect for r in rows} - {r.effect for r in rows if r.visible}),
         "confusable": confusable(rows),
     }
@@ -71,6 +74,14 @@ def confusable(rows: Any) -> list[dict[str, object]]:
             pair = (min(row.effect, name), max(row.effect, name))
             best[pair] = max(best.get(pair, 0.0), cosine)
     return [{"effects": list(pair), "cosine": cosine} for pair, cosine in sorted(best.items(), key=lambda i: -i[1])]
+
+
+def _places(row: PowerRow) -> dict[str, object]:
+    """What is just visible at the best, the median and the worst of an effect's variants; None is never."""
+    sizes = {"best": row.smallest, "median": row.median, "worst": row.worst}
+    told: dict[str, object] = {k: v if math.isfinite(v) else None for k, v in sizes.items()}
+    what = {"effect": row.effect, "parameter": row.parameter, "unit": row.unit, "variants": row.variants}
+    return what | told | {"best_variant": row.variant, "worst_variant": row.worst_variant, "reason": row.reason}
 
 
 def _write(out: Path, scenario: Scenario, document: Mapping[str, Any], rows: Any) -> None:

@@ -15,13 +15,16 @@ _PARAMETER = 20
 
 
 def error_table(document: Mapping[str, Any]) -> FittedTable:
-    """How far predictions are from the data before and after, on fitted and held-out data."""
+    """How far predictions are from the data before, after and simulated again, on fitted and held-out data."""
     from vgvt.view.fitted_table import FittedTable
 
     states = ("before", "after") if document["effects"] else ("before",)
     columns = ["data"]
     for name in states:
         columns += [f"χ²/dof {name}", f"NRMSE fit % {name}", f"dB {name}"]
+    again = document.get("resimulated") or {}
+    if again.get("train"):
+        columns += ["χ²/dof simulated", "NRMSE fit % simulated"]
     rows = []
     for key, words in _SETS.items():
         parts = [document[name].get(key) for name in states]
@@ -31,6 +34,8 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
                 for p in parts
                 for text in (f"{p['chi2_per_dof']:.2f}", f"{p['nrmse_percent']:.2f}", f"{p['mean_abs_db']:.3f}")
             ]
+            if again.get("train"):
+                numbers += [f"{again[key]['chi2_per_dof']:.2f}", f"{again[key]['nrmse_percent']:.2f}"]
             rows.append((words, *numbers))
     return FittedTable(
         columns=tuple(columns),
@@ -39,6 +44,7 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
         expendable=tuple(f"dB {name}" for name in states),
         right=frozenset(columns[1:]),
         title="predicted responses against measured ones; an NRMSE fit of 100 % is perfect",
+        caption=again.get("remark") or "",
     )
 
 
@@ -65,25 +71,33 @@ def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
 
 def power_table(rows: Sequence[PowerRow]) -> FittedTable:
     """The sizes of each effect that could be seen, and that would get its name."""
-    import math
-
     from vgvt.view.fitted_table import FittedTable
 
-    cells = []
+    cells, several = [], any(p.variants > 1 for p in rows)
     for p in rows:
-        sizes = [f"{v:.2g}" if math.isfinite(v) else "never" for v in (p.smallest, p.named)]
+        smallest, named, worst = p.sizes
         alike = ", ".join(f"{name} {cosine:.2f}" for name, cosine in p.alike[:3])
         plausible = f"{p.low:g} to {p.high:g}"
-        cells.append((p.effect, p.parameter, *sizes, p.unit, plausible, "yes" if p.visible else "no", alike))
+        cells.append((p.effect, p.parameter, smallest, named, worst, p.unit, plausible, p.shows, alike))
     longest = max((len(p.parameter) for p in rows), default=0)
-    columns = ("effect", "parameter", "just visible", "named from", "unit", "plausible", "visible", "hard to tell from")
+    columns = (
+        "effect", "parameter", "just visible", "named from", "at worst", "unit", "plausible", "visible",
+        "hard to tell from",
+    )  # fmt: skip
     return FittedTable(
         columns=columns,
         rows=tuple(cells),
         whole=frozenset(columns) - {"hard to tell from", *(() if longest <= _PARAMETER else ("parameter",))},
         # Never the parameter: rows of one effect may differ in nothing else, and its name ends in its unit.
-        expendable=("hard to tell from", "plausible", "unit"),
-        right=frozenset(("just visible", "named from")),
-        title="just visible: five standard deviations beyond the tolerances; named from: 95 of 100",
-        caption=f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",
+        expendable=("hard to tell from", "plausible", "at worst", "unit"),
+        right=frozenset(("just visible", "named from", "at worst")),
+        title="where it shows best; just visible: five standard deviations beyond the tolerances; "
+        "named from: 95 of 100",
+        caption="; ".join(
+            (
+                f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",
+                *(("at worst: just visible at the place, side or channel that shows it least",) if several else ()),
+                *dict.fromkeys(p.reason for p in rows if ":" in p.reason),
+            )
+        ),
     )

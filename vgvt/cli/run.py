@@ -13,7 +13,7 @@ from vgvt.cli.document import document_text, write_document
 from vgvt.cli.identify import claimed, made_identifier, write_claim
 from vgvt.cli.options import BandOption, EngineOption, JsonOption, ScenarioArgument, SeedOption
 from vgvt.cli.score import card_document, fitted, scored
-from vgvt.cli.simulate import ForceOption, OutOption, Simulated, overloads, simulated, simulation_document
+from vgvt.cli.simulate import ForceOption, OutOption, Simulated, simulated, simulation_document
 
 if TYPE_CHECKING:
     from vgvt.data import FrfFit, Scorecard
@@ -60,8 +60,11 @@ def run(
     settings = settings_by_identifier(setting or [], names)
     methods = {name: made_identifier(name, settings[name]) for name in names}
     result = simulated(scenario, out, seed, engine, force)
-    for run_number, channels in overloads(result.campaign).items():
-        log(f"run {run_number}: {', '.join(channels)} overloaded; the clipped record is used as it is")
+    for record in result.campaign.runs:
+        if record.overloaded:
+            where = f" ({'; '.join(record.notes)})" if record.notes else ""
+            channels = ", ".join(record.overloaded)
+            log(f"run {record.run}: {channels} overloaded{where}; the clipped record is used as it is")
     try:
         judged = _judge(result, methods, band)
         if report:
@@ -161,7 +164,7 @@ def _show(result: Simulated, judged: Judged, report: bool) -> None:
 
     for card in judged.scorecards.values():
         show(scorecard_table(card))
-        for line in card.advice:
+        for line in (*card.remarks, *card.advice):
             log(line)
     total = judged.timing_s["total"]
     simulation = sum(result.timing_s.values())

@@ -48,7 +48,7 @@ def score(
     show(scorecard_table(card))
     if fit is not None:
         log(fit_in_words(fit))
-    for line in (*card.advice, *strangers):
+    for line in (*card.remarks, *card.advice, *strangers):
         log(line)
     return 0
 

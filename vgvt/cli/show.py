@@ -20,12 +20,6 @@ if TYPE_CHECKING:
     from vgvt.data import ModalModel, Truth
     from vgvt.scenario.model import Scenario
 
-_ALIKE = 0.8
-"""Least MAC of a resonance and a mode that share a name."""
-_NEAR = 1.3
-"""Largest ratio of their frequencies."""
-_SAME_POLE = 1e-3
-"""Relative distance of two poles that are of one mode, whatever the sensors see of its shape."""
 _ASKEW_DEG = 3.0
 """Roll or pitch at rest that a reader is told of in words."""
 
@@ -51,7 +45,7 @@ def show_scenario(
     as_json: JsonOption = False,
 ) -> int:
     """Show a scenario's rig: a picture, mass properties, modes and the rig's own resonances."""
-    from vgvt.cli.described import described_scenario, say_what_goes_to_no_mode
+    from vgvt.cli.described import described_scenario, say_what_is_not_as_described
     from vgvt.data import InputError
 
     if no_picture and (out is not None or mode is not None):
@@ -62,7 +56,7 @@ def show_scenario(
     from vgvt.simulation import truth_of
     from vgvt.simulation.attitude import attitudes_deg
 
-    say_what_goes_to_no_mode(loaded)
+    say_what_is_not_as_described(loaded)
     truth, hangs_deg = truth_of(loaded), attitudes_deg(loaded)
     _check_mode(truth, mode)
     animation = _render(loaded, picture, mode, width, height) if picture is not None else None
@@ -182,27 +176,13 @@ def _without_limits(modes: ModalModel) -> ModalModel:
 
 
 def _named(coupled: ModalModel, as_tested: ModalModel) -> ModalModel:
-    """Resonances of the rig under the name of the mode as tested that they are, no name given twice.
+    """Resonances of the rig under the name of the mode as tested that they are, no name given twice."""
+    from vgvt_scoreboard import counterparts
 
-    That is the mode with the same pole, which the shaker does not touch, else the one of like shape and
-    frequency. A sensor on the axis of a torsion sees little of it: shapes alone say too much.
-    """
-    import numpy as np
-    from scipy.optimize import linear_sum_assignment
-
-    from vgvt.data.assurance import modal_assurance
-
-    if not len(coupled) or not len(as_tested) or not as_tested.labels:
+    if not as_tested.labels:
         return coupled
-    away = np.abs(np.log(coupled.natural_frequency_hz[:, None] / as_tested.natural_frequency_hz))
-    mac = modal_assurance(coupled.shapes, as_tested.shapes)
-    likeness = np.where((mac >= _ALIKE) & (away <= np.log(_NEAR)), mac - away, 0.0)
-    likeness += 2.0 * (np.abs(coupled.poles[:, None] / as_tested.poles - 1.0) <= _SAME_POLE)
-    labels = [""] * len(coupled)
-    for mine, theirs in zip(*linear_sum_assignment(-likeness), strict=True):
-        if likeness[mine, theirs] > 0:
-            labels[mine] = as_tested.labels[theirs]
-    return replace(coupled, labels=tuple(labels))
+    theirs = counterparts(coupled, as_tested)
+    return replace(coupled, labels=tuple(as_tested.labels[i] if i >= 0 else "" for i in theirs))
 
 
 def _shown_hz(scenario: Scenario) -> float:

@@ -117,10 +117,10 @@ def overloads(campaign: Campaign) -> dict[int, list[str]]:
 
 
 def _simulate_into(folder: RunFolder, scenario: Scenario, was_there: bool) -> dict[str, float]:
-    from vgvt.cli.described import say_what_goes_to_no_mode
+    from vgvt.cli.described import say_what_is_not_as_described
     from vgvt.simulation import simulate as simulate_scenario
 
-    say_what_goes_to_no_mode(scenario)
+    say_what_is_not_as_described(scenario)
     try:
         with (
             _untouched_on_failure(folder.path, was_there, "simulating"),

@@ -7,7 +7,7 @@ from typing import Any
 
 _HOMES = {
     "question.data": ("Measured", "MeasuredChannel", "measured_frfs"),
-    "question.figures_of_merit": ("Comparison", "Merit", "compare", "merit"),
+    "question.figures_of_merit": ("Comparison", "Merit", "Resimulation", "compare", "merit"),
     "question.holdout": ("Split", "split"),
     "question.hypothesis": ("Hypothesis",),
     "question.problem": ("Problem", "make_problem", "problem_of"),
@@ -26,6 +26,7 @@ _HOMES = {
     "decision.verdict": ("NamedEffect", "Verdict"),
     "outcome.account": ("account_of", "power_rows"),
     "outcome.augment": ("augment", "posterior_of", "write_reconciled"),
+    "outcome.resimulate": ("resimulated",),
     "outcome.mode_errors": ("ModelModes", "mode_rows", "model_modes"),
     "loop": ("reconcile",),
     "placebo": ("Placebo", "calibrated_thresholds", "write_thresholds"),

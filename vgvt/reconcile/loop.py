@@ -21,6 +21,7 @@ from vgvt.reconcile.evidence.localise import localise
 from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.outcome.augment import augment, write_reconciled
+from vgvt.reconcile.outcome.resimulate import resimulated
 from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
@@ -115,12 +116,14 @@ def reconcile(
         tell(_LOCALISED, "compare tests")
         tests = suggest(undecided(found)) or suggest(next_best(found), levels_alone=True)
         said += words_of_none(tests, limits.set_nats)
+    tell(_LOCALISED, "simulate what was found")
+    augmented = augment(scenario, found)
     verdict = Verdict(
         kind, (*said, *reasons_of(kind, found, limits, places)), named_effects(found), leads_of(found),
         found.final_residual.reasons,
         compare(found.null.foretold, measured, parts),
         compare(found.final.foretold, measured, parts),
-        tests, found, places, limits, augment(scenario, found),
+        tests, found, places, limits, augmented, resimulated(augmented, found.final),
     )  # fmt: skip
     if folder is not None:
         write_reconciled(folder / "reconciled.toml", verdict, origin)

@@ -8,6 +8,7 @@ from importlib.resources import files
 
 from vgvt._version import __version__
 from vgvt.scenario import Scenario, SensorPoint, sensor_points
+from vgvt.scenario.full_scale import expected_overloads, scales_of_acceleration, scales_of_force
 from vgvt.scenario.rig import RANDOM_KINDS, Excitation
 from vgvt.view.html_page import escaped
 from vgvt.view.plan_drawing import INCH_M, plan_drawing, run_colour
@@ -87,7 +88,7 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
         (
             "Set the generator",
             f"{', '.join([_command(e), *silences])}; {_level(scenario, facts)}. Record at "
-            f"{acquisition.sample_rate_hz:g} samples a second, {e.record_s:g} s a record.",
+            f"{acquisition.sample_rate_hz:g} samples a second, {e.record_s:g} s a record{_late(e)}.",
         ),
         ("Record silence", "for 10 s with the amplifier off: no hum, no channel dead, no channel twice as noisy."),
         (
@@ -100,13 +101,31 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
             f"force at most {facts.peak_force_n:.3g} N, acceleration at most "
             f"{facts.peak_acceleration_m_per_s2 / 9.80665:.2g} g, drive point moving at most "
             f"±{facts.peak_drive_mm:.2g} mm (within the shaker's stroke?). "
-            "No overload. Peaks near the frequencies on the right.",
+            f"{_ends(scenario, facts)} Peaks near the frequencies on the right.",
         ),
         (
             "At the end",
             f"repeat a minute of the first {one} if there is time: a peak that moved says that something did.",
         ),
     ]
+
+
+def _late(e: Excitation) -> str:
+    """When the record begins, where that is not before the shaker."""
+    return f", begun {e.before_record_s:g} s after the shaker" if e.before_record_s else ""
+
+
+def _ends(scenario: Scenario, facts: CardFacts) -> str:
+    """Where force and acceleration would be cut off, and what is expected to be."""
+    force, acceleration = scales_of_force(scenario), scales_of_acceleration(scenario)
+    of_force, of_acceleration = (min(scales, key=lambda scale: scale.si) for scales in (force, acceleration))
+    text = (
+        f"No overload: the force is cut off at {of_force.si:.3g} N ({escaped(of_force.words)}), the acceleration at "
+        f"{of_acceleration.si / 9.80665:.3g} g ({escaped(of_acceleration.words)})."
+    )
+    peaks = (facts.peak_force_n, facts.peak_acceleration_m_per_s2, facts.peak_command_v)
+    beyond = expected_overloads(scenario, *peaks)
+    return f"{text} <b>Turn the level down</b>: {escaped('; '.join(beyond))}." if beyond else text
 
 
 def _command(e: Excitation) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -43,7 +44,10 @@ class ModelState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceRow:
-    """A place and the share of the residual that a free force there explains; ``stiffness`` (L,) is its z(ω)."""
+    """A place and the share of the residual that a free force there explains; ``stiffness`` (L,) is its z(ω).
+
+    What chance explains is taken off: where a place does no better the share is a little below 0.
+    """
 
     label: str
     kind: str
@@ -98,6 +102,7 @@ class PosteriorRow:
     """A calibrated quantity: ``score`` ± ``score_std`` prior standard deviations from what the scenario states.
 
     ``tolerance`` where the scenario states one: how coarse a chain the data come from is no statement of its.
+    ``fresh_std`` is the part of ``score_std`` that noise and tolerances leave, None where it is not known.
     """
 
     name: str
@@ -108,6 +113,7 @@ class PosteriorRow:
     stated: str = ""
     calibrated: str = ""
     tolerance: bool = True
+    fresh_std: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +136,9 @@ class ModeRow:
 class PowerRow:
     """The smallest size of an effect that could be seen, and the one that gets its name in 95 of 100 campaigns.
 
-    ``alike`` are effects of nearly the same signature.
+    Of the ``variant`` that shows best, of so many ``variants``; ``median`` and ``worst`` are what is just visible at
+    others. Infinite is never; what is not a number is not known, and ``reason`` says why. ``alike`` are effects of
+    nearly the same signature.
     """
 
     effect: str
@@ -142,11 +150,35 @@ class PowerRow:
     low: float
     high: float
     alike: tuple[tuple[str, float], ...] = ()
+    variants: int = 1
+    median: float = math.nan
+    worst: float = math.nan
+    worst_variant: str = ""
+    reason: str = ""
 
     @property
     def visible(self) -> bool:
         """Whether a plausible size could be seen."""
         return self.smallest <= max(abs(self.low), abs(self.high))
+
+    @property
+    def sizes(self) -> tuple[str, str, str]:
+        """In words: what is just visible, and named, where it shows best, and just visible where it shows worst."""
+        if math.isnan(self.smallest):
+            return self.reason.partition(":")[0], "", ""
+        worst = _size(self.worst) if self.variants > 1 else ""
+        return _size(self.smallest), _size(self.named), worst
+
+    @property
+    def shows(self) -> str:
+        """Whether a plausible size could be seen: yes, no or unknown."""
+        if math.isnan(self.smallest):
+            return "unknown"
+        return "yes" if self.visible else "no"
+
+
+def _size(value: float) -> str:
+    return "not known" if math.isnan(value) else f"{value:.2g}" if math.isfinite(value) else "never"
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +197,8 @@ class Account:
 
     ``measured`` and ``sigma`` (C, L); ``bands_hz`` (B + 1,); ``limits`` are the thresholds by name;
     ``located`` says at which model the places were found; ``leads`` come nearest where nothing has a name.
+    ``resimulated`` are the merits {set of data: {figure: value}} of the augmented scenario's simulation, None where
+    there was none; ``resimulation_remark`` is what the reader must know of it.
     """
 
     title: str
@@ -192,8 +226,16 @@ class Account:
     power: tuple[PowerRow, ...] = ()
     tests: tuple[SuggestionRow, ...] = ()
     remarks: tuple[str, ...] = field(default=())
+    resimulated: dict[str, dict[str, float] | None] | None = None
+    resimulation_remark: str = ""
 
     @property
     def changed(self) -> bool:
         """Whether the model after is another one than before."""
         return bool(self.effects)
+
+    @property
+    def pointed_at(self) -> PlaceRow | None:
+        """The place that explains most; None where none explains enough to be told."""
+        best = self.places[0] if self.places else None
+        return best if best is not None and best.explained >= self.limits.get("place_explained", 0.0) else None

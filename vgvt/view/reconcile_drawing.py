@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from string import ascii_uppercase
 
 import numpy as np
 
@@ -14,13 +15,14 @@ from vgvt.view.shape_drawing import TOP, Frame, outline_rings, svg_element
 _WIDTH = 680.0
 _MARGIN = 34.0
 _LARGEST_PX = 22.0
-_LABELLED = 3
+_LABELLED = 5
 
 
 def places_drawing(geometry: Geometry, places: Sequence[PlaceRow]) -> str:
     """Plan view with a disc at every place, its area the share explained; empty where no place has a position.
 
-    Diamonds are joints (bending or torsion at a root), discs are forces at points. The best three are lettered.
+    Diamonds are joints (bending or torsion at a root), discs are forces at points. The best are lettered, by their
+    rank among all places: some have no point to be drawn at.
     """
     there = [p for p in places if p.position_m is not None]
     if not there:
@@ -33,21 +35,27 @@ def places_drawing(geometry: Geometry, places: Sequence[PlaceRow]) -> str:
     order = sorted(range(len(there)), key=lambda k: -there[k].explained)
     # Large ones first, so that a small one on top of it stays visible.
     parts += [_mark(there[k], float(spots[k][0]), float(spots[k][1])) for k in order]
-    for letter, k in zip("ABC", order[:_LABELLED], strict=False):
-        if there[k].explained > 0:
-            x, y = spots[k]
+    for letter, place in _lettered(places):
+        if place in there:
+            x, y = spots[there.index(place)]
             parts.append(f'<text class="place-label" x="{x:.1f}" y="{y + 4.5:.1f}">{letter}</text>')
     return svg_element("".join(parts), frame.height, "Share of the residual that each place explains", width=_WIDTH)
 
 
 def places_key(places: Sequence[PlaceRow]) -> str:
-    """What the letters of the drawing stand for."""
-    there = sorted((p for p in places if p.position_m is not None and p.explained > 0), key=lambda p: -p.explained)
+    """What the letters of the drawing stand for, and which of them are not on it."""
     words = [
         f"<b>{letter}</b> {escaped(p.label)}: {100 * p.explained:.0f} %"
-        for letter, p in zip("ABC", there[:_LABELLED], strict=False)
+        + (" (no point on the map)" if p.position_m is None else "")
+        for letter, p in _lettered(places)
     ]
     return f'<p class="note">{"; ".join(words)}.</p>' if words else ""
+
+
+def _lettered(places: Sequence[PlaceRow]) -> list[tuple[str, PlaceRow]]:
+    """The places that explain most, best first, with their letters."""
+    best = sorted((p for p in places if p.explained > 0), key=lambda p: -p.explained)
+    return list(zip(ascii_uppercase, best[:_LABELLED], strict=False))
 
 
 def _mark(place: PlaceRow, x: float, y: float) -> str:

@@ -21,6 +21,8 @@ _LABEL_WIDTH = 22
 """Characters of a line of a candidate's name: on a telephone its bar needs the room."""
 _OVER_BARS = "#1b1f24"
 _ROW_PX = 15
+_NAMED_ROW_PX = 32
+"""A row with its name above it."""
 _SCALE = [[0.0, "#f4f7fb"], [0.25, "#fbe3c8"], [0.5, "#f2a766"], [0.75, "#c9511f"], [1.0, "#5c1a0b"]]
 _STANDING = {
     "named": (TRUTH_COLOUR, "named"),
@@ -225,6 +227,13 @@ def posterior_figure(account: Account) -> Figure | None:
         figure.add_vline(x=at, line={"color": POSITIVE_COLOUR, "dash": "dash", "width": 1.2})
     beyond = [abs(r.score) > 3 for r in rows]
     figure.add_scatter(
+        x=[r.score for r in rows], y=names, mode="markers", marker={"opacity": 0}, showlegend=False, hoverinfo="skip",
+        error_x={
+            "type": "data", "array": [r.score_std if r.fresh_std is None else r.fresh_std for r in rows],
+            "thickness": 4, "width": 0, "color": MEASURED_COLOUR,
+        },
+    )  # fmt: skip
+    figure.add_scatter(
         x=[r.score for r in rows], y=names, mode="markers", showlegend=False,
         error_x={
             "type": "data", "array": [r.score_std for r in rows], "thickness": 1.2, "width": 3,
@@ -236,9 +245,16 @@ def posterior_figure(account: Account) -> Figure | None:
         },
         text=[r.change for r in rows], hovertemplate="%{y}: %{x:.2f} sd, %{text}<extra></extra>",
     )  # fmt: skip
-    figure.update_yaxes(autorange="reversed", showgrid=True, ticks="", dtick=1)
-    figure.update_xaxes(title_text="distance from the stated value, in stated standard deviations", zeroline=True)
-    figure.update_layout(template=template(), height=18 * len(rows) + 90)
+    # Above its row a name costs no width: beside the rows names leave a telephone nothing to draw on.
+    for name in names:
+        figure.add_annotation(
+            text=name, x=0, xref="paper", xanchor="left", y=name, yshift=12, showarrow=False, font={"size": 12}
+        )
+    figure.update_yaxes(range=[len(rows) - 0.5, -0.9], showgrid=True, ticks="", dtick=1, showticklabels=False)
+    figure.update_xaxes(title_text="distance, in stated standard deviations", zeroline=True)
+    figure.update_layout(
+        template=template(), height=_NAMED_ROW_PX * len(rows) + 100, margin={"l": 8, "r": 8, "t": 8, "b": 60}
+    )
     return figure
 
 

@@ -33,6 +33,13 @@ _EVIDENCE = (
     "data, its own freedom paid for, in nats. The dashed line is what a name needs, of the bar and of the mark, which "
     "is the evidence where errors of the model last from line to line. Held-out data must agree."
 )
+_POSTERIOR = (
+    "Bars are one standard deviation of the result, the grey band is what the scenario states. The thick part of a bar "
+    "is what noise and tolerances leave open. The whole of it holds, too, by how much the result may have been led "
+    "astray: by an error of the model that lasts over neighbouring lines (model_form), by the beams' cells, and by "
+    "stiffness and mass between the stations that the tolerances know. No tolerance bounds that: a bar may be longer "
+    "than the band."
+)
 _OVERLAY = "Measured, before and after; the lowest panel is the error in standard deviations, 1 is what noise explains."
 
 
@@ -138,7 +145,7 @@ def _calibration(account: Account, data: dict[str, Any]) -> str:
     drawn = ""
     if figure is not None:
         data["posterior-data"] = figure_data(figure)
-        drawn = _note("Bars are one standard deviation of the result, the grey band is what the scenario states.")
+        drawn = _note(_POSTERIOR)
         drawn += figure_element("posterior-data", "Calibrated quantities")
     return parts.posterior_table(account) + drawn
 

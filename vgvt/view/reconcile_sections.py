@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -32,15 +32,14 @@ _MERITS = (
     ("nrmse_percent", "NRMSE fit, %", ".2f"),
     ("mean_abs_db", "mean error, dB", ".3f"),
     ("frac", "FRAC", ".5f"),
+    ("nu_gap", "ν-gap", ".3f"),
 )
 _WORST = 8
 
 
 def verdict_section(account: Account) -> str:
     """The verdict, why, and the figures that it rests on."""
-    facts = "".join(
-        f"<div><dt>{escaped(key)}</dt><dd>{escaped(value)}</dd></div>" for key, value in account.facts.items()
-    )
+    facts = "".join(f"<div><dt>{escaped(k)}</dt><dd>{escaped(v)}</dd></div>" for k, v in account.facts.items())
     return (
         f'<p class="verdict verdict-{account.kind.replace("_", "-")}"><b>{escaped(KINDS[account.kind])}.</b> '
         f"{escaped(verdict_sentence(account))}</p>"
@@ -86,11 +85,13 @@ def residual_table(account: Account) -> str:
         cells = [_judged(value, limit) for value in values]
         rows.append((escaped(words), *cells, "" if limit is None else f"{limit:.2f}"))
     note = (
-        f"1 is what noise and the model's floor explain. Limits: {account.provenance}. "
-        f"{len(account.frequency_hz)} lines, {len(account.channels)} channels; median sigma "
+        "1 is what noise and the model's floor explain; the limits are what campaigns in which nothing is missing stay "
+        f"within. {len(account.frequency_hz)} lines, {len(account.channels)} channels; median sigma "
         f"{100 * float(np.median(account.sigma / np.abs(account.measured))):.2f} % of the response."
     )
-    return _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note)}</p>'
+    source = f'<p class="note">{escaped(account.provenance)}.</p>'
+    fold = f"<details><summary>Where the limits come from</summary>{source}</details>"
+    return _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note)}</p>{fold}'
 
 
 def held_out_note(account: Account) -> str:
@@ -121,13 +122,27 @@ def error_section(account: Account) -> str:
         for name, state in _states(account):
             merit = state.merits.get(key)
             if merit is not None:
-                cells = [format(merit[figure], form) for figure, _, form in _MERITS]
-                rows.append((f"{escaped(words)}, {name}", *cells))
+                rows.append((f"{escaped(words)}, {name}", *_merit_cells(merit)))
+        again = None if account.resimulated is None else account.resimulated.get(key)
+        if again is not None:
+            rows.append((f"{escaped(words)}, simulated again", *_merit_cells(again)))
     note = (
         "NRMSE fit: 100 % is perfect, 70 % is commonly called excellent; FRAC: 1 is perfect; medians over channels. "
-        "The error in dB is the mean over lines and channels."
+        "The error in dB is the mean over lines and channels. ν-gap: how far apart a feedback loop sees the two, all "
+        "channels as one system, accelerances in g/N; 0 is equal, 1 the furthest. "
     )
-    return _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note)}</p>'
+    if account.resimulated is not None:
+        note += (
+            "Simulated again: the records of reconciled.toml by the linear engine, without noise, read as the "
+            "measured ones were."
+        )
+    remark = account.resimulation_remark
+    warned = f"<p>{escaped(remark)}.</p>" if remark else ""
+    return warned + _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note.strip())}</p>'
+
+
+def _merit_cells(merit: Mapping[str, float]) -> list[str]:
+    return [format(merit[figure], form) for figure, _, form in _MERITS]
 
 
 def modes_section(account: Account) -> str:
@@ -163,14 +178,10 @@ def modes_section(account: Account) -> str:
 def places_table(account: Account, count: int = 10) -> str:
     """The places that explain most."""
     rows = [
-        (
-            escaped(p.label),
-            f"{100 * p.explained:.0f} %",
-            escaped(p.type or ""),
-            f"{p.size:.3g} {escaped(p.unit)}" if p.size else "",
-        )
+        (escaped(p.label), f"{100 * p.explained:.0f} %", escaped(p.type or ""),
+         f"{p.size:.3g} {escaped(p.unit)}" if p.size else "")
         for p in account.places[:count]
-    ]
+    ]  # fmt: skip
     heads = ("place", "explained", "looks like", "size")
     # Nothing on the structure has a size where no simple law fits.
     used = 4 if any(row[3] for row in rows) else 3
@@ -198,35 +209,42 @@ def power_section(power: Sequence[PowerRow]) -> str:
     """Detectability: the sizes of each effect that could be seen and named, and what it would be taken for."""
     if not power:
         return ""
-    heads = ("effect, parameter", "just visible", "named from", "plausible", "visible", "hard to tell from")
+    heads = (
+        "effect, parameter", "just visible", "named from", "at median", "at worst", "plausible", "visible",
+        "hard to tell from",
+    )  # fmt: skip
     rows = []
     for p in power:
-        sizes = [f"{v:.2g} {escaped(p.unit)}" if np.isfinite(v) else "never" for v in (p.smallest, p.named)]
+        smallest, named, worst = (_with_unit(size, p.unit) for size in p.sizes)
+        median = _with_unit(f"{p.median:.2g}" if np.isfinite(p.median) else "never", p.unit) if worst else ""
         alike = ", ".join(f"{escaped(name)} ({cosine:.2f})" for name, cosine in p.alike[:4])
-        mark = '<span class="found">yes</span>' if p.visible else '<span class="missed">no</span>'
+        found = {"yes": '<span class="found">yes</span>', "no": '<span class="missed">no</span>'}
+        mark = found.get(p.shows, escaped(p.shows))
         what = f"<b>{escaped(p.effect)}</b><br>{escaped(p.parameter)}"
-        rows.append((what, *sizes, f"{p.low:g} to {p.high:g}", mark, alike))
+        rows.append((what, smallest, named, median, worst, f"{p.low:g} to {p.high:g}", mark, alike))
     note = (
-        "Just visible: five standard deviations beyond what the scenario's tolerances can imitate, for the variant of "
-        "the effect that shows soonest, by both views of the model's own error; about half of such effects get their "
-        "name. Named from: 95 of 100 do, as far as the fitted data decide. Never: it leaves the ratio of acceleration "
-        "to force alone. Hard to tell from: cosine of the two signatures."
+        "Just visible: five standard deviations beyond what the scenario's tolerances can imitate, by both views of "
+        "the model's own error, for the variant of the effect (place, side, channel) that shows at the smallest size; "
+        "at the median of the variants, and at the worst, it takes what is said there. Named from: where it shows "
+        "best, 95 of 100 of such effects get their name, as far as the fitted data decide; of those that are just "
+        "visible fewer than half do, as a rule. Never: it leaves the ratio of acceleration to force alone. By level, "
+        "not foretold: what it does hangs on the level of force, and not on its size alone. Hard to tell from: cosine "
+        "of the two signatures."
     )
-    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 5))}'
+    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 7))}'
+
+
+def _with_unit(size: str, unit: str) -> str:
+    return f"{size} {escaped(unit)}" if size[:1].isdigit() else size
 
 
 def tests_section(account: Account) -> str:
     """The suggested tests, best first."""
     rows = [
-        (
-            escaped(t.test),
-            escaped(" against ".join(t.rivals)),
-            f"{t.nats:.0f}",
-            f"{t.minutes:.0f}",
-            f"{t.nats / t.minutes:.1f}",
-        )
+        (escaped(t.test), escaped(" against ".join(t.rivals)), *(f"{n:.0f}" for n in (t.nats, t.minutes)),
+         f"{t.nats / t.minutes:.1f}")
         for t in account.tests
-    ]
+    ]  # fmt: skip
     if not rows:
         return ""
     heads = ("change of procedure", "tells apart", "expected nats", "minutes", "nats a minute")

@@ -14,6 +14,7 @@ KINDS = {
     "partly_explained": "Partly explained",
     "unknown": "Not explained by the catalogue",
 }
+_LOOK = "Look at the place and the type of the interface below; on the aircraft that is where to knock and listen."
 _NEXT = {
     "adequate": (
         "Use the calibrated scenario; the table of detectability says how large each effect could be, unseen.",
@@ -35,7 +36,7 @@ _NEXT = {
         "Take it out of reconciled.toml, which holds it, unless its separating test confirms it.",
     ),
     "unknown": (
-        "Look at the place and the type of the interface below; on the aircraft that is where to knock and listen.",
+        _LOOK,
         "An effect of your own, written for it, can be tried with the same command.",
     ),
 }
@@ -59,7 +60,8 @@ def verdict_sentence(account: Account) -> str:
         return f"The campaign cannot tell what the scenario lacks: it is {names}{error}."
     if account.kind == "partly_explained":
         return f"The scenario lacks {names}, and something else that no effect of the catalogue explains{error}."
-    where = f"; the residual points at {account.places[0].label}" if account.places else ""
+    place = account.pointed_at
+    where = "" if place is None else f"; the residual points at {place.label}"
     leads = " and ".join(_with_rivals(e) for e in account.leads)
     nearest = f"; what comes nearest, {leads}, is a lead and no name" if leads else ""
     return f"Something is missing that no effect of the catalogue explains{where}{nearest}{error}."
@@ -67,7 +69,7 @@ def verdict_sentence(account: Account) -> str:
 
 def next_steps(account: Account) -> tuple[str, ...]:
     """What to do with the verdict."""
-    steps = list(_NEXT[account.kind])
+    steps = [step for step in _NEXT[account.kind] if step != _LOOK or account.pointed_at is not None]
     if account.tests:
         best = account.tests[0]
         words = (

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vgvt.data import Campaign, Dof, FrequencyResponseSet, FrfFit, Geometry, ModalModel, Scorecard, Truth
+from vgvt.data import Campaign, Dof, FrequencyResponseSet, FrfFit, Geometry, ModalModel, Scorecard, TrueModes, Truth
 from vgvt.files.atomically import replacing
 from vgvt.view.figures import common_mac, frf_figure, mac_figure, sigma_figure
 from vgvt.view.fit_section import fit_figure, fit_summary
@@ -18,6 +18,7 @@ from vgvt.view.shape_drawing import shape_nodes
 from vgvt.view.shape_geometry import displacement, main_axis, mesh_of
 from vgvt.view.stabilisation import stabilisation_figure
 from vgvt.view.theme import style_of
+from vgvt.view.true_modes import TRUTH_IN_WORDS, judged_by, true_model
 
 _FRF_POINT_BUDGET = 60_000
 
@@ -63,8 +64,8 @@ def render_report(
         "sigma": ("Sigma plot", _sigma_section(campaign, frf, claims, truth, scorecards, figures)),
         "stabilisation": ("Stabilisation", _stabilisation_section(campaign, frf, claims, figures)),
         "shapes": ("Mode shapes", shapes_section(campaign, claims, scorecards, truth)),
-        "animation": ("Mode shapes in motion", _animation_section(campaign, claims, truth, figures)),
-        "mac": ("MAC", _mac_section(campaign, claims, truth, figures)),
+        "animation": ("Mode shapes in motion", _animation_section(campaign, claims, truth, scorecards, figures)),
+        "mac": ("MAC", _mac_section(campaign, claims, truth, scorecards, figures)),
         "fit": ("Fit", _fit_section(fits or {}, figures)),
         "frf": ("Frequency responses", _frf_section(campaign, frf, claims, figures)),
         "setup": ("Test set-up", setup_section(campaign)),
@@ -84,7 +85,11 @@ def _sigma_section(
     figures["sigma-data"] = figure_data(sigma_figure(frf, claims, true_hz, campaign.band_hz, scorecards))
     text = "The largest singular value of all frequency responses: every mode that the test can see makes a peak."
     if true_hz:
-        text += " Dashed vertical lines are the true modes; a cross is a claim that belongs to none."
+        text += " Dashed vertical lines are the true modes as tested; a cross is a claim that belongs to none."
+        if any(judged_by(card) is TrueModes.COUPLED for card in scorecards.values()):
+            text += (
+                " Claims that were made without the force are judged by those with the shaker attached, not drawn here."
+            )
     if frf is not None and any(claim.residues is not None for claim in claims.values()):
         text += " A fit is the claimed modes with residual terms for those outside the band."
     return f'<p class="note">{text}</p>{figure_element("sigma-data", "Sigma plot")}'
@@ -109,11 +114,17 @@ def _stabilisation_section(
 
 
 def _animation_section(
-    campaign: Campaign, claims: Mapping[str, ModalModel], truth: Truth | None, figures: dict[str, Any]
+    campaign: Campaign,
+    claims: Mapping[str, ModalModel],
+    truth: Truth | None,
+    scorecards: Mapping[str, Scorecard],
+    figures: dict[str, Any],
 ) -> str:
     shown = dict(claims)
-    if truth is not None and truth.as_tested:
-        shown["truth"] = truth.as_tested[0].band(*campaign.band_hz)
+    for card in (None, *scorecards.values()):
+        true = true_model(truth, card)
+        if true is not None:
+            shown[_truth_name(card)] = true.band(*campaign.band_hz)
     scenes = [_scene(name, model, campaign.geometry) for name, model in shown.items() if len(model)]
     scenes = [scene for scene in scenes if scene["nodes"]]
     if not scenes:
@@ -156,16 +167,22 @@ def _scene(name: str, model: ModalModel, geometry: Geometry) -> dict[str, Any]:
 
 
 def _mac_section(
-    campaign: Campaign, claims: Mapping[str, ModalModel], truth: Truth | None, figures: dict[str, Any]
+    campaign: Campaign,
+    claims: Mapping[str, ModalModel],
+    truth: Truth | None,
+    scorecards: Mapping[str, Scorecard],
+    figures: dict[str, Any],
 ) -> str:
-    true_model = truth.as_tested[0].band(*campaign.band_hz) if truth is not None and truth.as_tested else None
     parts = []
     for k, (name, claim) in enumerate(claims.items()):
         if not len(claim):
             continue
-        against = true_model if true_model is not None and len(true_model) and _share_dofs(claim, true_model) else None
+        card = scorecards.get(name)
+        model = true_model(truth, card)
+        true = None if model is None else model.band(*campaign.band_hz)
+        against = true if true is not None and len(true) and _share_dofs(claim, true) else None
         figures[f"mac-data-{k}"] = figure_data(mac_figure(claim, against, claim_name=name))
-        what = "against the truth" if against is not None else "with itself"
+        what = f"against the {_truth_name(card)}" if against is not None else "with itself"
         width = max(46 * len(against if against is not None else claim) + 150, 300)
         drawing = figure_element(f"mac-data-{k}", f"MAC of {name} {what}", f' style="width:{width}px"')
         parts.append(f"<div><h3>{escaped(name)} {what}</h3>{drawing}</div>")
@@ -216,13 +233,19 @@ def _first_shown(frf: FrequencyResponseSet, pairs: list[tuple[Dof, Dof]]) -> int
 def _true_frequencies(
     campaign: Campaign, truth: Truth | None, scorecards: Mapping[str, Scorecard]
 ) -> tuple[float, ...]:
-    """What the scorecards call true (the average over the runs), else the first run's modes in the band."""
-    rows = {row.true_hz for card in scorecards.values() for row in (*card.modes, *card.unreached)} - {None}
+    """What scorecards call true as tested (the average over the runs), else the first run's modes in the band."""
+    judged = [card for card in scorecards.values() if card.true_modes is TrueModes.AS_TESTED]
+    rows = {row.true_hz for card in judged for row in (*card.modes, *card.unreached)} - {None}
     if rows:
         return tuple(sorted(f for f in rows if f is not None))
     if truth is None or not truth.as_tested:
         return ()
     return tuple(float(f) for f in truth.as_tested[0].band(*campaign.band_hz).natural_frequency_hz)
+
+
+def _truth_name(card: Scorecard | None) -> str:
+    which = judged_by(card)
+    return "truth" if which is TrueModes.AS_TESTED else f"truth {TRUTH_IN_WORDS[which]}"
 
 
 def _share_dofs(first: ModalModel, second: ModalModel) -> bool:

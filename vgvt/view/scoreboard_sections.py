@@ -100,6 +100,7 @@ def _modes_table(rows: pandas.DataFrame) -> str:
         twice = f" {split} of them are modes claimed twice." if split else ""
         remark = f'<p class="note">False claims in {campaigns} campaigns: {len(false)}, at {where} Hz{many}.{twice}</p>'
     remark += _cost_and_fit(rows.drop_duplicates("seed_number"))
+    remark += _procedure(rows)
     reasons = sorted({str(r) for r in rows["reason"].dropna() if r})
     remark += f'<p class="note">{escaped("; ".join(reasons[:3]))}</p>' if reasons else ""
     if not body:
@@ -107,6 +108,22 @@ def _modes_table(rows: pandas.DataFrame) -> str:
     head = "".join(f"<th{' class=words' if k == 0 else ''}>{h}</th>" for k, h in enumerate(_HEADS))
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>{remark}'
+    )
+
+
+def _procedure(rows: pandas.DataFrame) -> str:
+    """One line where claims were made without the force: what they are judged by, and how far that is from the test."""
+    # A table from before there was such a column says nothing.
+    if "true_modes" not in rows.columns or not (rows["true_modes"] == "coupled").any():
+        return ""
+    named = rows[rows["as_tested_hz"].notna()]
+    away = np.abs(stated(named["true_hz"] / named["as_tested_hz"]) - 1).max(initial=0.0)
+    damping = np.exp(
+        np.abs(np.log(stated(named["true_damping_ratio"] / named["as_tested_damping_ratio"]))).max(initial=0)
+    )
+    return (
+        '<p class="note">Without the force: judged by the modes with the shaker attached. Those as tested are up to '
+        f"{100 * away:.2g} % away in frequency and a factor of {damping:.2g} in damping, whatever the method.</p>"
     )
 
 

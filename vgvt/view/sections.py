@@ -9,6 +9,7 @@ import numpy as np
 
 from vgvt.data import Campaign, ModalModel, ModeScore, ModeStatus, Scorecard, Truth
 from vgvt.view.shape_drawing import setup_drawing, shape_drawing
+from vgvt.view.true_modes import TRUTH_IN_WORDS, true_model
 from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
 
 _MARKS = {
@@ -28,6 +29,8 @@ _SCORE_COLUMNS = (
     ("claimed ζ, %", ""),
     ("Δζ, %", ""),
     ("MAC", ""),
+    ("as tested, Hz", ""),
+    ("as tested ζ, %", ""),
     ("mode", "words"),
     ("remark", "remark"),
 )
@@ -46,7 +49,9 @@ def facts_section(campaign: Campaign, facts: Mapping[str, str]) -> str:
     """The facts of the run and of the campaign."""
     rates = sorted({f"{run.sample_rate_hz:g}" for run in campaign.runs})
     longest = max(run.duration_s for run in campaign.runs)
-    overloaded = [f"run {run.run}: {', '.join(run.overloaded)}" for run in campaign.runs if run.overloaded]
+    overloaded = [
+        f"run {run.run}: {'; '.join(run.notes) or ', '.join(run.overloaded)}" for run in campaign.runs if run.overloaded
+    ]
     items: dict[str, str] = {
         "Campaign": campaign.name,
         "Band": f"{campaign.band_hz[0]:g} to {campaign.band_hz[1]:g} Hz",
@@ -74,7 +79,7 @@ def modes_section(claims: Mapping[str, ModalModel], scorecards: Mapping[str, Sco
         card = scorecards.get(name)
         parts.append(f"<h3>{_e(name)}</h3>")
         parts.append(_score_table(card) if card is not None else _claim_table(claim))
-        parts.append(_advice(claim.advice))
+        parts.append(_advice((*card.remarks, *claim.advice) if card is not None else claim.advice))
     return "".join(parts) or '<p class="note">No identifier was run.</p>'
 
 
@@ -85,8 +90,8 @@ def shapes_section(
     truth: Truth | None,
 ) -> str:
     """Cards with the shape of every claimed mode, and of the true modes that nobody of an identifier's claims met."""
-    true_model = truth.as_tested[0] if truth is not None and truth.as_tested else None
-    dashed = ' A dashed line <span class="key line"></span> is the true shape.' if true_model is not None else ""
+    known = truth is not None and bool(truth.as_tested)
+    dashed = ' A dashed line <span class="key line"></span> is the true shape.' if known else ""
     parts = [
         '<p class="note">Above, the plan view: <span class="key" style="background:var(--positive)"></span>plus and '
         '<span class="key" style="background:var(--negative)"></span>minus, larger dots move more. Below, the shape '
@@ -94,10 +99,11 @@ def shapes_section(
     ]
     for name, claim in claims.items():
         card = scorecards.get(name)
-        cards = [_claim_card(campaign, claim, k, card, true_model) for k in range(len(claim))]
-        if card is not None and true_model is not None:
+        true = true_model(truth, card)
+        cards = [_claim_card(campaign, claim, k, card, true) for k in range(len(claim))]
+        if card is not None and true is not None:
             lost = (*card.rows(ModeStatus.MISSED), *card.unreached)
-            seen = _at_measured(true_model, campaign)
+            seen = _at_measured(true, campaign)
             cards += [_lost_card(campaign, seen, row) for row in lost]
         inner = "".join(cards)
         parts.append(f'<h3>{_e(name)}</h3><div class="cards">{inner}</div>' if cards else "")
@@ -127,7 +133,8 @@ def _score_table(card: Scorecard) -> str:
             counts.append(text.format(value))
     listed = "".join(f"<li>{_e(c)}</li>" for c in counts)
     rows = [_score_cells(row) for row in (*card.modes, *card.unreached)]
-    caption = f"Claims against the truth as tested, {card.band_hz[0]:g} to {card.band_hz[1]:g} Hz."
+    against = TRUTH_IN_WORDS[card.true_modes]
+    caption = f"Claims against the truth {against}, {card.band_hz[0]:g} to {card.band_hz[1]:g} Hz."
     return f'<ul class="counts">{listed}</ul>' + _table(_SCORE_COLUMNS, rows, caption)
 
 
@@ -154,9 +161,7 @@ def _claim_table(claim: ModalModel) -> str:
     return _table(_CLAIM_COLUMNS, rows, "Claimed modes.")
 
 
-def _claim_card(
-    campaign: Campaign, claim: ModalModel, k: int, card: Scorecard | None, true_model: ModalModel | None
-) -> str:
+def _claim_card(campaign: Campaign, claim: ModalModel, k: int, card: Scorecard | None, true: ModalModel | None) -> str:
     row = next((r for r in card.modes if r.claimed_index == k), None) if card is not None else None
     hertz = claim.natural_frequency_hz[k]
     ratio = claim.damping_ratio[k]
@@ -170,17 +175,17 @@ def _claim_card(
     if name:
         words.append(_e(name))
     reference = None
-    if row is not None and row.true_index is not None and true_model is not None:
-        reference = (true_model, row.true_index)
+    if row is not None and row.true_index is not None and true is not None:
+        reference = (true, row.true_index)
     drawing = shape_drawing(campaign.geometry, claim, k, f"Mode {k + 1} at {hertz:.2f} Hz {name}", reference)
     return (
         f'<figure class="card"><figcaption><b>{hertz:.2f} Hz</b> · {" · ".join(words)}</figcaption>{drawing}</figure>'
     )
 
 
-def _lost_card(campaign: Campaign, true_model: ModalModel, row: ModeScore) -> str:
+def _lost_card(campaign: Campaign, true: ModalModel, row: ModeScore) -> str:
     drawing = shape_drawing(
-        campaign.geometry, true_model, row.true_index or 0, f"True mode at {row.true_hz:.2f} Hz, {row.status.value}"
+        campaign.geometry, true, row.true_index or 0, f"True mode at {row.true_hz:.2f} Hz, {row.status.value}"
     )
     words = " · ".join(filter(None, [f'<span class="{row.status.value}">{_MARKS[row.status]}</span>', _e(row.label)]))
     return (
@@ -188,10 +193,10 @@ def _lost_card(campaign: Campaign, true_model: ModalModel, row: ModeScore) -> st
     )
 
 
-def _at_measured(true_model: ModalModel, campaign: Campaign) -> ModalModel:
-    known = {d.unsigned for d in true_model.dofs}
+def _at_measured(true: ModalModel, campaign: Campaign) -> ModalModel:
+    known = {d.unsigned for d in true.dofs}
     dofs = tuple(d for d in campaign.response_dofs if d.unsigned in known)
-    return true_model.at(dofs) if dofs else true_model
+    return true.at(dofs) if dofs else true
 
 
 def _table(columns: tuple[tuple[str, str], ...], rows: Sequence[tuple[str, ...]], caption: str) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vgvt.data import CandidateGroup, ModalModel, ModeScore, ModeStatus, Scorecard, grouped_candidates
+from vgvt.data import CandidateGroup, ModalModel, ModeScore, ModeStatus, Scorecard, TrueModes, grouped_candidates
+from vgvt.view.true_modes import TRUTH_IN_WORDS
 from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
 
 if TYPE_CHECKING:
@@ -18,7 +19,8 @@ _STYLES = {
     ModeStatus.FALSE: "magenta",
     ModeStatus.UNREACHED: "dim",
 }
-_SCORE_NUMBERS = ("true Hz", "claimed Hz", "±", "Δf %", "true ζ %", "claimed ζ %", "Δζ %", "MAC")
+_AS_TESTED = ("as tested Hz", "as tested ζ %")
+_SCORE_NUMBERS = ("true Hz", "claimed Hz", "±", "Δf %", "true ζ %", "claimed ζ %", "Δζ %", "MAC", *_AS_TESTED)
 _CANDIDATE_NUMBERS = ("poles", "frequency Hz", "damping %", "orders")
 _CLAIM_NUMBERS = ("mode", "frequency Hz", "± Hz", "damping %", "± %")
 
@@ -26,21 +28,23 @@ _CLAIM_NUMBERS = ("mode", "frequency Hz", "± Hz", "damping %", "± %")
 def scorecard_table(card: Scorecard) -> FittedTable:
     """A rich renderable of a scorecard, one row a mode, counts in the caption; columns without content are left out.
 
+    Of a claim without the force the true modes are those with the shaker, and the last numbers those as tested.
     In a narrow terminal the true damping and the ± go first; names, status, MAC and Δf always stay.
     """
     from vgvt.view.fitted_table import FittedTable
 
+    against = "" if card.true_modes is TrueModes.AS_TESTED else f", the truth {TRUTH_IN_WORDS[card.true_modes]}"
     unreached = f", {len(card.unreached)} unreached" if card.unreached else ""
     return FittedTable(
         columns=(*_SCORE_NUMBERS, "status", "mode", "remark"),
         rows=tuple(_score_row(row) for row in (*card.modes, *card.unreached)),
         whole=frozenset((*_SCORE_NUMBERS, "status")),
-        expendable=("true ζ %", "±", "claimed ζ %", "remark", "Δζ %"),
+        expendable=("as tested ζ %", "true ζ %", "±", "claimed ζ %", "remark", "Δζ %", "as tested Hz"),
         right=frozenset(_SCORE_NUMBERS),
         title=f"{card.identifier} on {card.scenario}",
         caption=(
             f"{card.found} found, {card.missed} missed, {card.false} false{unreached}; "
-            f"{card.band_hz[0]:g} to {card.band_hz[1]:g} Hz"
+            f"{card.band_hz[0]:g} to {card.band_hz[1]:g} Hz{against}"
         ),
     )
 

@@ -21,7 +21,7 @@ def number_text(value: float | None, form: str) -> str:
 
 
 def score_numbers(row: ModeScore) -> tuple[str, ...]:
-    """True and claimed Hz, its ±, Δf %, true and claimed ζ %, Δζ % and MAC of a row of a scorecard."""
+    """True and claimed Hz, its ±, Δf %, true and claimed ζ %, Δζ %, MAC, then Hz and ζ % as tested, of a row."""
     return (
         number_text(row.true_hz, "{:.3f}"),
         number_text(row.claimed_hz, "{:.3f}"),
@@ -31,6 +31,8 @@ def score_numbers(row: ModeScore) -> tuple[str, ...]:
         _percent(row.claimed_damping_ratio, "{:.2f}"),
         number_text(row.damping_error_percent, "{:+.1f}"),
         number_text(row.mac, "{:.3f}"),
+        number_text(row.as_tested_hz, "{:.3f}"),
+        _percent(row.as_tested_damping_ratio, "{:.2f}"),
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.effects.acting import action_of
 from vgvt.reconcile.evidence.residual import independent_values
 from vgvt.reconcile.fitting.fit import FAR, Fit
 from vgvt.reconcile.fitting.fit_unless_behind import fit_unless_behind
@@ -140,14 +141,17 @@ def open_places(addition: Addition) -> tuple[str, ...]:
 
 
 def _touched(fit: Fit) -> tuple[frozenset[str], ...] | None:
-    """The channels of each run that the last effect of a fit changes; None for one that changes none."""
+    """The channels of each run that the last effect of a fit changes; None where it changes none, or refuses."""
     made = effects_at(fit.problem, fit.hypotheses, fit.e)
     if made is None:
         return None
     scenario, found = fit.problem.scenario, []
     label = {p.dof.node: str(p.dof) for p in fit.problem.layouts.first.grid}
     for run, nodes in enumerate(scenario.acquisition.run_nodes):
-        changed = {c.channels for c in made[-1].act(scenario, run).channels}
+        try:
+            changed = {c.channels for c in action_of(made[-1], scenario, run).channels}
+        except ValueError:
+            return None
         shared = bool(changed & {"force", "drive", "response", "all"})
         found.append(frozenset(label[n] for n in nodes) if shared else frozenset(changed))
     return tuple(found) if any(found) else None

@@ -13,7 +13,7 @@ from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.evidence.shared_roots import idle_parameters
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.suggest import Suggestion
-from vgvt.reconcile.question.figures_of_merit import Comparison
+from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
 
@@ -43,6 +43,7 @@ class Verdict:
     """What a campaign says about a scenario, and everything that the saying rests on.
 
     ``leads`` come nearest of the catalogue where nothing has a name; no figure of ``after`` includes them.
+    ``scenario`` is what was found, and ``resimulated`` what its simulation comes to.
     """
 
     kind: Kind
@@ -57,6 +58,7 @@ class Verdict:
     localisation: Localisation | None
     thresholds: Thresholds
     scenario: Scenario
+    resimulated: Resimulation
 
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""
@@ -69,6 +71,7 @@ class Verdict:
             "unexplained": list(self.unexplained),
             "before": self.before.document(),
             "after": self.after.document(),
+            "resimulated": self.resimulated.document(),
             "suggested_tests": [s.document() for s in self.suggested_tests],
             "scenario": self.scenario.name,
             "residual": _residual_document(self.attribution.null_residual),

@@ -24,14 +24,16 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 # The type is read at this many of the best places.
 _TYPED = 8
-# What is not worth the telling.
-_HARDLY = 0.05
+HARDLY = 0.05
+"""A place that explains less of the residual is not worth the telling."""
 _POLES, _RATIOS = 240, (0.003, 0.01, 0.03, 0.08)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """A place and how much of the residual a free force there explains, 0 to 1 (what chance explains taken off).
+    """A place and how much of the residual a free force there explains, at most 1.
+
+    What chance explains is taken off: a place that does no better is a little below 0.
 
     ``kind`` is 'structure', 'drive' or 'sensor'; ``type`` what z(ω) (L,) looks like and ``size`` with its unit
     for a place on the structure.
@@ -49,8 +51,8 @@ class Place:
 
 def words_of_place(best: Place) -> str:
     """One sentence about the place that explains most."""
-    if best.explained < _HARDLY:
-        return f"No free force or factor at one place would explain {100 * _HARDLY:.0f} % of the residual"
+    if best.explained < HARDLY:
+        return f"No free force or factor at one place would explain {100 * HARDLY:.0f} % of the residual"
     freed = best.label
     if best.kind != "structure":
         freed = f"factor on {'the ' if best.kind == 'drive' else ''}{best.label}"

@@ -20,7 +20,9 @@ from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, Structure, structure
 
 Array = NDArray[np.float64]
-_FINER, _MOST_CELLS, _FEWEST_CELLS = 4, 60, 12
+_FINER, _FEWEST_CELLS = 4, 12
+MOST_CELLS = 60
+"""On the finest beam: more are not worth their time."""
 _LONG = 0.5
 _SAME_SHAPE = 0.8
 # Of the limit, three times the band: modes above this are at rest as far as the band goes.
@@ -79,7 +81,7 @@ def meshed(scenario: Scenario) -> Scenario:
 
 def twice_as_fine(scenario: Scenario) -> Scenario | None:
     """The scenario with twice as many cells on every beam; None where that would be more than are worth having."""
-    if 2 * max((b.cells for b in scenario.airframe.beam), default=_MOST_CELLS) > _MOST_CELLS:
+    if 2 * max((b.cells for b in scenario.airframe.beam), default=MOST_CELLS) > MOST_CELLS:
         return None
     beams = [b.name for b in scenario.airframe.beam]
     return with_beams(scenario, beams, lambda b: b.model_copy(update={"cells": 2 * b.cells}))
@@ -88,7 +90,7 @@ def twice_as_fine(scenario: Scenario) -> Scenario | None:
 def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz: float) -> Refinement:
     """What ``own``, the structure of a scenario with its sides written out, lacks of a beam without cells."""
     cells = max((b.cells for b in scenario.airframe.beam), default=0)
-    times = min(_FINER, _MOST_CELLS / max(cells, 1))
+    times = min(_FINER, MOST_CELLS / max(cells, 1))
     if times <= 1.5:
         return Refinement.none(own)
     beams = [b.name for b in scenario.airframe.beam]

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from vgvt.effects.parameter import Parameter
-from vgvt.reconcile.evidence.lasting import Imitated
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.next_test.at_size import Sight, Views, least, size_of
 from vgvt.reconcile.next_test.nameable import nameable_ratio
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
@@ -26,13 +26,17 @@ _ALIKE = 0.6
 _ABSURD = 1e3
 
 
+BY_LEVEL, NOT_KNOWN, NEVER = "by level: not foretold", "not known", "never"
+
+
 @dataclass(frozen=True, slots=True)
 class Power:
     """One size parameter of one variant: the smallest size seen at five standard deviations, in ``unit``.
 
     ``named`` is the size that gets its name in 95 of 100 such campaigns; ``low`` and ``high`` bound what is plausible;
     ``alike`` are variants whose signature, after what the unknowns can imitate, has a cosine above 0.6 with it.
-    ``smallest`` is infinite for what A/F does not show, and ``named`` for what would have to be absurdly large.
+    ``smallest`` is infinite for what A/F does not show, and ``named`` for what would have to be absurdly large; either
+    is not a number where no size keeps what slopes promise: ``by_level`` as an answer may hang on the level of force.
     """
 
     effect: str
@@ -44,16 +48,25 @@ class Power:
     low: float
     high: float
     alike: tuple[tuple[str, float], ...]
+    by_level: bool = False
 
     @property
     def visible(self) -> bool:
         """Whether a plausible size could be seen."""
         return self.smallest <= max(abs(self.low), abs(self.high))
 
+    @property
+    def reason(self) -> str:
+        """Why there is no smallest size; nothing where there is one."""
+        if np.isfinite(self.smallest):
+            return ""
+        return NEVER if np.isinf(self.smallest) else BY_LEVEL if self.by_level else NOT_KNOWN
+
     def document(self) -> dict[str, object]:
-        """Plain values; an infinite size is None."""
+        """Plain values; an infinite size, or one that is not known, is None, and ``reason`` says why."""
+        plain = {k: v for k, v in asdict(self).items() if k != "by_level"}
         sizes = {"smallest": self.smallest, "named": self.named}
-        return asdict(self) | {k: v if np.isfinite(v) else None for k, v in sizes.items()}
+        return plain | {k: v if np.isfinite(v) else None for k, v in sizes.items()} | {"reason": self.reason}
 
 
 @one_thread
@@ -63,15 +76,15 @@ def power(
     progress: Callable[[float, str], None] | None = None,
     thresholds: Thresholds | None = None,
 ) -> tuple[Power, ...]:
-    """Detectability and confusability of every variant around a fit, from derivatives alone (5 / |q|).
+    """Detectability and confusability of every variant around a fit: from derivatives (5 / |q|), looked at there.
 
     Of what grows with the square of its size, from the second one. ``thresholds`` (default: those that are shipped)
     say what a name needs.
     """
     share = noise_share(null.problem.measured, null.problem.split.train)
-    needed, worth = (thresholds or stored_thresholds()).at(share).evidence_nats, share.worth
+    needed = (thresholds or stored_thresholds()).at(share).evidence_nats
     stand = Stand.of(null)
-    alike = Imitated.of(stand.fit.problem, stand.fit.tangent)
+    sight = Sight.of(stand, share.worth)
     rows, signatures = [], []
     for k, hypothesis in enumerate(hypotheses):
         if progress is not None:
@@ -86,36 +99,71 @@ def power(
             length = 0.0 if seen is None else float(np.linalg.norm(seen))
             smallest = named = float("inf")
             if slope is not None and seen is not None and length > 1e-9:
-                # What the tolerances have to give counts whole, what data say is tempered.
-                given = float(np.linalg.norm(seen[null.points :])) / length
-                lasting = alike.deviations(slope)
-                smallest, named = _sizes(
-                    hypothesis, p, needed, None if square is None else square[0],
-                    (length * np.sqrt(worth + (1 - worth) * given**2), length),
-                    (lasting, lasting),
-                )  # fmt: skip
+                grows, at = (1, 1.0) if square is None else (2, square[0])
+                smallest, named = _sizes(hypothesis, p, needed, at, grows, sight.views(slope, seen))
+                smallest, named = _looked_at(sight, hypothesis, values, p, needed, grows, (smallest, named))
             if not np.isfinite(smallest):
                 seen = None
             rows.append((hypothesis, p, smallest, named))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
     return tuple(
-        Power(h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, _alike(k, rows, signatures))
+        Power(
+            h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, _alike(k, rows, signatures), not h.linear
+        )
         for k, (h, p, smallest, named) in enumerate(rows)
     )
 
 
+def _looked_at(
+    sight: Sight,
+    hypothesis: Hypothesis,
+    values: dict[str, float],
+    p: Parameter,
+    needed: float,
+    grows: int,
+    foretold: tuple[float, float],
+) -> tuple[float, float]:
+    """The sizes that are just visible and that get a name, ``foretold`` by a slope, as the effect shows at them.
+
+    What would have to be larger than plausible is looked at where that ends: if it does not show there it stays what
+    was foretold.
+    """
+    smallest, named = foretold
+    neutral, most = float(p.neutral or 0.0), max(abs(p.low), abs(p.high))
+    if not np.isfinite(smallest):
+        return foretold
+    sign = 1.0 if p.high - neutral >= neutral - p.low else -1.0
+
+    def views_at(wanted: float) -> Callable[[float], Views | None]:
+        return lambda size: sight.at(hypothesis, {**values, p.name: neutral + sign * size}, p, wanted)
+
+    if smallest > most:
+        there = views_at(_SIGMA)(most)
+        if there is None or least(there) < _SIGMA:
+            return foretold
+    found = size_of(views_at(_SIGMA), min(smallest, most), _SIGMA, grows)
+    if found is None:
+        return float("nan"), float("nan")
+    if found[0] == smallest:
+        return foretold
+    smallest, named = found[0], max(found[0], _sizes(hypothesis, p, needed, found[0], grows, found[1])[1])
+    if not np.isfinite(named) or named > most:
+        return smallest, named
+    deviations = least(found[1]) * (named / smallest) ** grows
+    more = size_of(views_at(deviations), named, deviations, grows)
+    return smallest, float("nan") if more is None else more[0]
+
+
 def _sizes(
-    hypothesis: Hypothesis, p: Parameter, needed: float, step: float | None, *views: tuple[float, float]
+    hypothesis: Hypothesis, p: Parameter, needed: float, at: float, grows: int, views: Views
 ) -> tuple[float, float]:
     """The sizes that are just visible and that get a name, by the view of the data that sees least.
 
-    A view are deviations per unit of size (per ``step`` squared of what grows with its square): those that show, which
-    are those that give a name, and those where every line counts whole.
+    ``views`` are those of a size ``at``, which are taken to grow with that power of it.
     """
-    grows = 1 if step is None else 2
     sizes = []
     for shown, raw in views:
-        smallest = float((_SIGMA / shown) ** (1 / grows) * (step or 1.0)) if shown > 0 else float("inf")
+        smallest = float((_SIGMA / shown) ** (1 / grows) * at) if shown > 0 else float("inf")
         if smallest > _ABSURD * max(abs(p.low), abs(p.high)):
             # What leaves A/F alone but for round-off: no score is known of such a size.
             return float("inf"), float("inf")

@@ -123,7 +123,7 @@ def _beside_m(airframe: Airframe, part: str, at: Point) -> float:
 
 def _averages(problem: Problem) -> list[Procedure]:
     """What takes noise away where nothing but noise keeps two explanations together."""
-    sweep_min = problem.scenario.excitation.record_s / 60
+    sweep_min = problem.scenario.excitation.whole_s / 60
     return [
         Procedure(
             f"average {count} sweeps in every run", lambda s: s,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from vgvt.data import Geometry
 from vgvt.reconcile.decision.kinds import Kind
 from vgvt.reconcile.decision.verdict import NamedEffect, Verdict
+from vgvt.reconcile.evidence.localise import HARDLY
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.next_test.power_rows import power_rows
 from vgvt.reconcile.outcome.augment import posterior_of
 from vgvt.reconcile.outcome.mode_errors import mode_rows
 from vgvt.reconcile.question.figures_of_merit import Comparison
@@ -29,7 +31,6 @@ from vgvt.view.reconcile_account import (
     ModelState,
     PlaceRow,
     PosteriorRow,
-    PowerRow,
     Standing,
     SuggestionRow,
 )
@@ -77,6 +78,7 @@ def account_of(
             "strain_sd": own.strain_sd,
             "evidence_nats": limits.evidence_nats,
             "set_nats": limits.set_nats,
+            "place_explained": HARDLY,
         },
         provenance=limits.provenance,
         effects=_effects(verdict.effects, found.rounds),
@@ -92,21 +94,9 @@ def account_of(
         power=power_rows(power),
         tests=tuple(SuggestionRow(s.test, s.rivals, s.nats, s.minutes) for s in verdict.suggested_tests),
         remarks=measured.remarks,
+        resimulated=None if verdict.resimulated.comparison is None else _merits(verdict.resimulated.comparison),
+        resimulation_remark=verdict.resimulated.remark,
     )
-
-
-def power_rows(power: tuple[Power, ...]) -> tuple[PowerRow, ...]:
-    """Detectability with the best variant of each effect's parameter, those that show soonest first."""
-    best: dict[tuple[str, str], Power] = {}
-    for p in power:
-        key = (p.effect, p.parameter)
-        if key not in best or p.smallest < best[key].smallest:
-            best[key] = p
-    rows = [
-        PowerRow(p.effect, p.label, p.parameter, p.unit, p.smallest, p.named, p.low, p.high, p.alike)
-        for p in best.values()
-    ]
-    return tuple(sorted(rows, key=lambda r: (not r.visible, r.effect, r.parameter)))
 
 
 def _geometry(problem: Problem) -> Geometry:
@@ -125,16 +115,12 @@ def _state(fit: Fit, left: Residual, comparison: Comparison, seen: NDArray[np.in
         "share_beyond_three": left.share_beyond_three,
         "strain_sd": left.strain_sd,
     }
-    merits = {
-        name: None if part is None else asdict(part)
-        for name, part in (
-            ("train", comparison.train),
-            ("held_out", comparison.held_out),
-            ("held_runs", comparison.held_runs),
-            ("held_channels", comparison.held_channels),
-        )
-    }
-    return ModelState(fit.foretold[seen], left.table[seen], figures, merits, left.adequate)
+    return ModelState(fit.foretold[seen], left.table[seen], figures, _merits(comparison), left.adequate)
+
+
+def _merits(comparison: Comparison) -> dict[str, dict[str, float] | None]:
+    parts = {f.name: getattr(comparison, f.name) for f in fields(comparison)}
+    return {name: None if part is None else asdict(part) for name, part in parts.items()}
 
 
 def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tuple[EffectRow, ...]:
@@ -212,6 +198,7 @@ def _posterior(fit: Fit) -> tuple[PosteriorRow, ...]:
                 stated,
                 calibrated,
                 str(r["name"]) != CELLS.name,
+                float(str(r["fresh_std_score"])),
             )
         )
     return tuple(rows)

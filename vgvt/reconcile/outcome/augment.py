@@ -14,6 +14,8 @@ from vgvt.reconcile.evidence.plausible import PLACES, placed
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.shared_roots import agreed
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.outcome.cells import with_cells
+from vgvt.reconcile.outcome.instruments import gain_tables, unwritten, with_instruments
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.model import Scenario
@@ -24,7 +26,8 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
     """The scenario with its unknowns at their posterior means and the effects of the final fit switched on.
 
     A place off the aircraft is stated where it is likeliest on it, and a root that several effects give laws with the
-    stiffness that it has: no scenario may say two.
+    stiffness that it has: no scenario may say two. Beams have the cells that they need to do what was fitted, and what
+    the instruments turned out to be comes last.
     """
     final = found.final
     problem = final.problem
@@ -40,15 +43,19 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
                 values |= {n: v for n, v in zip(pair, at or (), strict=False) if n in values}
         tables += [EffectTable(name=hypothesis.name, **stated) for stated in agreed(final, k, values)]
     summary = f"{scenario.summary.rstrip('.')}; reconciled with a measured campaign."
-    return calibrated.model_copy(
+    named = calibrated.model_copy(
         update={"name": f"{scenario.name}-reconciled"[:60], "effect": tuple(tables), "summary": summary}
     )
+    return with_instruments(with_cells(named, final), final)
 
 
 def posterior_of(fit: Fit) -> list[dict[str, object]]:
-    """Every calibrated quantity: name, in words, stated and calibrated value, scores and standard deviation."""
+    """Every calibrated quantity: name, in words, stated and calibrated value, scores and standard deviation.
+
+    ``fresh_std_score`` is the part of that which noise and tolerances leave, no larger than the tolerance.
+    """
     rows: list[dict[str, object]] = []
-    sd = np.sqrt(np.diag(honest(fit).covariance))
+    sd, fresh = (np.sqrt(np.diag(covariance)) for covariance in (honest(fit).covariance, fit.covariance))
     for k, unknown in enumerate(fit.problem.unknowns):
         amount = unknown.amount(float(fit.u[k]))
         row: dict[str, object] = {
@@ -56,6 +63,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
             "what": unknown.what,
             "score": float(fit.u[k]),
             "std_score": float(sd[k]),
+            "fresh_std_score": float(fresh[k]),
         }
         if unknown.scale == "log":
             row |= {"factor": amount, "factor_std": amount * unknown.sd * float(sd[k])}
@@ -71,6 +79,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
         u = float(fit.u[start + k])
         factor = float(np.exp(nuisance.sd * u))
         row = {"name": nuisance.name, "what": nuisance.name, "score": u, "std_score": float(sd[start + k])}
+        row["fresh_std_score"] = float(fresh[start + k])
         rows.append(row | {"factor": factor, "factor_std": factor * nuisance.sd * float(sd[start + k])})
     return rows
 
@@ -105,5 +114,9 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
     lines += [
         f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}" for r in posterior_of(verdict.attribution.final)
     ]
+    gains = len(gain_tables(verdict.scenario, verdict.attribution.final))
+    if gains:
+        lines += ["#", f"# The last {gains} [[effect]] tables are no findings: they are the gains above."]
+    lines += [f"# {text}" for text in (*unwritten(verdict.attribution.final), verdict.resimulated.remark) if text]
     with replacing(path) as part:
         part.write_text("\n".join(lines) + "\n\n" + to_toml(verdict.scenario), encoding="utf-8")

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from vgvt.data import InputError
+from vgvt.effects.acting import action_of
 from vgvt.effects.elements import Element
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Nominal, Problem
@@ -30,7 +31,7 @@ def leaders(problem: Problem, hypothesis: Hypothesis) -> tuple[int, ...]:
 
     def added(start: Nominal) -> tuple[Element, ...] | None:
         try:
-            action = effect.act(start.scenario, len(problem.measured.runs) - 1)
+            action = action_of(effect, start.scenario, len(problem.measured.runs) - 1)
         except (InputError, ValueError):
             return None
         return action.elements if action.scenario is None else None

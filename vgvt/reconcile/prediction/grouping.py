@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -9,11 +10,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import InputError
+from vgvt.data import InputError, PluginError
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.protocol import Effect
-from vgvt.effects.registry import effects_of
+from vgvt.effects.registry import EffectPluginWarning, effects_of
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, Problem
 from vgvt.reconcile.question.uncertain import edited
@@ -90,8 +91,15 @@ def effects_at(problem: Problem, hypotheses: Sequence[Hypothesis], e: Array) -> 
 def run_actions(
     scenario: Scenario, effects: tuple[Effect, ...], runs: int
 ) -> list[tuple[Scenario, tuple[Action, ...]]]:
-    """What effects make of every one of ``runs`` runs: the edited scenario and the actions, in their order."""
-    return [acted(effects, scenario, run) for run in range(runs)]
+    """What effects make of every one of ``runs`` runs: the edited scenario and the actions, in their order.
+
+    Somebody else's effect that fails is refused like one that cannot be had, but not without a word.
+    """
+    try:
+        return [acted(effects, scenario, run) for run in range(runs)]
+    except PluginError as error:
+        warnings.warn(f"{error}; the search goes on without it there", EffectPluginWarning, stacklevel=1)
+        raise
 
 
 def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Array:

@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.effects.acting import action_of
 from vgvt.reconcile.prediction.grouping import Group, assembled, changed_places, home
 from vgvt.reconcile.question.data import MeasuredChannel
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -158,11 +159,17 @@ def slopes_for(
 def _edited_airframes(
     problem: Problem, hypothesis: Hypothesis, scores: Array, look: Callable[[Airframe], object] = lambda a: a
 ) -> bool:
-    """Whether an effect edits the airframe in any run, as far as ``look`` looks: coordinates may be others then."""
+    """Whether an effect edits the airframe in any run, as far as ``look`` looks: coordinates may be others then.
+
+    One that refuses the aircraft as stated edits nothing of it.
+    """
     effect, stated = hypothesis.effect(hypothesis.values(scores)), problem.start.scenario
     if effect is None:
         return False
-    edited = (effect.act(stated, run).scenario for run in range(len(problem.measured.runs)))
+    try:
+        edited = [action_of(effect, stated, run).scenario for run in range(len(problem.measured.runs))]
+    except ValueError:
+        return False
     return any(s is not None and look(s.airframe) != look(stated.airframe) for s in edited)
 
 

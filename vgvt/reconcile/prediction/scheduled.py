@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action
 from vgvt.effects.parameter import Parameter
 from vgvt.effects.run_schedule import Shape, progress
@@ -54,6 +55,6 @@ def whole_and_shares(
 def _action(problem: Problem, hypothesis: Hypothesis, values: dict[str, float], run: int) -> Action | None:
     effect = hypothesis.effect(values)
     try:
-        return None if effect is None else effect.act(problem.scenario, run)
+        return None if effect is None else action_of(effect, problem.scenario, run)
     except (InputError, ValueError):
         return None

@@ -1,26 +1,34 @@
-"""How far a prediction is from data, in the figures that test engineers compare: NRMSE, FRAC, decibels, χ²."""
+"""How far a prediction is from data, in the figures that test engineers compare: NRMSE, FRAC, decibels, χ², ν-gap."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.holdout import Split
+from vgvt_scoreboard.nu_gap import pointwise_nu_gap, winding_turns
+from vgvt_scoreboard.validation import STANDARD_GRAVITY_M_S2
 
 ComplexArray = NDArray[np.complex128]
+# Of det(I + P2ᴴ P1), as the scoreboard has it.
+_MOST_TURNS = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Merit:
-    """χ² per degree of freedom; NRMSE fit in per cent (100 perfect, median over channels); mean |dB|; median FRAC."""
+    """χ² per degree of freedom; NRMSE fit in per cent (100 perfect, median over channels); mean |dB|; median FRAC.
+
+    And the largest ν-gap over the lines, of all channels as one system of accelerances in g/N: 0 equal, 1 furthest.
+    """
 
     chi2_per_dof: float
     nrmse_percent: float
     mean_abs_db: float
     frac: float
+    nu_gap: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +43,32 @@ class Comparison:
     def document(self) -> dict[str, object]:
         """Plain numbers by the JSON contract's keys."""
         return asdict(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Resimulation:
+    """What the simulation of the augmented scenario comes to, against the same data; ``remark`` is for the reader.
+
+    ``comparison`` is None where it was skipped, and the remark says why. ``apart`` is how far it is from what was
+    fitted, root mean square relative to what ``model_form``, the stated floor, is relative to.
+    """
+
+    comparison: Comparison | None
+    apart: float | None
+    model_form: float
+    remark: str
+
+    @classmethod
+    def skipped(cls, why: str) -> Resimulation:
+        """None was made."""
+        return cls(None, None, 0.0, f"reconciled.toml was not simulated: {why}")
+
+    def document(self) -> dict[str, object]:
+        """Plain numbers by the JSON contract's keys."""
+        sets = (
+            dict.fromkeys(f.name for f in fields(Comparison)) if self.comparison is None else self.comparison.document()
+        )
+        return {**sets, "apart": self.apart, "remark": self.remark or None}
 
 
 def compare(predicted: ComplexArray, measured: Measured, split: Split) -> Comparison:
@@ -66,4 +100,11 @@ def merit(predicted: ComplexArray, measured: Measured) -> Merit:
         float(np.median(nrmse)),
         float(np.mean(decibels)),
         float(np.median(frac)),
+        _nu_gap(predicted, values),
     )
+
+
+def _nu_gap(predicted: ComplexArray, values: ComplexArray) -> float:
+    """As a scorecard has it: a column system of every channel; 1 where the lines break the winding condition."""
+    systems = tuple(v[:, None] / STANDARD_GRAVITY_M_S2 for v in (values, predicted))
+    return 1.0 if abs(winding_turns(*systems)) >= _MOST_TURNS else float(pointwise_nu_gap(*systems).max())

@@ -9,6 +9,7 @@ import itertools
 from collections.abc import Sequence
 
 from vgvt.data import InputError
+from vgvt.effects.acting import action_of
 from vgvt.effects.elements import HingedFlap, JointLaw
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
@@ -37,7 +38,7 @@ def _elements(problem: Problem, hypothesis: Hypothesis) -> tuple[object, ...]:
     if effect is None:
         return ()
     try:
-        return tuple(effect.act(problem.scenario, 0).elements)
+        return tuple(action_of(effect, problem.scenario, 0).elements)
     except (InputError, ValueError):
         return ()
 

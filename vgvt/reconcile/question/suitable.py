@@ -6,6 +6,7 @@ import numpy as np
 
 from vgvt.data import Campaign, Dof, InputError
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import UNRECORDED_NOTE
 
 # Further apart than this is another point, not a badly placed sensor.
 _ANOTHER_POINT_M = 0.10
@@ -15,6 +16,7 @@ _DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
 def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
     """InputError unless points, directions, drive point and kind of excitation of both are the same."""
     check_excitation(scenario)
+    _check_beginning(campaign)
     _check_forces(campaign)
     _check_points(campaign, scenario)
     _check_drive(campaign, scenario)
@@ -44,13 +46,31 @@ def within_excited(band_hz: tuple[float, float], excited_hz: tuple[float, float]
 
 
 def check_excitation(scenario: Scenario) -> None:
-    """InputError for a scenario of a hammer or several shakers."""
+    """InputError for a scenario of a hammer or several shakers, and for records that begin while something rings."""
+    late_s = scenario.excitation.before_record_s
+    if late_s > 0:
+        raise _begun_late(f"scenario {scenario.name}: excitation.unrecorded_s", f"is {late_s:g}")
     if scenario.further_shaker or scenario.excitation.kind == "impact":
         raise InputError(
             f"scenario {scenario.name}",
             "has several shakers or a hammer, and reconcile takes one shaker at a fixed point",
             "write a scenario with a single [shaker], and give the runs that it drove",
         )
+
+
+def _check_beginning(campaign: Campaign) -> None:
+    late_s = campaign.notes.get(UNRECORDED_NOTE)
+    if late_s is not None:
+        raise _begun_late(campaign.name, f"was recorded from {late_s} s after the shaker's start")
+
+
+def _begun_late(where: str, what: str) -> InputError:
+    return InputError(
+        where,
+        f"{what}: what rings when a record begins was set ringing by a force that it does not hold, and reconcile "
+        "predicts records that begin at rest",
+        "reconcile records that were started before the shaker, from a scenario without unrecorded_s",
+    )
 
 
 def _check_forces(campaign: Campaign) -> None:

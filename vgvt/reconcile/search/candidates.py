@@ -10,14 +10,19 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import typing
+import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from vgvt.data import InputError, PluginError
+from vgvt.data.plugin import is_bundled
+from vgvt.effects.acting import action_of
 from vgvt.effects.beams import plain_name
 from vgvt.effects.parameter import parameters_of
-from vgvt.effects.registry import available_effects
+from vgvt.effects.registry import EffectPluginWarning, available_effects
 from vgvt.reconcile.evidence.plausible import reach
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
@@ -39,7 +44,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
 
     Places (``x_m``, ``y_m``) are settings here: a fit may free them. They reach as far as the aircraft does, if that is
     larger than those that the catalogue has in mind. Of an effect with more than a thousand variants as many are taken,
-    spread evenly over all.
+    spread evenly over all. Those of somebody else's effect that fail are left out, and a warning says so.
     """
     found: list[Hypothesis] = []
     box = aircraft_box_m(problem.scenario.airframe)
@@ -47,7 +52,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
     for name, cls in (available_effects() if effects is None else effects).items():
         if name in declared:
             continue
-        variants = _spread(list(_variants(problem, cls)))
+        variants = _that_act(problem, cls, _spread(list(_variants(problem, cls))))
         spans = reach(parameters_of(cls), box)
         found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
     return tuple(found)
@@ -58,6 +63,33 @@ def _spread(variants: list[dict[str, Any]]) -> list[dict[str, Any]]:
     if len(variants) <= _MOST:
         return variants
     return [variants[k] for k in np.linspace(0, len(variants) - 1, _MOST).round().astype(int)]
+
+
+def _that_act(problem: Problem, cls: type, variants: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Variants of an effect without those that fail in the middle of what is plausible; bundled ones are not asked."""
+    if is_bundled(cls.__module__):
+        return variants
+    kept, faults = [], []
+    for settings in variants:
+        try:
+            with suppress(InputError):  # a variant that a scenario cannot have is refused where it is tried
+                _act_once(problem, Hypothesis(cls, settings))
+        except PluginError as error:
+            faults.append(str(error))
+        else:
+            kept.append(settings)
+    if faults:
+        count = f"{len(faults)} of {len(variants)} variants left out"
+        warnings.warn(f"{faults[0]}; {count}", EffectPluginWarning, stacklevel=1)
+    return kept
+
+
+def _act_once(problem: Problem, hypothesis: Hypothesis) -> None:
+    """Ask an effect what it does in every run, the aircraft as stated."""
+    effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
+    if effect is not None:
+        for run in range(len(problem.measured.runs)):
+            action_of(effect, problem.scenario, run)
 
 
 def freed(hypothesis: Hypothesis) -> Hypothesis:

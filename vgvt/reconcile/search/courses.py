@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action, ChannelFilter
 from vgvt.reconcile.fitting.fit import NEAR, Fit, cost_at, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
@@ -110,7 +111,8 @@ def _done(problem: Problem, hypothesis: Hypothesis, scores: Array) -> tuple[Acti
     """What an effect does to every run of which a channel is fitted; None where it refuses its values."""
     effect = hypothesis.effect(hypothesis.values(scores))
     try:
-        return None if effect is None else tuple(effect.act(problem.scenario, run) for run in sorted(_fitted(problem)))
+        runs = sorted(_fitted(problem))
+        return None if effect is None else tuple(action_of(effect, problem.scenario, run) for run in runs)
     except (InputError, ValueError):
         return None
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vgvt.effects.acting import action_of
 from vgvt.effects.action import ChannelFilter
 from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
 from vgvt.effects.parameter import Parameter
@@ -198,7 +199,7 @@ def where_it_swings(
     if effect is None:
         return ()
     try:
-        elements = effect.act(problem.scenario, 0).elements
+        elements = action_of(effect, problem.scenario, 0).elements
     except ValueError:
         return ()
     found: list[tuple[float, float]] = []
@@ -273,7 +274,7 @@ def _resonance(problem: Problem, hypothesis: Hypothesis, values: dict[str, float
     # In the run in which it acts: the last is one where things between runs have happened.
     for run in reversed(range(len(problem.measured.runs))):
         try:
-            action = effect.act(problem.scenario, run)
+            action = action_of(effect, problem.scenario, run)
         except ValueError:
             return 0.0, 0.0
         for own in (*_own_resonances(action.elements), *_of_channels(action.channels)):

@@ -25,19 +25,18 @@ from vgvt.reconcile.prediction.sides import Side, sides_of
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, at_rest
+from vgvt.reconcile.search.follow import Follower, Reached
 from vgvt.simulation.attached import vanishes
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Change = Callable[[Hypothesis, dict[str, float]], tuple[Array, bool] | None]
 _SMALL_SHARE, _SMALL_SD = 0.2, 0.02
-_FOLLOWED = 8
 # Beyond a joint's own step by this factor, in steps ever longer, from a share of the usual step on: of what is large
 # where it begins to be plausible, a fifth of that swings within the band already.
 _MORE_THAN_A_JOINT, _LONGER, _LONGER_STEPS, _AT_FIRST = 2.0, 3.0, 7, 1 / 27
 # Twice the size does more than this many times as much: not two, but four times.
 _SQUARED = 3.0
-_LONGEST = 20.0  # at once, as far as the linearised matrices carry
 # Standard deviations by which ends of records must show.
 _NOTHING_RINGS = 1e-6
 # Derivatives that are kept: those that what is looked at closer asks for again.
@@ -261,37 +260,28 @@ class Stand:
         ``sizes`` are the neutral values of what there can be a part of, by default of all that have one. Newton's
         steps with the tangent of this stand, the response itself being computed anew at each.
         """
+        there = self._followed(Follower.towards_data(self.fit, self.inverse), hypothesis, values, sizes)
+        return None if there is None else (there.cost, there.scores)
+
+    def shown(self, hypothesis: Hypothesis, values: dict[str, float], sizes: dict[str, float]) -> Array | None:
+        """What an effect at some values shows (2 N + scores,) that the unknowns, following, do not make up for.
+
+        Free of noise and of curvature that they have in common with the effect, which :meth:`projected` takes for
+        something to be seen. None if impossible.
+        """
+        there = self._followed(Follower.back(self.fit, self.inverse), hypothesis, values, sizes)
+        return None if there is None else np.concatenate([there.misfit, there.scores - self.fit.scores])
+
+    def _followed(
+        self, follower: Follower, hypothesis: Hypothesis, values: dict[str, float], sizes: dict[str, float] | None
+    ) -> Reached | None:
         null = self.fit
         added = (*null.hypotheses, _with_values(hypothesis, values))
         try:
             here = anchor(null.problem, null.u, added, null.e, beside=self.groups, sides=self.sides)
         except NoStructureError:
             return None
-        scores, share = null.scores, 1.0
-        best, reached = self._cost(here, scores)
-        if not np.isfinite(best):
-            return None
-        # Where the unknowns had stood in for the effect, they give way by as much as its slope says, at once: at its
-        # size and with them where they were, the response is too far off for its own misfit to lead anywhere.
-        along = self._along(hypothesis, values, sizes)
-        if along is not None:
-            there = self._moved(scores, -self.inverse @ (null.tangent.T @ along))
-            cost, misfit = self._cost(here, there)
-            if cost < best:
-                best, reached, scores = cost, misfit, there
-        for _ in range(_FOLLOWED):
-            move = -self.inverse @ (null.tangent.T @ reached + scores)
-            move *= share * min(1.0, _LONGEST / max(float(np.abs(move).max()), 1e-300))
-            there = self._moved(scores, move)
-            cost, misfit = self._cost(here, there)
-            if cost >= best:
-                share /= 3
-                continue
-            done = best - cost < 1e-3 * cost
-            best, reached, scores, share = cost, misfit, there, min(1.0, 2 * share)
-            if done:
-                break
-        return best, scores
+        return follower.follow(here, lambda: self._along(hypothesis, values, sizes))
 
     def _along(self, hypothesis: Hypothesis, values: dict[str, float], sizes: dict[str, float] | None) -> Array | None:
         """What its sizes would do to the misfit (2 N,) if they did it linearly; None where no slope is known."""
@@ -306,27 +296,12 @@ class Stand:
                 out = amount * slope if out is None else out + amount * slope
         return None if out is None else out[: self.fit.points]
 
-    def _moved(self, scores: Array, move: Array) -> Array:
-        """Scores after a step of the tangent, which is linear in amounts."""
-        there = scores + move
-        for k, unknown in enumerate(self.fit.problem.unknowns):
-            there[k] = unknown.moved(float(scores[k]), float(move[k]), float(self.fit.u[k]))
-        return there
-
-    def _cost(self, here: Anchor, scores: Array) -> tuple[float, Array]:
-        """Square sum of misfit and scores, infinite where there is no response, and the misfit."""
-        count = self.fit.u.size
-        try:
-            predicted = here.predict(scores[:count], scores[count:])
-        except NoStructureError:
-            return np.inf, np.zeros(self.fit.points)
-        misfit = data_misfit(self.fit.problem, predicted, self.fit.sigma)
-        with np.errstate(over="ignore"):  # infinitely bad is no worse
-            return float(misfit @ misfit + scores @ scores), misfit
-
 
 def _beyond_a_joint(change: Callable[[float], tuple[Array, bool] | None], step: float) -> Array | None:
-    """The slope between two sizes that do more than a joint does at no size, about a ``step``; None without any."""
+    """The slope between two sizes that do more than a joint does at no size, about a ``step``; None without any.
+
+    Of the largest sizes where none does more: what hangs on the level, and not on the size, has no slope.
+    """
     slope, size = None, _AT_FIRST * step
     before = change(size)
     for _ in range(_LONGER_STEPS):

@@ -1,0 +1,136 @@
+"""A size that is told keeps its promise where the effect has it; what no size says is not told, and why."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from reconciled_case import problem
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.next_test.at_size import Sight, Views, least, size_of
+from vgvt.reconcile.next_test.power import BY_LEVEL, NEVER, NOT_KNOWN, Power, power
+from vgvt.reconcile.next_test.power_rows import power_rows
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.thresholds import noise_share
+from vgvt.reconcile.search.scan import start_values
+from vgvt.reconcile.search.stand import Stand
+
+
+@pytest.fixture(scope="module")
+def stated(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """The scenario as stated."""
+    case = problem(tmp_path_factory.mktemp("cache"), 1)
+    return fit(case, (), np.zeros(case.size), np.zeros(0), ())
+
+
+def seen_as(law: Callable[[float], float]) -> tuple[Callable[[float], Views], list[float]]:
+    """Looks by a law of the size, and the sizes that were looked at."""
+    looked: list[float] = []
+
+    def views_at(size: float) -> Views:
+        looked.append(size)
+        return ((law(size), law(size)), (2 * law(size), 2 * law(size)))
+
+    return views_at, looked
+
+
+def test_a_slope_that_keeps_its_promise_is_looked_at_once() -> None:
+    views_at, looked = seen_as(lambda size: 100 * size)
+    found = size_of(views_at, 0.05, 5.0, 1)
+    assert found is not None
+    assert looked == [0.05] == [found[0]]
+
+
+@pytest.mark.parametrize(
+    ("law", "wanted"),
+    [
+        (lambda size: 100 * size + 3e5 * size**3, 0.0213),  # bends up
+        (lambda size: 2.0 + 100 * size, 0.03),  # something is there at any size
+        (lambda size: math.hypot(3.0 - 60 * size, 0.3) + (100 * size) ** 2 / 8, 0.0592),  # and falls at first
+        (lambda size: 30 * size + 200 / (1 + math.exp(-(size - 0.2) / 0.004)), 0.184),  # a resonance comes in
+    ],
+)
+def test_sizes_that_slopes_miss_are_found(law: Callable[[float], float], wanted: float) -> None:
+    for foretold in (0.003, 0.05, 0.4):
+        views_at, _ = seen_as(law)
+        found = size_of(views_at, foretold, 5.0, 1)
+        assert found is not None
+        assert found[0] == pytest.approx(wanted, rel=0.15)
+
+
+def test_a_jump_past_what_is_wanted_is_just_visible_beyond_it() -> None:
+    views_at, _ = seen_as(lambda size: 40 * size + (9.0 if size > 0.07 else 0.0))
+    found = size_of(views_at, 0.125, 5.0, 1)
+    assert found is not None
+    assert 0.07 < found[0] < 0.07 * 1.15
+
+
+def test_what_is_there_at_any_size_has_no_smallest_one() -> None:
+    for law in (lambda size: 1e4, lambda size: 1e4 - 20 * size, lambda size: math.nan):
+        views_at, looked = seen_as(law)
+        assert size_of(views_at, 0.01, 5.0, 1) is None
+        assert len(looked) <= 3
+
+
+def test_sizes_that_hang_on_the_level_are_not_foretold(stated: Fit) -> None:
+    """A stop or a cubic spring comes with a joint that gives way by itself: seen at any size of theirs."""
+    known = available_effects()
+    tried = [
+        Hypothesis(known["cubic-root-stiffness"], {"side": "left"}),
+        Hypothesis(known["control-surface-freeplay"], {"item": "flap-outer", "side": "left"}),
+    ]
+    for found in power(stated, tried):
+        assert math.isnan(found.smallest)
+        assert math.isnan(found.named)
+        assert not found.visible
+        assert not found.alike
+        document = found.document()
+        assert document["smallest"] is document["named"] is None
+        assert document["reason"] == BY_LEVEL
+        assert "by_level" not in document
+
+
+def test_a_resonance_that_comes_into_the_band_is_seen(stated: Fit) -> None:
+    """A spring's own surge: far above the band it is a square of its mass, and it is seen before that is enough."""
+    surge = Hypothesis(available_effects()["suspension-surge"])
+    (found,) = (p for p in power(stated, [surge]) if p.parameter == "mass_kg")
+    sight = Sight.of(Stand.of(stated), noise_share(stated.problem.measured, stated.problem.split.train).worth)
+    (mass,) = (p for p in surge.parameters if p.name == "mass_kg")
+
+    def deviations(size: float) -> float:
+        views = sight.at(surge, {**start_values(surge), "mass_kg": size}, mass, 5.0)
+        assert views is not None
+        return least(views)
+
+    assert deviations(found.smallest / 1.2) < 5.0
+    assert 4.5 < deviations(found.smallest) < 8.0
+
+
+def made(smallest: float, label: str, **more: object) -> Power:
+    row = Power("local-absorber", label, "mass_kg", "kg", smallest, 1.5 * smallest, 0.02, 0.3, ())
+    return dataclasses.replace(row, **more)
+
+
+def test_rows_say_what_the_best_and_the_worst_place_show() -> None:
+    places = [made(v, str(v)) for v in (4e-3, 6e-5, math.inf, 1e-3, math.nan)]
+    (row,) = power_rows(places)
+    assert (row.variant, row.smallest, row.named) == ("6e-05", 6e-5, 1.5 * 6e-5)
+    assert (row.variants, row.median, row.worst, row.worst_variant) == (5, 4e-3, math.inf, "inf")
+    assert row.sizes == ("6e-05", "9e-05", "never")
+    assert (row.shows, row.reason) == ("yes", "")
+
+
+def test_rows_without_any_size_say_why() -> None:
+    for places, reason, shows in (
+        ([made(math.nan, "a", by_level=True), made(math.inf, "b")], BY_LEVEL, "unknown"),
+        ([made(math.inf, "a"), made(math.nan, "b")], NOT_KNOWN, "unknown"),
+        ([made(math.inf, "a"), made(math.inf, "b")], NEVER, "no"),
+    ):
+        (row,) = power_rows(places)
+        assert (row.reason, row.shows, row.visible) == (reason, shows, False)
+        assert row.sizes[0] == reason.partition(":")[0]

@@ -1,0 +1,134 @@
+"""What is written back is what was fitted: its simulation meets the campaign as far as the fit does, gains and all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario, small_scenario
+
+from vgvt.effects import available_effects
+from vgvt.effects.beams import with_beams
+from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
+from vgvt.reconcile.outcome.augment import augment
+from vgvt.reconcile.outcome.instruments import gain_tables
+from vgvt.reconcile.outcome.resimulate import resimulated
+from vgvt.reconcile.prediction.chain import high_pass
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.scenario.write import to_toml
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Derivatives are worked out once for all tests."""
+    return tmp_path_factory.mktemp("resimulate")
+
+
+def with_scores(case: Any, scores: dict[str, float]) -> Fit:
+    """A fit at some scores by name, the chain as coarse as stated, the rest as stated."""
+    u = np.zeros(case.size)
+    for name, score in ({CELLS.name: -3 / CELLS.sd} | scores).items():
+        u[case.names.index(name)] = score
+    return fit(case, (), u, np.zeros(0), ())
+
+
+def augmented(scenario: Scenario, found: Fit, folder: Path) -> Scenario:
+    """The scenario of a fit as a file has it."""
+    file = folder / "reconciled.toml"
+    file.write_text(to_toml(augment(scenario, SimpleNamespace(final=found))), encoding="utf-8")  # type: ignore[arg-type]
+    return load_scenario(file)
+
+
+def test_a_force_gauge_that_reads_too_much_is_in_the_file(cache: Path, tmp_path: Path) -> None:
+    """2 % within a tolerance of 1 %: no effect, and without its gain the file misses the campaign by far."""
+    scenario = small_scenario()
+    made = available_effects()["channel-gain"](gain_error=0.02, channels="force")
+    found = calibrate(make_problem(campaign_of(scenario, 3, made), scenario, lines=150, cache=cache))
+    written = augmented(scenario, found, tmp_path)
+    (force,) = (t for t in written.effect if t.parameters["channels"] == "force")
+    assert force.name == "channel-gain" and force.parameters["gain_error"] == pytest.approx(0.02, abs=0.008)
+    again = resimulated(written, found)
+    bare = resimulated(written.model_copy(update={"effect": ()}), found)
+    assert again.comparison is not None and bare.comparison is not None and again.apart is not None
+    assert again.apart < 1.5 * again.model_form
+    assert again.comparison.train.chi2_per_dof < found.chi2_per_dof + 1.0
+    assert bare.comparison.train.chi2_per_dof > 3 * again.comparison.train.chi2_per_dof
+    assert again.comparison.train.nu_gap < bare.comparison.train.nu_gap
+
+
+def test_gains_and_corners_of_every_kind_do_in_the_file_what_they_do_in_the_fit(cache: Path, tmp_path: Path) -> None:
+    """Sensors that rove, a point that two runs measure, each with its own gain, and AC coupling."""
+    scenario = roving_scenario()
+    runs = (*scenario.acquisition.runs, scenario.acquisition.runs[0])
+    scenario = scenario.model_copy(
+        update={
+            "acquisition": scenario.acquisition.model_copy(update={"runs": runs}),
+            "transducer": scenario.transducer.model_copy(update={"high_pass_hz": 0.3}),
+            "accelerometers": scenario.accelerometers.model_copy(update={"high_pass_hz": 0.5}),
+        }
+    )
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=80, cache=cache)
+    first, last = (next(c.label for c in case.measured.channels if c.run == r and c.dof.node == 5) for r in (0, 4))
+    scores = {"gain force": 4.0, "gain sensor-2": -5.0, f"gain {first}": 6.0, f"gain {last}": -9.0}
+    plain = with_scores(case, {})
+    found = with_scores(case, scores | {"corner force": 3.0, "corner sensors": -2.0})
+    written = augmented(scenario, found, tmp_path)
+    assert written.transducer.high_pass_hz == pytest.approx(0.3 * np.exp(0.3))
+    assert [t.name for t in written.effect] == [*["channel-gain"] * 3, "gain-drift"]
+    assert gain_tables(scenario, plain) == ()
+    # What the chain errs by is in both alike: the ratio of two simulations is that of two fits.
+    changed, stated = resimulated_values(written, found), resimulated_values(scenario, plain)
+    np.testing.assert_allclose(changed / stated, found.predicted / plain.predicted, rtol=1e-3)
+    assert high_pass(0.3, case.measured.frequency_hz, 200.0)[0] != high_pass(0.4, case.measured.frequency_hz, 200.0)[0]
+
+
+def resimulated_values(scenario: Scenario, found: Fit) -> np.ndarray:
+    from vgvt.reconcile.outcome import resimulate
+
+    return resimulate.accelerances(resimulate.quiet(scenario), found.problem.measured)[0]
+
+
+def test_an_aircraft_has_no_cells_and_its_file_has_more(cache: Path, tmp_path: Path) -> None:
+    """Data of three times as many cells: with those of the nominal scenario the file misses what was fitted by 4 %."""
+    scenario = small_scenario()
+    finer = with_beams(scenario, ["wing"], lambda b: b.model_copy(update={"cells": 36}))
+    found = calibrate(make_problem(campaign_of(finer, 5), scenario, lines=150, cache=cache))
+    written = augmented(scenario, found, tmp_path)
+    names = [b.name for b in written.airframe.beam]
+    coarse = with_beams(written, names, lambda b: b.model_copy(update={"cells": 12}))
+    again, before = resimulated(written, found), resimulated(coarse, found)
+    assert again.comparison is not None and before.comparison is not None
+    assert again.comparison.train.chi2_per_dof < 0.2 * before.comparison.train.chi2_per_dof
+    assert before.remark.startswith("The simulation of reconciled.toml is")
+
+
+def test_records_of_another_length_and_rate_are_read_at_the_same_lines(cache: Path) -> None:
+    scenario = small_scenario()
+    found = with_scores(make_problem(campaign_of(scenario, 1), scenario, lines=80, cache=cache), {})
+    acquisition = scenario.acquisition.model_copy(update={"sample_rate_hz": 250.0})
+    excitation = scenario.excitation.model_copy(update={"ring_down_s": 3.3})
+    other = scenario.model_copy(update={"acquisition": acquisition, "excitation": excitation})
+    here, there = resimulated_values(scenario, found), resimulated_values(other, found)
+    assert (np.linalg.norm(there - here, axis=1) < 5e-3 * np.linalg.norm(here, axis=1)).all()
+
+
+def test_what_cannot_be_simulated_is_said(cache: Path) -> None:
+    scenario = small_scenario()
+    found = with_scores(make_problem(campaign_of(scenario, 1), scenario, lines=80, cache=cache), {})
+    slips = Hypothesis(available_effects()["root-friction"], {"kind": "bending"})
+    by_level = resimulated(scenario, replace(found, hypotheses=(slips,)))
+    assert "the linear engine has not all of what root-friction does" in by_level.remark
+    narrow = scenario.model_copy(update={"excitation": scenario.excitation.model_copy(update={"stop_hz": 8.0})})
+    assert "has no force on" in resimulated(narrow, found).remark
+    nowhere = Scenario.model_validate(scenario.model_dump() | {"effect": [{"name": "no-such-effect"}]})
+    told = resimulated(nowhere, found)
+    assert told.comparison is None and "cannot be simulated" in told.remark
+    assert told.document() | {"remark": ""} == dict.fromkeys(
+        ("train", "held_out", "held_runs", "held_channels", "apart")
+    ) | {"remark": ""}

@@ -1,0 +1,108 @@
+"""The test once more with what was found: the augmented scenario simulated, and its A/F held against the measured.
+
+A fit predicts with a linear model of its own, its beams without cells and its structure followed by slopes. What a
+scenario says is what its simulation does: this is asked here, from the drive signal on, as somebody would who goes on
+with the file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.signal
+from numpy.typing import NDArray
+
+from vgvt.data import InputError
+from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.question.data import Measured
+from vgvt.reconcile.question.figures_of_merit import Resimulation, compare
+from vgvt.reconcile.question.spectra import OwnSpectra, spectra_of
+from vgvt.reconcile.question.thresholds import noise_share
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.points import sensor_points
+from vgvt.signals.usable import usable_runs
+from vgvt.simulation.campaign import simulated_campaign
+
+ComplexArray = NDArray[np.complex128]
+_QUIET_BITS = 32
+# Beside the measured force, whose shape it should have: so much less than at its loud lines is no excitation, and of
+# this share of the lines it may be missing.
+_WEAK_FORCE, _LOUD, _UNEXCITED = 0.03, 0.9, 0.05
+# Samples of all channels of all runs: some minutes' work.
+_MOST_SAMPLES = 1e8
+
+
+def resimulated(scenario: Scenario, found: Fit) -> Resimulation:
+    """Simulate a scenario as the campaign of a fit was made, without noise; why not, where that cannot be done."""
+    problem = found.problem
+    nonlinear = [h.name for h in found.hypotheses if not getattr(h.cls, "linear", True)]
+    if nonlinear:
+        return Resimulation.skipped(
+            f"the linear engine has not all of what {' and '.join(nonlinear)} does; step it with --engine mujoco"
+        )
+    rate = scenario.acquisition.sample_rate_hz
+    samples = scenario.excitation.record_s * rate * (len(problem.measured.channels) + len(problem.measured.runs))
+    if samples > _MOST_SAMPLES:
+        return Resimulation.skipped(f"{samples:.0e} samples are too many to be simulated beside a verdict")
+    try:
+        values, excited = accelerances(quiet(scenario), problem.measured)
+    except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+        return Resimulation.skipped(f"it cannot be simulated: {error}")
+    if excited < 1 - _UNEXCITED:
+        return Resimulation.skipped(
+            f"the scenario's excitation has no force on {100 * (1 - excited):.0f} % of the campaign's lines"
+        )
+    measured, used = problem.measured, problem.measured.used
+    fitted, again = found.foretold, replace(found, predicted=values).foretold
+    size = np.abs(measured.values[used])
+    scale = size**2 + np.median(size, axis=1, keepdims=True) ** 2
+    apart = float(np.sqrt(np.mean(np.abs(again - fitted)[used] ** 2 / scale)))
+    floor = noise_share(measured, problem.split.train).floor
+    said = ""
+    if apart > floor:
+        said = (
+            f"The simulation of reconciled.toml is {100 * apart:.2g} % from what was fitted, more than the model_form "
+            f"of {100 * floor:.2g} %: trust the file no further than that"
+        )
+    return Resimulation(compare(again, measured, problem.split), apart, floor, said)
+
+
+def quiet(scenario: Scenario) -> Scenario:
+    """The scenario with instruments that add no noise of their own."""
+    return scenario.model_copy(
+        update={
+            "accelerometers": scenario.accelerometers.model_copy(update={"noise": None}),
+            "transducer": scenario.transducer.model_copy(update={"noise": None}),
+            "acquisition": scenario.acquisition.model_copy(update={"noise_v_per_rthz": 0.0, "bits": _QUIET_BITS}),
+        }
+    )
+
+
+def accelerances(scenario: Scenario, measured: Measured) -> tuple[ComplexArray, float]:
+    """A/F (C, L) of a simulated campaign at the lines of a measured one, and the share of them that it excites."""
+    runs, _ = usable_runs(simulated_campaign(scenario, engine="linear"), every_run=True)
+    rate = scenario.acquisition.sample_rate_hz
+    spectra, _ = spectra_of(runs, rate)
+    stated = {p.dof.node: p.dof.direction.sign for p in sensor_points(scenario)}
+    values = np.zeros(measured.values.shape, dtype=complex)
+    excited = []
+    for r, (run, own) in enumerate(zip(runs, spectra.own, strict=True)):
+        force, *responses = _at_lines(own, rate, measured)
+        size = np.abs(force / measured.force[r])
+        excited.append(float(np.mean(size > _WEAK_FORCE * np.quantile(size, _LOUD))))
+        there = {c.dof.node: x for c, x in zip(run.responses, responses, strict=True) if c.dof is not None}
+        for k, channel in enumerate(measured.channels):
+            if channel.run == r and measured.used[k]:
+                sign = channel.dof.direction.sign * stated[channel.dof.node]
+                values[k] = sign * there[channel.dof.node] / force
+    return values, min(excited)
+
+
+def _at_lines(own: OwnSpectra, rate: float, measured: Measured) -> ComplexArray:
+    """Force and responses of a run, (1 + C_r, L), at the lines of records of another length or rate."""
+    samples = np.fft.irfft(np.vstack([own.force, own.responses]), own.samples, axis=1)
+    first, step = measured.frequency_hz[0] / rate, measured.resolution_hz / rate
+    count = int(measured.lines[-1] - measured.lines[0]) + 1
+    transform = scipy.signal.CZT(own.samples, count, np.exp(-2j * np.pi * step), np.exp(2j * np.pi * first))
+    return np.asarray(transform(samples, axis=1)[:, measured.lines - measured.lines[0]])
