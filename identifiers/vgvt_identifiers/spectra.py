@@ -12,6 +12,7 @@ from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
 from vgvt.signals.usable import doubt_of, fault_of
 from vgvt_identifiers.common_lines import CommonLines, Measured, common_lines
 from vgvt_identifiers.deaf_bands import deaf_bands
+from vgvt_identifiers.named_dofs import named_once
 
 DIFFERENTIATIONS = {Quantity.ACCELERATION: 0, Quantity.VELOCITY: 1, Quantity.DISPLACEMENT: 2}
 """How often each kind of motion is differentiated to be an acceleration."""
@@ -64,7 +65,7 @@ class CampaignSpectra:
     @property
     def responses(self) -> tuple[Dof, ...]:
         """Every response DOF once, in order of appearance."""
-        return tuple(dict.fromkeys(d for r in self.runs for d in r.responses))
+        return named_once(d for r in self.runs for d in r.responses)
 
 
 def campaign_spectra(campaign: Campaign, band_hz: tuple[float, float]) -> CampaignSpectra:

@@ -136,3 +136,10 @@ def test_a_fault_of_a_bundled_effect_is_seen_as_it_is(monkeypatch: pytest.Monkey
     monkeypatch.setattr(type(effect), "act", lambda *_: None)
     with pytest.raises(TypeError, match="gave NoneType"):
         action_of(effect, load_scenario("quick"), 0)
+
+
+def test_names_of_packages_are_read_only_where_two_have_one_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are in files, and a fit asks for the known effects at every structure."""
+    before = available_effects()
+    monkeypatch.setattr("vgvt.data.plugin.package_of", lambda point: pytest.fail(f"asked for the package of {point}"))
+    assert available_effects() == before

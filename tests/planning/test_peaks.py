@@ -7,12 +7,14 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.planning.budget import Budget
+from vgvt.planning.limits import check_what_stays
 from vgvt.planning.planner import Order, plan_test
 from vgvt.planning.prediction import predict
 from vgvt.planning.sweeps import affordable_sweeps
 from vgvt.planning.wish import Wish
 from vgvt.scenario import Scenario
-from vgvt.scenario.rig import Excitation
+from vgvt.scenario.generator import Generator
+from vgvt.scenario.rig import RANDOM_KINDS, Excitation
 from vgvt.simulation import simulated_campaign
 from vgvt.simulation.command import drive_commands, peak_command_v, sample_times_s
 
@@ -112,3 +114,15 @@ def test_what_is_not_recorded_takes_its_minutes_and_stays_in_other_sweeps(light)
         > 11.0
         > min(m.frequency_hz for m in predict(light).modes)
     )
+
+
+def test_no_sweep_asks_for_more_than_the_generator_gives(noisy: Scenario) -> None:
+    """A sine as loud as legal noise may be louder than the generator: what is planned must be a scenario, too."""
+    most = 1.2 * noisy.excitation.amplitude_v
+    limited = noisy.model_copy(update={"generator": Generator(range_v=most)})
+    wish = Wish(frozenset({"band"}), Budget(20, 10), 10, peak_command_v(noisy), targets=TARGETS)
+    (sweeps,) = affordable_sweeps(limited, wish).values()
+    sines = [s.excitation for s in sweeps if s.excitation.kind not in RANDOM_KINDS]
+    assert sines and max(e.amplitude_v for e in sines) <= most
+    # Nor does a limit of volts have to be above what never gets through.
+    check_what_stays(limited, Wish(frozenset(), Budget(20, 10), 10, most, targets=TARGETS))

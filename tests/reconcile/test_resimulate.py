@@ -20,6 +20,7 @@ from vgvt.reconcile.outcome.resimulate import resimulated
 from vgvt.reconcile.prediction.chain import high_pass
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.reconcile.search.candidates import candidates
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.write import to_toml
 
@@ -132,3 +133,29 @@ def test_what_cannot_be_simulated_is_said(cache: Path) -> None:
     assert told.document() | {"remark": ""} == dict.fromkeys(
         ("train", "held_out", "held_runs", "held_channels", "apart")
     ) | {"remark": ""}
+
+
+@pytest.mark.parametrize(("table", "key", "channel"), [("accelerometers", "range_g", 2), ("transducer", "range_n", 1)])
+def test_what_is_cut_off_when_it_is_simulated_is_skipped_in_one_line(
+    cache: Path, table: str, key: str, channel: int
+) -> None:
+    """The reason has two lines, and a comment in a file has one."""
+    scenario = small_scenario()
+    campaign = campaign_of(scenario, 3)
+    found = with_scores(make_problem(campaign, scenario, lines=60, cache=cache), {})
+    half = 0.5 * float(np.abs(campaign.runs[0].samples[channel]).max()) / (9.81 if key == "range_g" else 1.0)
+    short = scenario.model_copy(update={table: getattr(scenario, table).model_copy(update={key: half})})
+    again = resimulated(short, found)
+    assert again.comparison is None
+    assert "it cannot be simulated" in again.remark and "\n" not in again.remark
+
+
+def test_a_file_with_calibrated_gains_leaves_gains_to_be_found(cache: Path, tmp_path: Path) -> None:
+    scenario = small_scenario()
+    case = make_problem(campaign_of(scenario, 3), scenario, lines=60, cache=cache)
+    gains = {name: 0.5 for name in case.names if name.startswith("gain")}
+    written = augmented(scenario, with_scores(case, gains), tmp_path)
+    assert {t.name for t in written.effect} >= {"channel-gain"}
+    again = make_problem(campaign_of(scenario, 3), written, lines=60, cache=cache)
+    asked = {h.name for h in candidates(again, {n: available_effects()[n] for n in ("channel-gain", "added-mass")})}
+    assert asked == {"channel-gain", "added-mass"}

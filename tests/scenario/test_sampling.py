@@ -31,6 +31,18 @@ def loaded(folder: Path, lines: str) -> None:
             "0.0526 s",
         ),
         ("[excitation]\nduration_s = 2e8", "excitation.duration_s", "22 channels", "at most 4.55e+04"),
+        (
+            "[excitation]\nduration_s = 1000000020.0\nunrecorded_s = 1000000000.0",
+            "excitation.duration_s",
+            "1.76e+05 GB",
+            "at most 4.55e+04",
+        ),
+        (
+            "[excitation]\nduration_s = 2.0\nunrecorded_s = 1.9999",
+            "excitation.unrecorded_s",
+            "leaves 0.0001 s",
+            "cycle",
+        ),
         ("[acquisition]\nrepeats = 1000000000000", "acquisition.repeats", "8 GB", "2525 times at most"),
         ("[excitation]\nring_down_s = 1e6", "excitation.duration_s", "8 GB", "shorten the silence"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint
@@ -37,15 +38,22 @@ def one_of_each_name(
     ``load`` gives None for what is of no use, and says so itself; ``tell`` is given a sentence for each class that
     has to make way for another one of its name.
     """
-    found: dict[str, tuple[type, str]] = {}
-    for point in sorted(points, key=lambda p: (p.name, not is_bundled(p.module), package_of(p), p.value)):
+    points = tuple(points)
+    alike = Counter(p.name for p in points)
+
+    def order(p: EntryPoint) -> tuple[str, bool, str, str]:
+        # The name of a package is in a file, and this is asked for often: only where names are the same.
+        return p.name, not is_bundled(p.module), package_of(p) if alike[p.name] > 1 else "", p.value
+
+    found: dict[str, tuple[type, EntryPoint]] = {}
+    for point in sorted(points, key=order):
         loaded = load(point)
         if loaded is None:
             continue
-        first, package = found.setdefault(point.name, (loaded, package_of(point)))
+        first, used = found.setdefault(point.name, (loaded, point))
         if first is not loaded:
             left_out = f"that of {package_of(point)} ({point.value}) is left out"
-            tell(f"two are called {point.name!r}: that of {package} is used, {left_out}")
+            tell(f"two are called {point.name!r}: that of {package_of(used)} is used, {left_out}")
     return {name: cls for name, (cls, _) in found.items()}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import typing
 import warnings
+from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
@@ -71,7 +72,10 @@ def make_effect(name: str, where: str, **values: object) -> Effect:
     parameter, a value of the wrong type, one that is not finite, or one below
     the parameter's least.
     """
-    known = available_effects()
+    return _made(available_effects(), name, where, values)
+
+
+def _made(known: Mapping[str, type], name: str, where: str, values: Mapping[str, object]) -> Effect:
     if name not in known:
         raise InputError(where, f"there is no effect {name!r}", choose_one_of(name, tuple(known)))
     cls = known[name]
@@ -98,8 +102,9 @@ def make_effect(name: str, where: str, **values: object) -> Effect:
 
 def effects_of(scenario: Scenario) -> tuple[Effect, ...]:
     """The effects that a scenario's ``[[effect]]`` tables switch on, in their order."""
+    known = available_effects() if scenario.effect else {}
     return tuple(
-        make_effect(table.name, f"scenario {scenario.name}: effect[{i}]", **table.parameters)
+        _made(known, table.name, f"scenario {scenario.name}: effect[{i}]", table.parameters)
         for i, table in enumerate(scenario.effect)
     )
 

@@ -24,6 +24,11 @@ def check_generator_gives(scenario: Scenario, largest_peak_v: float | None) -> N
         )
 
 
+def most_given_v(scenario: Scenario) -> float:
+    """The largest command that the scenario's generator gives, V."""
+    return math.inf if scenario.generator.range_v is None else scenario.generator.range_v
+
+
 def check_what_stays(scenario: Scenario, wish: Wish) -> None:
     """InputError where what is not free breaks a limit, so that no plan could keep it."""
     at_once = max(len(run) for run in scenario.acquisition.runs)
@@ -33,7 +38,7 @@ def check_what_stays(scenario: Scenario, wish: Wish) -> None:
             f"is {wish.budget.sensors}, but the runs stay as they are and record {at_once} accelerometers at once",
             f"add sensors to --free, or write --sensors {at_once}",
         )
-    peak_v = peak_command_v(scenario) if "level" not in wish.free else 0.0
+    peak_v = min(peak_command_v(scenario), most_given_v(scenario)) if "level" not in wish.free else 0.0
     if peak_v > wish.largest_peak_v:
         least_v = math.ceil(1000 * peak_v - 1e-6) / 1000
         raise InputError(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from vgvt.data import InputError
 from vgvt.planning.budget import Mount
-from vgvt.planning.limits import has_time_for, too_long
+from vgvt.planning.limits import has_time_for, most_given_v, too_long
 from vgvt.planning.wish import Wish
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import RANDOM_KINDS, Excitation
@@ -38,7 +38,7 @@ def affordable_sweeps(scenario: Scenario, wish: Wish) -> dict[Mount, tuple[Sweep
     found, refused = {}, []
     for mount in wish.mounts:
         sweeps = []
-        for excitation in _excitations(scenario.excitation, wish):
+        for excitation in _excitations(scenario.excitation, wish, most_given_v(scenario)):
             try:
                 sweeps.append(_at_level(scenario, _timed(scenario, excitation, wish, mount), wish))
             except InputError as error:
@@ -50,13 +50,13 @@ def affordable_sweeps(scenario: Scenario, wish: Wish) -> dict[Mount, tuple[Sweep
     return found
 
 
-def _excitations(e: Excitation, wish: Wish) -> Iterator[Excitation]:
+def _excitations(e: Excitation, wish: Wish, most_v: float) -> Iterator[Excitation]:
     """The scenario's own and, with a free band, sweeps around the targets, linear and logarithmic."""
     yield e
     if "band" not in wish.free:
         return
     # A sine of the same root mean square, where that is what the amplitude is of.
-    amplitude_v = e.amplitude_v * (math.sqrt(2) if e.kind in RANDOM_KINDS else 1.0)
+    amplitude_v = min(e.amplitude_v * (math.sqrt(2) if e.kind in RANDOM_KINDS else 1.0), most_v)
     low, high = wish.targets[0][1], wish.targets[-1][1]
     starts = {round(low * factor, 1) for factor in _BELOW} | {e.band_hz[0]}
     stops = {round(high * factor, 1) for factor in _ABOVE} | {e.band_hz[1]}
@@ -72,11 +72,11 @@ def _at_level(scenario: Scenario, sweep: Sweep, wish: Wish) -> Sweep:
     """The sweep at the level whose largest peak is the wish's, where that is free."""
     if "level" not in wish.free:
         return sweep
-    e, amplitude_v = sweep.excitation, wish.largest_peak_v
+    e, amplitude_v = sweep.excitation, min(wish.largest_peak_v, most_given_v(scenario))
     if e.kind in RANDOM_KINDS:
         peak_v = peak_command_v(sweep.in_place_of(scenario), wish.run_count(scenario) * sweep.repeats)
         # Of noise that lasts as long as before the rounding leaves what it was.
-        amplitude_v = float(f"{amplitude_v * e.amplitude_v / peak_v:.6g}")
+        amplitude_v = float(f"{wish.largest_peak_v * e.amplitude_v / peak_v:.6g}")
     return replace(sweep, excitation=e.model_copy(update={"amplitude_v": amplitude_v}))
 
 

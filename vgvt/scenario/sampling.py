@@ -55,11 +55,13 @@ def _check_shortest(excitation: Excitation) -> None:
         return
     middle_hz = sum(excitation.band_hz) / 2
     # To the rounding of one cycle that a scenario states.
-    if excitation.burst_s * middle_hz < 1 - 1e-9:
+    recorded_s = excitation.burst_s - excitation.before_record_s
+    if recorded_s * middle_hz < 1 - 1e-9:
         key = "duration_s" if excitation.burst_fraction is None else "burst_fraction"
+        key = "unrecorded_s" if excitation.before_record_s > 0 else key
         raise MisfitError(
             ("excitation", key),
-            f"is {getattr(excitation, key):g} and leaves {excitation.burst_s:.3g} s, less than a cycle at "
+            f"is {getattr(excitation, key):g} and leaves {recorded_s:.3g} s, less than a cycle at "
             f"{middle_hz:g} Hz, the middle of the band",
             f"Excite for {1 / middle_hz:.3g} s at least, and better for many cycles of every mode.",
         )
@@ -68,7 +70,7 @@ def _check_shortest(excitation: Excitation) -> None:
 def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int) -> None:
     rate_hz, repeats = acquisition.sample_rate_hz, acquisition.repeats
     channels = sum(len(nodes) + 2 * drives for nodes in acquisition.runs)
-    once = excitation.record_s * rate_hz * channels
+    once = excitation.whole_s * rate_hz * channels
     if once * repeats <= _MOST_SAMPLES:
         return
     most = f"more than the {8 * _MOST_SAMPLES / 1e9:g} GB that a campaign may have"
@@ -78,7 +80,7 @@ def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int
             f"is {repeats} and makes {8 * once * repeats / 1e9:.3g} GB of samples, {most}",
             f"Repeat {math.floor(_MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
         )
-    silence_s = excitation.lead_in_s + excitation.ring_down_s - excitation.before_record_s
+    silence_s = excitation.lead_in_s + excitation.ring_down_s
     longest_s = _MOST_SAMPLES / (rate_hz * channels) - silence_s
     raise MisfitError(
         ("excitation", "duration_s"),

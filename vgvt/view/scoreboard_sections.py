@@ -78,14 +78,17 @@ def _modes_table(rows: pandas.DataFrame) -> str:
     true = rows[rows["true_hz"].notna() & (rows["status"] != "unreached")]
     body = []
     # A mode keeps its label over the seeds; its frequency moves a little where the scenario draws at random.
-    for label, part in sorted(true.groupby("label", dropna=False), key=lambda item: float(item[1]["true_hz"].mean())):
+    # Resonances without one are told apart by their order.
+    rank = true.groupby(["seed_number", "label"], dropna=False).cumcount().rename("rank")
+    groups = true.groupby([true["label"], rank], dropna=False)
+    for (label, _), part in sorted(groups, key=lambda item: float(item[1]["true_hz"].mean())):
         found = part[part["status"] == "found"]
         error = stated(found["frequency_error_percent"])
         body.append(
             "<tr>"
             f'<td class="words">{escaped(label)}</td><td>{float(part["true_hz"].mean()):.3f}</td>'
-            f"<td>{len(found)} of {len(part)}</td><td>{_text(root_mean_square(error), '.4f')}</td>"
-            f"<td>{_ratio(root_mean_square(_over_bound(part)))}</td><td>{_text(mean(error), '+.4f')}</td>"
+            f"<td>{len(found)} of {len(part)}</td><td>{_text(root_mean_square(error), '.2g')}</td>"
+            f"<td>{_ratio(root_mean_square(_over_bound(part)))}</td><td>{_text(mean(error), '+.2g')}</td>"
             f"<td>{_text(root_mean_square(stated(found['damping_error_percent'])), '.2f')}</td>"
             f"<td>{_text(mean(stated(found['frequency_covered'])), '.2f')}</td>"
             f"<td>{_text(mean(stated(found['damping_covered'])), '.2f')}</td>"

@@ -48,7 +48,7 @@ def resimulated(scenario: Scenario, found: Fit) -> Resimulation:
     try:
         values, excited = accelerances(quiet(scenario), problem.measured)
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
-        return Resimulation.skipped(f"it cannot be simulated: {error}")
+        return Resimulation.skipped(f"it cannot be simulated: {' '.join(str(error).split())}")
     if excited < 1 - _UNEXCITED:
         return Resimulation.skipped(
             f"the scenario's excitation has no force on {100 * (1 - excited):.0f} % of the campaign's lines"
@@ -94,6 +94,8 @@ def accelerances(scenario: Scenario, measured: Measured) -> tuple[ComplexArray, 
         there = {c.dof.node: x for c, x in zip(run.responses, responses, strict=True) if c.dof is not None}
         for k, channel in enumerate(measured.channels):
             if channel.run == r and measured.used[k]:
+                if channel.dof.node not in there:
+                    raise InputError(f"scenario {scenario.name}", f"{channel.label} is cut off when it is simulated")
                 sign = channel.dof.direction.sign * stated[channel.dof.node]
                 values[k] = sign * there[channel.dof.node] / force
     return values, min(excited)

@@ -37,6 +37,8 @@ _STATIONS = 6
 _TIED = ("x_m", "y_m", "other_x_m", "other_y_m")
 # A campaign of a dozen runs of 34 sensors asks whether each of these changed its gain, from each run on.
 _MOST = 1024
+# Stated or not they can be there once more, as factors are: a reconciled scenario states what was calibrated.
+_AGAIN = {"channel-gain", "gain-drift"}
 
 
 def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
@@ -48,7 +50,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
     """
     found: list[Hypothesis] = []
     box = aircraft_box_m(problem.scenario.airframe)
-    declared = {table.name for table in problem.scenario.effect}
+    declared = {table.name for table in problem.scenario.effect} - _AGAIN
     for name, cls in (available_effects() if effects is None else effects).items():
         if name in declared:
             continue
