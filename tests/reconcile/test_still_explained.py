@@ -13,8 +13,11 @@ from reconciled_case import campaign_of, roving_scenario
 from vgvt.effects import available_effects
 from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
-from vgvt.reconcile.evidence.still_explained import StillExplained, _laws, _surprise, still_explained
+from vgvt.reconcile.evidence.free_places import free_places
+from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _laws, _surprise, still_explained
 from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.fitting.misfit import data_misfit
+from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 
@@ -126,3 +129,21 @@ def test_what_takes_as_much_as_a_name_is_told(
     assert asked_beyond_names(found, limits).still is (beside if kept else None)
     nameless: Any = SimpleNamespace(rounds=(), final=None, still=None)
     assert asked_beyond_names(nameless, limits).still is None
+
+
+def test_a_law_is_what_a_thing_at_the_place_does(damped: Problem) -> None:
+    """A small damper at a sensor's point changes the prediction as its law does: i omega times what moves there."""
+    point = next(p for p in damped.layouts.first.grid if p.dof.node == 13)
+    x, y, _ = (float(v) for v in point.position_m)
+    none = fit(damped, (), np.zeros(damped.size), np.zeros(0), ())
+    damper = Hypothesis(KNOWN["nonproportional-damper"], {"x_m": x, "y_m": y})
+    there = fit(damped, (damper,), none.u, damper.scores({"damping_n_s_per_m": 1e-3}), ())
+    wanted = data_misfit(damped, there.predicted) - data_misfit(damped, none.predicted)
+    here = anchor(damped, none.u, (), none.e)
+    (place,) = (p for p in free_places(damped, here, damped.split.train) if p.label == f"force at {point.dof}")
+    # Its force on the aircraft is -i omega c times what moves: the imaginary part of one real law.
+    law = -2 * np.pi * damped.measured.frequency_hz[:, None] * 1e-3
+    told = _columns(none, here, place, here.chain(none.u, none.e), law)[:, 1]
+    # A sensor's row makes up for cells, and where a damper is fixed none does.
+    assert told @ wanted / np.linalg.norm(told) / np.linalg.norm(wanted) > 0.99
+    assert np.linalg.norm(told) == pytest.approx(np.linalg.norm(wanted), rel=0.05)
