@@ -10,6 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+STANDARD_GRAVITY_M_S2 = 9.80665
+_MOST_TURNS = 0.5  # beyond it the graphs of the two systems are no longer near, however small their distance
+
 
 def pointwise_nu_gap(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Chordal distance of two systems at every line: (responses, references, frequency) gives (frequency,).
@@ -28,6 +31,16 @@ def pointwise_nu_gap(first: NDArray[np.complex128], second: NDArray[np.complex12
     squared = _solve(right, _h(_solve(right, left)))
     largest = np.linalg.eigvalsh((squared + _h(squared)) / 2)[:, -1]
     return np.asarray(np.sqrt(np.clip(largest, 0.0, 1.0)))
+
+
+def nu_gap_of_accelerances(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """ν-gap (frequency,) of two systems of accelerances in (m/s²)/N, (responses, references, frequency), taken in g/N.
+
+    As in the paper; 1 at every line where the band breaks the winding condition. ValueError when the shapes differ.
+    """
+    systems = first / STANDARD_GRAVITY_M_S2, second / STANDARD_GRAVITY_M_S2
+    gap = pointwise_nu_gap(*systems)
+    return np.ones_like(gap) if abs(winding_turns(*systems)) >= _MOST_TURNS else gap
 
 
 def winding_turns(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> float:

@@ -11,10 +11,7 @@ import numpy as np
 from vgvt.data import FrequencyResponseSet, FrfFit, InputError, ModalModel, Quantity, synthesise
 from vgvt.data.residual_terms import residual_terms as fitted_residual_terms
 from vgvt_scoreboard.nrmse import fit_percent
-from vgvt_scoreboard.nu_gap import pointwise_nu_gap, winding_turns
-
-STANDARD_GRAVITY_M_S2 = 9.80665
-_MOST_TURNS = 0.5  # beyond it the graphs of the two systems are no longer near, however small their distance
+from vgvt_scoreboard.nu_gap import nu_gap_of_accelerances
 
 
 def validate(
@@ -49,8 +46,4 @@ def validate(
     model = synthesise(claim.at(responses), frequency).values[:, [driven.index(r) for r in references]]
     if residual_terms:
         model = model + fitted_residual_terms(y - model, frequency)
-    systems = y / STANDARD_GRAVITY_M_S2, model / STANDARD_GRAVITY_M_S2
-    gap = pointwise_nu_gap(*systems)
-    if abs(winding_turns(*systems)) >= _MOST_TURNS:
-        gap = np.ones_like(gap)
-    return FrfFit(responses, references, fit_percent(y, model), frequency, gap)
+    return FrfFit(responses, references, fit_percent(y, model), frequency, nu_gap_of_accelerances(y, model))

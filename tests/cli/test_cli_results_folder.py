@@ -56,9 +56,9 @@ def test_an_own_an_empty_and_a_new_folder_will_do(tmp_path: Path) -> None:
     assert not checked_folder(tmp_path / "new" / "deep", (CELLS,)).exists()
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="whoever may do anything may write anywhere")
-def test_a_folder_that_may_not_be_written_is_refused(tmp_path: Path) -> None:
-    tmp_path.chmod(0o500)
+def test_a_folder_that_may_not_be_written_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what the system says of it: who may do anything may write anywhere."""
+    monkeypatch.setattr(os, "access", lambda place, mode: Path(place) != tmp_path)
     with pytest.raises(InputError, match="may not write"):
         checked_folder(tmp_path / "new", (CELLS,))
 
@@ -96,7 +96,7 @@ def test_ctrl_c_in_a_pool_is_told_once(tmp_path: Path) -> None:
         assert time.monotonic() < deadline
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=120)
     assert process.returncode == 130
     assert "Traceback" not in said
     assert f"kept in {out}, and the same command goes on" in said

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from vgvt.data import Direction, Dof, ModalModel, Quantity, synthesise
 from vgvt_scoreboard import fit_percent, frf_fit_percent, pointwise_nu_gap, winding_turns
+from vgvt_scoreboard.nu_gap import STANDARD_GRAVITY_M_S2, nu_gap_of_accelerances
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -65,6 +66,13 @@ def test_a_stable_and_an_unstable_lag_are_near_because_the_winding_makes_up_for_
     """Vinnicombe's example: 100/(2s+1) and 100/(2s-1); one unstable pole more and one turn."""
     assert pointwise_nu_gap(lag(1.0), lag(-1.0)).max() == pytest.approx(0.02, abs=1e-3)
     assert abs(winding_turns(lag(1.0), lag(-1.0))) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_of_accelerances_it_is_one_where_the_band_winds_and_else_their_distance_in_g() -> None:
+    """A model has stable poles: where the graphs wind about each other no distance makes up for it."""
+    one, turned, near = (STANDARD_GRAVITY_M_S2 * lag(p, g) for p, g in ((1.0, 100.0), (-1.0, 100.0), (1.0, 101.0)))
+    assert np.array_equal(nu_gap_of_accelerances(one, turned), np.ones(OMEGA.size))
+    assert nu_gap_of_accelerances(one, near) == pytest.approx(pointwise_nu_gap(lag(1.0), lag(1.0, 101.0)))
 
 
 def test_stable_systems_that_differ_little_wind_by_nothing() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from vgvt.data import Direction, Dof, FrequencyResponseSet, InputError, ModalModel, Quantity, synthesise
 from vgvt_scoreboard import validate
-from vgvt_scoreboard.validation import STANDARD_GRAVITY_M_S2
+from vgvt_scoreboard.nu_gap import STANDARD_GRAVITY_M_S2
 
 BAND = (5.0, 30.0)
 LINES = np.linspace(2, 40, 1901)

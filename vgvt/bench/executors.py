@@ -25,9 +25,9 @@ MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _LOOK_S = 1.0  # between two looks for the parent
-_AGAIN_S = 2  # after an interrupt that was lost
 _TO_TIDY_S = 5.0  # for a worker without a parent to take away what it has on disk
 _ATTEMPTS = 3  # of a cell whose worker died under it
+_leaving = threading.Event()
 
 
 def process_pool(workers: int) -> MakeExecutor:
@@ -73,10 +73,13 @@ def leave_with_parent(parent: int) -> None:
 
 
 def _leave(_number: int, _frame: FrameType | None) -> NoReturn:
-    """The handler of SIGINT in a worker: the way out that no one prints, taken again where it ends in a finaliser."""
+    """The handler of SIGINT in a worker: the way out that no one prints, and that nothing breaks off.
+
+    Where it ends in a finaliser the cell is worked off to its end. Cells that wait behind it are not begun.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _leaving.set()
     sys.unraisablehook = lambda _: None
-    signal.signal(signal.SIGALRM, _leave)
-    signal.alarm(_AGAIN_S)
     raise SystemExit(1)
 
 
@@ -153,6 +156,8 @@ def in_order_of_completion(
 
 def _marked(mark: Path, work: Callable[[Cell], list[Row]], cell: Cell) -> list[Row]:
     """The rows of a cell; the mark is there while it is under way, and stays when the worker dies under it."""
+    if _leaving.is_set():
+        raise SystemExit(1)
     with suppress(OSError):  # on another machine the folder is not there, and nobody asks for the mark
         mark.touch()
     try:

@@ -9,12 +9,9 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.holdout import Split
-from vgvt_scoreboard.nu_gap import pointwise_nu_gap, winding_turns
-from vgvt_scoreboard.validation import STANDARD_GRAVITY_M_S2
+from vgvt_scoreboard.nu_gap import nu_gap_of_accelerances
 
 ComplexArray = NDArray[np.complex128]
-# Of det(I + P2ᴴ P1), as the scoreboard has it.
-_MOST_TURNS = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +97,6 @@ def merit(predicted: ComplexArray, measured: Measured) -> Merit:
         float(np.median(nrmse)),
         float(np.mean(decibels)),
         float(np.median(frac)),
-        _nu_gap(predicted, values),
+        # A column system of every channel.
+        float(nu_gap_of_accelerances(values[:, None], predicted[:, None]).max()),
     )
-
-
-def _nu_gap(predicted: ComplexArray, values: ComplexArray) -> float:
-    """As a scorecard has it: a column system of every channel; 1 where the lines break the winding condition."""
-    systems = tuple(v[:, None] / STANDARD_GRAVITY_M_S2 for v in (values, predicted))
-    return 1.0 if abs(winding_turns(*systems)) >= _MOST_TURNS else float(pointwise_nu_gap(*systems).max())
