@@ -94,9 +94,12 @@ def test_a_name_that_depends_on_level_awaits_a_second_one_before_anything_else(
     beside.rounds = (replace(addition, equivalent=(addition.winner, twin)),)
     assert kind_of(beside) is Kind.PARTLY_EXPLAINED
     going = found(fitted(), fitted(converged=False))
-    going.final_residual = SimpleNamespace(adequate=False, met=met)
-    going.rounds[0].winner.hypothesis.linear = linear
-    assert kind_of(going) is Kind.PARTLY_EXPLAINED
+    more = found(fitted(), fitted())
+    more.still = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), 13.6)
+    for case in (going, more):
+        case.final_residual = SimpleNamespace(adequate=False, met=met)
+        case.rounds[0].winner.hypothesis.linear = linear
+        assert kind_of(case) is Kind.PARTLY_EXPLAINED
 
 
 @pytest.mark.parametrize(("also", "kind"), [("left", Kind.AMBIGUOUS), ("right", Kind.EXPLAINED)])

@@ -13,6 +13,7 @@ from reconciled_case import campaign_of, roving_scenario
 from vgvt.effects import available_effects
 from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
+from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence.free_places import free_places
 from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _laws, _surprise, still_explained
 from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
@@ -86,6 +87,22 @@ def test_a_factor_on_one_sensor_is_seen_where_it_is(damped: Problem, right: Fit)
     assert still.nats > 9
 
 
+@pytest.mark.parametrize(
+    ("runs", "when"), [((0, 1, 2, 3), ""), ((1, 2, 3), " from run 2 on"), ((1,), " in run 2 alone")]
+)
+def test_a_law_that_acts_in_some_runs_is_seen_there(
+    damped: Problem, right: Fit, runs: tuple[int, ...], when: str
+) -> None:
+    """What the force gauge reads of what it is pushed with, turned by a fifth of a radian at the ends of the band."""
+    line = np.log(damped.measured.frequency_hz)
+    run_of = np.array([c.run for c in damped.measured.channels])
+    factor = 1 + 0.15j * (line - line.mean()) ** 2 * np.isin(run_of, runs)[:, None]
+    still = still_explained(with_noise(right, 0, factor))
+    assert still is not None
+    assert still.words == f"factor on the force channel{when}"
+    assert still.nats > 9
+
+
 def test_what_is_rough_over_frequency_is_no_law(damped: Problem, right: Fit) -> None:
     """As much on one sensor that turns from line to line is for the residual's own test to see."""
     mine = np.flatnonzero(damped.split.train)[3]
@@ -122,13 +139,26 @@ def test_what_takes_as_much_as_a_name_is_told(
 ) -> None:
     beside = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), nats)
     monkeypatch.setattr(beyond_names, "still_explained", lambda fit: beside)
-    monkeypatch.setattr(beyond_names, "rests_on_one_level", lambda found: ("cubic-root-stiffness",) * one_level)
+    monkeypatch.setattr(beyond_names, "bends_at_one_level", lambda found: one_level)
     monkeypatch.setattr(beyond_names, "replace", lambda found, still: SimpleNamespace(**vars(found) | {"still": still}))
     found: Any = SimpleNamespace(rounds=(None,), final=None, still=None)
     limits: Any = SimpleNamespace(evidence_nats=9.0)
     assert asked_beyond_names(found, limits).still is (beside if kept else None)
     nameless: Any = SimpleNamespace(rounds=(), final=None, still=None)
     assert asked_beyond_names(nameless, limits).still is None
+
+
+@pytest.mark.parametrize(
+    ("name", "waits"), [("rattling-mass", False), ("cubic-root-stiffness", True), ("control-surface-freeplay", True)]
+)
+def test_a_joint_that_depends_on_level_waits_for_another_one(damped: Problem, name: str, waits: bool) -> None:
+    """A loose mass is foretold as it lies on its seat, by superposition: a law may be asked for beside it."""
+    own, other = (SimpleNamespace(hypothesis=Hypothesis(KNOWN[n], {})) for n in (name, "added-mass"))
+    for winner, alike in ((own, (own,)), (other, (other, own))):
+        found: Any = SimpleNamespace(
+            null=SimpleNamespace(problem=damped), rounds=(SimpleNamespace(winner=winner, alike=alike),)
+        )
+        assert bends_at_one_level(found) is waits
 
 
 def test_a_law_is_what_a_thing_at_the_place_does(damped: Problem) -> None:

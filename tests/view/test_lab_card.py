@@ -23,7 +23,7 @@ def excited(**keys: object) -> Scenario:
 
 
 def generator_step(scenario: Scenario) -> str:
-    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4)
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4, (0.2, -0.3))
     return re.findall(r"<b>Set the generator</b> (.*?)</li>", card_page(scenario, "a test", facts))[0]
 
 
@@ -69,14 +69,14 @@ def test_dwells_are_on_it() -> None:
 def test_noise_is_recorded_and_not_swept() -> None:
     scenario = excited(kind="random")
     several = scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update={"repeats": 3})})
-    facts = replace(CardFacts("glue", 5.0, 0.5, 6.0, MODES, 3.0, 3.0, 9.0, 0.4), minutes=9.0)
+    facts = replace(CardFacts("glue", 5.0, 0.5, 6.0, MODES, 3.0, 3.0, 9.0, 0.4, (0.2, -0.3)), minutes=9.0)
     page = card_page(several, "a test", facts)
     assert "<b>Record</b> 3 records, one after the other" in page
     assert "sweep" not in page.lower()
 
 
 def card(scenario: Scenario, force_n: float, g: float) -> str:
-    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), force_n, 9.80665 * g, 0.4)
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), force_n, 9.80665 * g, 0.4, (0.2, -0.3))
     return card_page(scenario, "a test", facts)
 
 
@@ -93,3 +93,17 @@ def test_a_record_that_begins_late_says_when() -> None:
     step = generator_step(excited(unrecorded_s=4.0, ring_down_s=2.0))
     assert "14 s a record, begun 4 s after the shaker." in step
     assert "begun" not in generator_step(excited(ring_down_s=2.0))
+
+
+@pytest.mark.parametrize(
+    ("hangs_deg", "words"),
+    [
+        ((0.2, -0.4), "it must hang level to 0.5°."),
+        ((-1.5, 0.2), "it must hang right wing down by 1.5°."),
+        ((0.8, -66.5), "it must hang left wing down by 0.8° and nose down by 66.5°."),
+    ],
+)
+def test_how_it_hangs_is_said_as_it_is(hangs_deg: tuple[float, float], words: str) -> None:
+    scenario = excited()
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4, hangs_deg)
+    assert words in card_page(scenario, "a test", facts)

@@ -161,6 +161,7 @@ def _extends(name: str, folder: Path) -> str:
 
 
 def _facts(best: Proposal, order: Order) -> Any:
+    from vgvt.simulation.attitude import attitudes_deg
     from vgvt.simulation.command import peak_command_v
     from vgvt.view.lab_card import CardFacts, ExpectedMode
 
@@ -178,6 +179,7 @@ def _facts(best: Proposal, order: Order) -> Any:
         peak_force_n=expected.peak_force_n,
         peak_acceleration_m_per_s2=expected.peak_acceleration_m_per_s2,
         peak_drive_mm=expected.peak_drive_mm,
+        hangs_deg=attitudes_deg(best.scenario)[0],
     )
 
 

@@ -14,6 +14,8 @@ from vgvt.view.html_page import escaped
 from vgvt.view.plan_drawing import INCH_M, plan_drawing, run_colour
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+# What an eye along a wing does not tell from level.
+_LEVEL_DEG = 0.5
 _KINDS = {"linear-chirp": "linear sine sweep", "logarithmic-chirp": "logarithmic sine sweep"}
 
 
@@ -41,6 +43,8 @@ class CardFacts:
     peak_force_n: float
     peak_acceleration_m_per_s2: float
     peak_drive_mm: float
+    hangs_deg: tuple[float, float]
+    """Roll (left wing down is positive) and pitch (nose up is positive) at rest, all of the first run attached."""
 
 
 def card_page(scenario: Scenario, title: str, facts: CardFacts) -> str:
@@ -73,7 +77,11 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
     sweeps = f"one {one}" if repeats == 1 else f"{repeats} {one}s, one after the other"
     silences = [f"{s:g} s of silence {w}" for s, w in ((e.lead_in_s, "before"), (e.ring_down_s, "after")) if s > 0]
     return [
-        ("Hang", f"the aircraft by the hook {_place(hook)}. Let it come to rest; it must hang level."),
+        (
+            "Hang",
+            f"the aircraft by the hook {_place(hook)} and let it come to rest. With transducer and accelerometers "
+            f"attached it must hang {_attitude(*facts.hangs_deg)}.",
+        ),
         (
             "Fix the force transducer",
             f"under the part {escaped(shaker.attached_to)}, {_place(shaker.position_m)}: "
@@ -108,6 +116,19 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
             f"repeat a minute of the first {one} if there is time: a peak that moved says that something did.",
         ),
     ]
+
+
+def _attitude(roll_deg: float, pitch_deg: float) -> str:
+    """How it hangs, in words that need no sign convention."""
+    said = [
+        f"{way} by {abs(angle):.1f}°"
+        for angle, way in (
+            (roll_deg, "left wing down" if roll_deg > 0 else "right wing down"),
+            (pitch_deg, "nose up" if pitch_deg > 0 else "nose down"),
+        )
+        if abs(angle) >= _LEVEL_DEG
+    ]
+    return " and ".join(said) or f"level to {_LEVEL_DEG:g}°"
 
 
 def _late(e: Excitation) -> str:

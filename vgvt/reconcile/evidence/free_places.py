@@ -16,6 +16,8 @@ from vgvt.simulation.attached import point_rows
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _UP = np.array([0.0, 0.0, 1.0])
+EVERY_RUN = " in every run"
+"""What the label of a place ends with that is one sensor, wherever it roves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +63,7 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
     instruments = np.array([c.instrument for c in channels])
     if len(problem.measured.runs) > 1:
         found += [
-            FreePlace(f"sensor-{k + 1} in every run", "sensor", None, None, instruments == k)
+            FreePlace(f"sensor-{k + 1}{EVERY_RUN}", "sensor", None, None, instruments == k)
             for k in np.unique(instruments)
         ]
     found += [

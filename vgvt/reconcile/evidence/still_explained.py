@@ -8,14 +8,14 @@ channel, whatever thing may have it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved
+from vgvt.reconcile.evidence.free_places import EVERY_RUN, FreePlace, answered, free_places, moved
 from vgvt.reconcile.evidence.lasting import lasting
 from vgvt.reconcile.evidence.residual import independent_values
 from vgvt.reconcile.fitting.fit import Fit
@@ -27,53 +27,68 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 _TERMS = 4
 """Complex values of a law: cubic in the logarithm of frequency, which a stiffness, mass, damper and mixtures are."""
-# Of a direction's length, what is left of it beside all that the unknowns imitate and is still one of its own.
-_ITS_OWN = 1e-8
+# Of a direction's square length, what is left of it beside all that the unknowns imitate and is still one of its own.
+_ITS_OWN = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StillExplained:
     """The place where a smooth law explains most of what a fit leaves, and by how many ``nats`` more than chance.
 
-    Chance would do as much in one of exp(nats) campaigns at any of the places. ``kind`` is as a free place's.
+    Chance would do as much in one of exp(nats) campaigns at any of the places. ``kind`` is as a free place's, ``when``
+    says in which runs the law acts, nothing where in all of them.
     """
 
     label: str
     kind: str
     position_m: tuple[float, float, float] | None
     nats: float
+    when: str = ""
 
     @property
     def words(self) -> str:
         """The place, as part of a sentence."""
-        if self.kind == "structure":
-            return self.label
-        return f"factor on {'the ' if self.kind == 'drive' else ''}{self.label}"
+        label = f"{self.label.removesuffix(EVERY_RUN)} {self.when}" if self.when else self.label
+        return label if self.kind == "structure" else f"factor on {'the ' if self.kind == 'drive' else ''}{label}"
 
 
 @lru_cache(maxsize=8)
 def still_explained(found: Fit) -> StillExplained | None:
     """What a smooth law at one place explains of what a fit leaves; None beside joints that depend on level.
 
-    Judged as names are, by tempered values and where the model's error lasts: the lesser of the two counts.
+    The law acts in every run, from some run on, or in one alone. Judged as names are, by tempered values and where the
+    model's error lasts: the lesser of the two counts.
     """
-    if not all(h.linear for h in found.hypotheses):
-        return None
     problem = found.problem
     here = anchor(problem, found.u, found.hypotheses, found.e, slopes=False)
     if any(group.levels is not None for group in here.groups):
         return None
     keep = problem.split.train
+    run_of = np.array([c.run for c in problem.measured.channels])
     chain, laws = here.chain(found.u, found.e), _laws(problem.measured.frequency_hz)
     views = _views(found)
-    places = free_places(problem, here, keep)
-    best: StillExplained | None = None
-    for place in places:
+    told: list[StillExplained] = []
+    for place in free_places(problem, here, keep):
         columns = _columns(found, here, place, chain, laws)
-        nats = min(view.nats(columns) for view in views) - float(np.log(len(places)))
-        if best is None or nats > best.nats:
-            best = StillExplained(place.label, place.kind, place.position_m, nats)
-    return best
+        spans = _spans(place, run_of[keep if place.mask is None else keep & place.mask])
+        nats = np.min([view.nats(columns, run_of[keep], [runs for _, runs in spans]) for view in views], axis=0)
+        told += [
+            StillExplained(place.label, place.kind, place.position_m, float(n), when)
+            for n, (when, _) in zip(nats, spans, strict=True)
+        ]
+    best = max(told, key=lambda s: s.nats)
+    return replace(best, nats=best.nats - float(np.log(len(told))))
+
+
+def _spans(place: FreePlace, acting: NDArray[np.intp]) -> list[tuple[str, NDArray[np.intp]]]:
+    """In which runs, counted from 0, a law may act at a place where it has something to act on in those ``acting``."""
+    runs = np.unique(acting)
+    spans = [("", runs)]
+    spans += [(f"from run {first + 1} on", runs[runs >= first]) for first in runs[1:-1]]
+    if place.kind != "sensor" and runs.size > 1:
+        # One sensor in one run is a place of its own.
+        spans += [(f"in run {run + 1} alone", np.array([run])) for run in runs]
+    return spans
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,16 +111,28 @@ class _View:
         whole = np.concatenate([misfit, found.scores])
         return cls(found, whole - basis @ (basis.T @ whole), basis, worth, lasts)
 
-    def nats(self, columns: Array) -> float:
-        """Minus the logarithm of the chance that columns (2 N, 2 terms) of nothing take as much as these do."""
+    def nats(self, columns: Array, run_of: NDArray[np.intp], spans: list[NDArray[np.intp]]) -> Array:
+        """Minus the logarithm of the chance that columns (2 N, 2 terms) of nothing take as much as these do.
+
+        In each of the spans of runs (spans,); ``run_of`` (fitted channels,) are the runs of the rows.
+        """
         judged = lasting(self.found.problem, columns) if self.lasts else columns
-        wide = np.concatenate([judged, np.zeros((self.basis.shape[1], judged.shape[1]))])
-        length = np.linalg.norm(wide, axis=0)
-        own = wide - self.basis @ (self.basis.T @ wide)
-        own /= np.maximum(length, np.finfo(float).tiny)
-        sides, sizes, _ = np.linalg.svd(own, full_matrices=False)
-        taken = sides[:, sizes > _ITS_OWN].T @ self.left
-        return _surprise(0.5 * self.worth * float(taken @ taken))
+        # Rows of different runs share nothing: what a span of runs has are sums of what its runs have.
+        rows = np.broadcast_to(run_of[None, :, None], (2, run_of.size, judged.shape[0] // (2 * run_of.size))).ravel()
+        by_run = [judged[rows == run] for run in range(int(run_of.max()) + 1)]
+        square = np.array([c.T @ c for c in by_run])
+        imitated = np.array([self.basis[: rows.size][rows == r].T @ c for r, c in enumerate(by_run)])
+        taken = np.array([c.T @ self.left[: rows.size][rows == r] for r, c in enumerate(by_run)])
+        return np.array([self._surprise(square[s].sum(0), imitated[s].sum(0), taken[s].sum(0)) for s in spans])
+
+    def _surprise(self, square: Array, imitated: Array, taken: Array) -> float:
+        """The same by products of columns (k, k), with the basis (scores, k), and with what is left (k,)."""
+        length = np.sqrt(np.maximum(np.diag(square), np.finfo(float).tiny))
+        own = (square - imitated.T @ imitated) / np.outer(length, length)
+        sizes, sides = np.linalg.eigh(own)
+        kept = sizes > _ITS_OWN
+        along = (sides[:, kept].T @ (taken / length)) ** 2 / sizes[kept]
+        return _surprise(0.5 * self.worth * float(along.sum()))
 
 
 def _views(found: Fit) -> tuple[_View, _View]:

@@ -24,7 +24,7 @@ def depends_on_level(problem: Problem, hypothesis: Hypothesis) -> bool:
     return any(isinstance(e, JointLaw) for e in _elements(problem, hypothesis))
 
 
-def _bends(problem: Problem, hypothesis: Hypothesis) -> bool:
+def bends(problem: Problem, hypothesis: Hypothesis) -> bool:
     """Whether a hypothesis adds a joint whose stiffness depends on level, known to the prediction or not."""
     elements = _elements(problem, hypothesis)
     return any(isinstance(e, JointLaw) or (isinstance(e, HingedFlap) and e.gap_rad > 0) for e in elements)
@@ -71,7 +71,7 @@ def linear_first(problem: Problem, hypotheses: Sequence[Hypothesis]) -> tuple[li
     for hypothesis in hypotheses:
         if hypothesis.name in later:
             continue
-        if _bends(problem, hypothesis):
+        if bends(problem, hypothesis):
             later[hypothesis.name] = hypothesis
         else:
             at_once.append(hypothesis)
