@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,14 +17,16 @@ from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.loose_sensor_mount import LooseSensorMount
 from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
-from vgvt.reconcile.search import shortlist
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search import candidate_fits, shortlist
 from vgvt.reconcile.search.candidate_fits import FINALISTS, finalists
 from vgvt.reconcile.search.candidates import candidates
 from vgvt.reconcile.search.scan import scan_of
 from vgvt.reconcile.search.screen import screen, sizing
-from vgvt.reconcile.search.screened import parted
+from vgvt.reconcile.search.screened import Screened, parted
 from vgvt.reconcile.search.stand import Stand
 from vgvt.reconcile.search.stand_on import stand_on
+from vgvt.reconcile.work.progress import silent
 from vgvt.reconcile.work.team import Team
 
 NAMES = ("added-mass", "local-absorber", "root-compliance", "channel-gain", "stiffness-asymmetry")
@@ -146,6 +148,47 @@ def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> Non
     assert 0 < len(kept) <= FINALISTS
     assert {s.hypothesis for s in kept} < {s.hypothesis for s in chosen}
     assert kept[0].start is not None and np.abs(kept[0].start - null.scores).max() > 0
+
+
+@pytest.mark.parametrize(
+    ("foremost", "kept"), [(None, "abcd"), ("b", "abcd"), ("f", "abcdf"), ("e-too", "abcde")], ids=str
+)
+def test_what_came_first_without_forgiveness_is_fitted_too(
+    monkeypatch: pytest.MonkeyPatch, foremost: str | None, kept: str
+) -> None:
+    """A surge that promised most of all was the last by coarse steps; two starts that have met are one."""
+    nats = {"a": 9.0, "b": 8.0, "c": 7.0, "d": 6.0, "e": 5.0, "e-too": 4.9, "f": 1.0}
+
+    def begun(current: Any, s: Screened, tell: Any) -> Any:
+        label = s.hypothesis.label
+        return SimpleNamespace(evidence_nats=nats[label], values=lambda k: {}, scores=np.zeros(3))
+
+    monkeypatch.setattr(candidate_fits, "_begun", begun)
+    chosen = [
+        Screened(cast(Hypothesis, SimpleNamespace(name=label[0], label=label)), {}, 1.0, foremost=label == foremost)
+        for label in reversed(nats)
+    ]
+    current: Any = SimpleNamespace(hypotheses=(), scores=np.zeros(3))
+    assert "".join(s.hypothesis.name for s in finalists(current, chosen, silent)) == kept
+
+
+@pytest.mark.parametrize(("left", "foremost"), [(20.0, [True, False]), (1.2, [False, False])])
+def test_where_data_are_missed_the_first_by_their_own_errors_is_foremost(
+    monkeypatch: pytest.MonkeyPatch, left: float, foremost: list[bool]
+) -> None:
+    plain: list[Any] = [SimpleNamespace(name=name, settings={}) for name in ("surge", "mass")]
+    near = tuple(Screened(p, {}, 50.0) for p in plain)
+    monkeypatch.setattr(shortlist, "swallowed", lambda current, before: True)
+    monkeypatch.setattr(shortlist, "bent", lambda current: True)
+    monkeypatch.setattr(shortlist, "_asked", lambda current, left, *more: (list(left), []))
+    monkeypatch.setattr(shortlist, "_looks", lambda *given, **more: ((), near, ()))
+    monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
+    monkeypatch.setattr(shortlist, "freed", lambda hypothesis: SimpleNamespace(parameters=()))
+    before: Any = SimpleNamespace(train_chi2_per_dof=left)
+    current: Any = SimpleNamespace(u=np.zeros(1), hypotheses=())
+    seen = shortlist.shortened(current, (), before, 9.0, silent)
+    assert [s.hypothesis for s in seen] == plain
+    assert [s.foremost for s in seen] == foremost
 
 
 @pytest.mark.parametrize(("strained", "fitted"), [(True, ["settled", "open"]), (False, ["open"])])

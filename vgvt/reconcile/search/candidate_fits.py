@@ -32,7 +32,10 @@ _FIRST = ((0.0, 6),)
 
 
 def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress, team: Team = ALONE) -> tuple[Screened, ...]:
-    """Those of the short list that do best by a few steps that forgive misplaced peaks, at what these arrived at."""
+    """Those of the short list that do best by a few steps that forgive misplaced peaks, at what these arrived at.
+
+    And what was foremost without forgiveness, however it does by these.
+    """
     reached = team.work_off([(_begun, (current, s)) for s in chosen], tell)
     found: list[tuple[float, Screened]] = []
     for s, there in zip(chosen, reached, strict=True):
@@ -42,10 +45,14 @@ def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress, team: Te
             found.append((there.evidence_nats, ahead))
     kept: list[tuple[float, Screened]] = []
     for nats, s in sorted(found, key=lambda f: -f[0]):
+        met = (k for k, (n, o) in enumerate(kept) if n - nats < _MET and s.hypothesis.name == o.hypothesis.name)
+        twin = next(met, None)
         # Two starts of one effect that have met are one.
-        if not any(abs(nats - other) < _MET and s.hypothesis.name == o.hypothesis.name for other, o in kept):
+        if twin is None:
             kept.append((nats, s))
-    return tuple(s for _, s in kept[:FINALISTS])
+        elif s.foremost:
+            kept[twin] = (kept[twin][0], replace(kept[twin][1], foremost=True))
+    return tuple(s for k, (_, s) in enumerate(kept) if k < FINALISTS or s.foremost)
 
 
 def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:

@@ -21,7 +21,8 @@ class Screened:
     unknowns and of the effects that are there already. ``tuned`` names the parameter that was scanned, as it moves a
     resonance: with a part of it the resonance is elsewhere, so it is no size. What has ``arrived`` is at the bottom of
     a fit already: coarse steps would lead away. What is ``upright`` was seen from a calibration that may not bend
-    (:mod:`vgvt.reconcile.search.upright`), and is too small for coarse steps to tell.
+    (:mod:`vgvt.reconcile.search.upright`), and is too small for coarse steps to tell. What is ``foremost`` came first
+    by the data's own errors: where it is as narrow as a surge, coarse steps do not tell it either.
     """
 
     hypothesis: Hypothesis
@@ -33,6 +34,7 @@ class Screened:
     tuned: str = ""
     arrived: bool = False
     upright: bool = False
+    foremost: bool = False
 
     @property
     def sizes(self) -> dict[str, float]:

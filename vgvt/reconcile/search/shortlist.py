@@ -82,7 +82,10 @@ def shortened(
     chosen = [] if place is None else _swinging(current, far, place)
     listed = short_list(far, _SHORT_LIST, forgiving=True)
     chosen += _at_best_places(current, far, listed, spot, part(tell, 0.9, 1.0), team)
-    seen = (*short_list(near, _SHORT_LIST // 2, forgiving=True), *short_list(behind, _BEHIND, forgiving=True))
+    closest = short_list(near, _SHORT_LIST // 2, forgiving=True)
+    if closest and not met:
+        closest = (replace(closest[0], foremost=True), *closest[1:])
+    seen = (*closest, *short_list(behind, _BEHIND, forgiving=True))
     return (*chosen, *(s for found in others for s in found), *seen)
 
 
