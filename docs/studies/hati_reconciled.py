@@ -70,7 +70,7 @@ def stored(stage: str) -> Document | None:
 
 def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any) -> Document:
     """A whole reconciliation with its verdict, posterior, rivals, time, and the load under which it was taken."""
-    wall, own = time.perf_counter(), time.process_time()
+    wall, worked = time.perf_counter(), _processor_s()
 
     def tell(fraction: float, message: str, left: float | None) -> None:
         print(f"{stage} {time.strftime('%H:%M:%S')} {fraction:.0%} {message}", flush=True)  # noqa: T201
@@ -81,7 +81,7 @@ def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any
     document = verdict.document() | {
         "core": CORE,
         "wall_s": time.perf_counter() - wall,
-        "processor_s": time.process_time() - own + sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]),
+        "processor_s": _processor_s() - worked,
         "load": os.getloadavg()[0],
         "converged": {"before": found.null.converged, "after": nearest.converged},
         "posterior_before": posterior_of(found.null),
@@ -94,6 +94,11 @@ def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any
     }
     _keep_arrays(stage, found.null, nearest)
     return document
+
+
+def _processor_s() -> float:
+    """Processor time of this process so far, and of those that it started and that have ended."""
+    return time.process_time() + sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 
 
 def _rival(r: Rival) -> Document:
