@@ -192,14 +192,15 @@ def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.
     monkeypatch.setattr(reasons, "implausible", lambda fit: ())
     monkeypatch.setattr(reasons, "why_no_name", lambda found: "too little")
 
-    def rival(name: str) -> Any:
+    def rival(name: str, nats: float = 40.0) -> Any:
         return SimpleNamespace(
-            name=name, hypothesis=SimpleNamespace(label=name), gain_nats=40.0, fit=None, held_out=2.0
+            name=name, hypothesis=SimpleNamespace(label=name), gain_nats=nats, fit=None, held_out=2.0
         )
 
     led: Any = SimpleNamespace(
-        null=SimpleNamespace(converged=True), vetoed=(rival("soft root"), rival("cable")),
+        null=SimpleNamespace(converged=True), vetoed=(rival("soft root"), rival("cable"), rival("cable", 60.0)),
         leads=(SimpleNamespace(winner=rival("soft root"), held_out_before=3.0),),
     )  # fmt: skip
     refused = [words for words in reasons._of_the_unknown(led) if "speak against it" in words]
-    assert [words.split(" would")[0] for words in refused] == ["cable"]
+    # Of several variants of one effect the best is told.
+    assert [words.split(" nats")[0] for words in refused] == ["cable would gain 60"]

@@ -136,12 +136,15 @@ def _of_the_unknown(found: Attribution) -> list[str]:
             f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
             f"{found.leads[-1].winner.held_out:.2f}; {why_no_name(found)}"
         )
+    refused: dict[str, Rival] = {}
+    for r in sorted(found.vetoed, key=lambda r: -r.gain_nats):
+        # Of a lead, another variant may have been refused: that says nothing against it.
+        if r.name not in nearest and not implausible(r.fit):
+            refused.setdefault(r.name, r)
     said += [
         f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
         "explains with it, or another place where it does as well, speak against it"
-        for r in found.vetoed[:_TOLD]
-        # Of a lead, another variant may have been refused: that says nothing against it.
-        if r.name not in nearest and not implausible(r.fit)
+        for r in list(refused.values())[:_TOLD]
     ]
     return said
 
