@@ -83,10 +83,10 @@ def deviations_of(row: Row) -> list[float]:
 
 
 def headline(rows: Sequence[Row]) -> str:
-    """The promises, and what was measured: by all versions that left rows, and by the one that left the last."""
-    last = rows[-1]["core"] if rows else "none"
-    columns = [_promises(rows), _promises([r for r in rows if r["core"] == last])]
-    head = ("rate", "promise", "measured (95 % Wilson interval)", f"by the last version alone ({last})")
+    """The promises, and what was measured: by all versions that left rows, and by the one that left most of them."""
+    one = max(Counter(r["core"] for r in rows).items(), key=lambda c: c[1], default=("none", 0))[0]
+    columns = [_promises(rows), _promises([r for r in rows if r["core"] == one])]
+    head = ("rate", "promise", "measured (95 % Wilson interval)", f"by one version, that of most campaigns ({one})")
     lines = [(what, promise, said, columns[1][k][2]) for k, (what, promise, said) in enumerate(columns[0])]
     return table(head, lines)
 

@@ -40,7 +40,7 @@ def test_a_case_keeps_the_row_that_was_judged_blind() -> None:
     ]
 
 
-def test_a_report_adds_to_what_is_known_and_counts_the_last_version_beside_all(
+def test_a_report_adds_to_what_is_known_and_counts_the_version_of_most_campaigns_beside_all(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = {"held_before": 3.0, "held_after": 0.7, "nrmse_before": 97.0, "nrmse_after": 99.0}
@@ -50,10 +50,15 @@ def test_a_report_adds_to_what_is_known_and_counts_the_last_version_beside_all(
     monkeypatch.setattr(study, "PAGES", tmp_path)
     monkeypatch.setattr(study, "BASELINES", tmp_path)
     monkeypatch.setattr(study, "picture", lambda counts: None)
-    fresh = [ROW | whole, ROW | whole | {"seed": 6, "catalogue": 20}, ROW | {"seed": 7, "verdict": "not visible"}]
+    fresh = [
+        ROW | whole,
+        ROW | whole | {"seed": 8},
+        ROW | whole | {"seed": 6, "catalogue": 20},
+        ROW | {"seed": 7, "verdict": "not visible"},
+    ]
     study.report(fresh, tmp_path, cases)
-    assert [r["seed"] for r in loop_rows.read_rows(cases)] == [None, 5]
+    assert [r["seed"] for r in loop_rows.read_rows(cases)] == [None, 5, 8]
     found = page.read_text("utf-8")
-    assert "by the last version alone (12345678)" in found
-    assert "| wrong single name, above the limit | ≤ 2 % | 1 of 2, 50 % (9–91) | 0 of 1, 0 % (0–79) |" in found
+    assert "by one version, that of most campaigns (12345678)" in found
+    assert "| wrong single name, above the limit | ≤ 2 % | 1 of 3, 33 % (6–79) | 0 of 2, 0 % (0–66) |" in found
     assert (tmp_path / "closing-the-loop-confusion.csv").read_text("utf-8").count("added-mass,added-mass") == 1
