@@ -88,6 +88,9 @@ def test_a_model_far_from_the_data_names_nothing_however_much_it_takes(
         (1.0, 3.9, False, True),  # no more than campaigns do in which nothing is missing
         (1.0, 4.1, False, False),
         (5.0, 9.1, True, True),
+        (40.0, 15.9, False, True),
+        (40.0, 16.1, False, False),  # four times what they may give: a mass's inertia had been half a loose flap
+        (40.0, 16.1, True, True),
     ],
 )
 def test_a_name_that_makes_tolerances_give_more_than_before_is_a_lead(
@@ -110,6 +113,17 @@ def test_it_is_said_that_a_lead_lives_on_the_tolerances(monkeypatch: pytest.Monk
     assert "the tolerances give more than without (9.1 standard deviations beyond chance, 5.0 before)" in why_no_name(
         judged
     )
+
+
+@pytest.mark.parametrize(("after", "said"), [(16.1, True), (15.9, False)])
+def test_it_is_said_that_a_lead_leaves_the_tolerances_far_off(
+    monkeypatch: pytest.MonkeyPatch, after: float, said: bool
+) -> None:
+    case = found((1.7, 1.6), (1.0, 1.1))
+    led: Any = SimpleNamespace(hypotheses=(), chi2_per_dof=1.0, held_out_chi2_per_dof=1.1)
+    monkeypatch.setattr(leads, "strain_sd", lambda fit: after)
+    judged = replace(case, null_residual=left(1.6, strain=40.0), rounds=(), leads=case.rounds, led=led)
+    assert ("to give 16 standard deviations beyond chance, more than 4 times" in why_no_name(judged)) == said
 
 
 @pytest.mark.parametrize(

@@ -156,7 +156,7 @@ def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> Non
 def test_what_came_first_without_forgiveness_is_fitted_too(
     monkeypatch: pytest.MonkeyPatch, foremost: str | None, kept: str
 ) -> None:
-    """A surge that promised most of all was the last by coarse steps; two starts of one effect that have met are one."""
+    """A surge that promised most of all was the last by coarse steps; two starts of one that have met are one."""
     nats = {"a": 9.0, "b": 8.0, "a-far": 7.0, "d": 6.0, "e": 5.0, "e-too": 4.9, "f": 1.0}
 
     def begun(current: Any, s: Screened, tell: Any) -> Any:

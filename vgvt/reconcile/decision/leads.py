@@ -44,7 +44,7 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
         )  # fmt: skip
     enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
     far = after.limits.far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof)
-    leant = leant_on_more(after.strain_sd, found.null_residual)
+    leant = leant_on_more(after.strain_sd, found.null_residual) or leant_on_far(after.strain_sd, found.null_residual)
     if after.adequate or (min(shares(found)) >= enough and not far and not leant):
         return found
     return demoted(found)
@@ -56,6 +56,14 @@ def leant_on_more(strain: float, without: Residual) -> bool:
     ``strain`` is by how many standard deviations they do, ``without`` what is left without them.
     """
     return strain > max(without.limits.strain_sd, without.strain_sd)
+
+
+def leant_on_far(strain: float, without: Residual) -> bool:
+    """Whether names lean on the tolerances far more than campaigns do in which nothing is missing.
+
+    ``strain`` is by how many standard deviations they do, ``without`` what is left without them.
+    """
+    return strain > FAR_OFF * without.limits.strain_sd
 
 
 def why_no_name(found: Attribution) -> str:
@@ -70,6 +78,11 @@ def why_no_name(found: Attribution) -> str:
         return (
             f"with it the tolerances give more than without ({strain:.1f} standard deviations beyond chance, "
             f"{found.null_residual.strain_sd:.1f} before): what takes from them what it gives the data is a lead"
+        )
+    if led and leant_on_far(strain := strain_sd(led), found.null_residual):
+        return (
+            f"what leaves the tolerances to give {strain:.0f} standard deviations beyond chance, more than "
+            f"{FAR_OFF:.0f} times what they may, is a lead"
         )
     return "what does not halve what is too much with every name is a lead"
 
