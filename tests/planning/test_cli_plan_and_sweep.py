@@ -10,6 +10,7 @@ import pytest
 from vgvt.bench.table import read_table
 from vgvt.cli.boundary import run_command
 from vgvt.scenario import load_scenario
+from vgvt.simulation.attitude import attitudes_deg
 
 
 def test_a_plan_is_written_and_can_be_run(tmp_path, capsys) -> None:
@@ -31,6 +32,9 @@ def test_a_plan_is_written_and_can_be_run(tmp_path, capsys) -> None:
     assert {str(node) for node in planned.acquisition.runs[0]} <= texts
     card = (out / "card.html").read_text(encoding="utf-8")
     assert "25.0 in aft, 4.5 in right (0.635 m, 0.114 m)" in card
+    roll, pitch = attitudes_deg(planned)[0]
+    # The transducer hangs on the right wing, and the nose is light.
+    assert f"right wing down by {-roll:.1f}° and nose up by {pitch:.1f}°" in card
     assert "http" not in card.replace("http://www.w3.org/2000/svg", "").replace("http-equiv", "")
 
 
