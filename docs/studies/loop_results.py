@@ -83,12 +83,21 @@ def deviations_of(row: Row) -> list[float]:
 
 
 def headline(rows: Sequence[Row]) -> str:
-    """The promises, and what was measured: by all versions that left rows, and by the one that left most of them."""
-    one = max(Counter(r["core"] for r in rows).items(), key=lambda c: c[1], default=("none", 0))[0]
-    columns = [_promises(rows), _promises([r for r in rows if r["core"] == one])]
-    head = ("rate", "promise", "measured (95 % Wilson interval)", f"by one version, that of most campaigns ({one})")
-    lines = [(what, promise, said, columns[1][k][2]) for k, (what, promise, said) in enumerate(columns[0])]
-    return table(head, lines)
+    """The promises, and what was measured: by all versions that left rows, the one that left most, and the last one.
+
+    Rows are in the order in which they were judged.
+    """
+    counts = Counter(r["core"] for r in rows)
+    most = max(counts, key=lambda core: counts[core], default="none")
+    last = rows[-1]["core"] if rows else "none"
+    heads = [f"by one version, that of most campaigns ({most})"]
+    parts = [list(rows), [r for r in rows if r["core"] == most]]
+    if last != most:
+        heads.append(f"by the last version ({last})")
+        parts.append([r for r in rows if r["core"] == last])
+    columns = [_promises(part) for part in parts]
+    lines = [(what, promise, *(c[k][2] for c in columns)) for k, (what, promise, _) in enumerate(columns[0])]
+    return table(("rate", "promise", "measured (95 % Wilson interval)", *heads), lines)
 
 
 def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:

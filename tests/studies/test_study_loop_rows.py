@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import closing_the_loop as study
+import loop_results
 import loop_rows
 import pytest
 
@@ -62,3 +63,13 @@ def test_a_report_adds_to_what_is_known_and_counts_the_version_of_most_campaigns
     assert "by one version, that of most campaigns (12345678)" in found
     assert "| wrong single name, above the limit | ≤ 2 % | 1 of 3, 33 % (6–79) | 0 of 2, 0 % (0–66) |" in found
     assert (tmp_path / "closing-the-loop-confusion.csv").read_text("utf-8").count("added-mass,added-mass") == 1
+
+
+def test_the_last_version_has_a_column_of_its_own_unless_it_left_most_campaigns() -> None:
+    first = ROW | {"core": "11111111"}
+    last = ROW | {"core": "22222222", "answer": "wrong", "verdict": "explained", "named": "local-absorber"}
+    said = loop_results.headline([first, first, last]).splitlines()
+    assert "by one version, that of most campaigns (11111111) | by the last version (22222222)" in said[0]
+    single = next(line for line in said if "wrong single name, above the limit" in line)
+    assert [part.strip().split(",")[0] for part in single.split("|")[3:6]] == ["1 of 3", "0 of 2", "1 of 1"]
+    assert "by the last version" not in loop_results.headline([last, first, first])
