@@ -100,6 +100,27 @@ def test_an_effect_that_fails_is_named_and_the_input_is_not_blamed(vgvt, tmp_pat
     assert error["message"].startswith("effect 'failing' failed in act(run 0): KeyError: 'k' (run with VGVT_TRACEBACK")
 
 
+@pytest.mark.filterwarnings("default:divide by zero")
+def test_numbers_that_are_none_are_not_written_to_a_campaign(vgvt, install, tmp_path: Path) -> None:
+    """A factor that is infinite at 0 Hz, the likeliest mistake of all."""
+    act = "return Action(channels=(ChannelFilter('response', lambda f: 1 + 1 / f),))"
+    source = EFFECTS.replace('return {}["k"]', act)
+    source = source.replace("import Action,", "import Action, ChannelFilter,")
+    install("mike", source, "vgvt.effects", {"failing": "Failing"})
+    (tmp_path / "spoiled.toml").write_text(SCENARIO)
+    result = vgvt("simulate", "./spoiled.toml", "--engine", "linear", "--out", "there", "--json")
+    assert result.status == 1
+    said = "effect 'failing' failed in the ChannelFilter on 'response' (run 0): ValueError: 1 of "
+    assert result.document["error"]["message"].startswith(said)
+    assert not (tmp_path / "there").exists()
+
+
+def test_a_module_that_leaves_breaks_nothing_else(vgvt, install) -> None:
+    install("mike", "import sys\nsys.exit(3)", "vgvt.effects", {"bare": "Bare"})
+    result = vgvt("list", "effects", "--json")
+    assert result.status == 0 and "effect plugin 'bare' (mike:Bare) is left out: SystemExit: 3" in result.err
+
+
 @pytest.mark.parametrize(
     ("body", "said"),
     [

@@ -112,7 +112,7 @@ def test_effects_act_in_their_turn_and_are_told_in_their_order() -> None:
 
     effects: Any = [Noted("a", Turn.IN_JOINTS), Noted("b"), Noted("c", Turn.AT_ROOTS), Noted("d", Turn.STATED)]
     stated: Any = "stated"
-    changed, actions = acted(effects, stated, 2)
+    changed, actions = acted(effects, stated, 2, lambda effect, scenario, run: effect.act(scenario, run))
     assert seen == ["b2 of stated", "d2 of stated+b", "c2 of stated+b", "a2 of stated+b+c"]
     assert [a.scenario for a in actions] == ["stated+b+c+a", "stated+b", "stated+b+c", None]
     assert changed == "stated+b+c+a"

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from reconciled_case import problem, small_scenario
 
-from vgvt.data import InputError, PluginError
-from vgvt.effects import Action, Family, parameter
+from vgvt.data import InputError
+from vgvt.effects import Action, ChannelFilter, Family, parameter
 from vgvt.effects.action import NOTHING
 from vgvt.effects.registry import EffectPluginWarning
-from vgvt.reconcile.prediction.grouping import assembled, run_actions
+from vgvt.reconcile.prediction.grouping import NoStructureError, assembled, run_actions
+from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.candidates import candidates
 from vgvt.scenario import Scenario
@@ -81,5 +82,42 @@ def test_one_that_fails_only_where_a_fit_leads_is_refused_there(tmp_path: Path) 
     told = r"^effect 'failing' failed in act\(run 0\): ZeroDivisionError: .*; the search goes on without it there$"
     with pytest.warns(EffectPluginWarning, match=told):
         assert assembled(case, np.zeros(case.size), (hypothesis,), at[1]) is None
-    with pytest.warns(EffectPluginWarning, match=told), pytest.raises(PluginError, match="effect 'failing'"):
+    with pytest.warns(EffectPluginWarning, match=told), pytest.raises(NoStructureError, match="effect 'failing'"):
         run_actions(small_scenario(), (Failing(size=1.2),), 1)
+
+
+@dataclass(frozen=True)
+class Filtering:
+    """A gain whose filter has no number at some lines, and from some size on nowhere."""
+
+    name: ClassVar[str] = "filtering"
+    family: ClassVar[Family] = Family.ACQUISITION
+    linear: ClassVar[bool] = True
+    size: float = parameter("", 0.1, 1.0, "size", neutral=0.0)
+    kind: Literal["works", "short"] = field(default="works", metadata={"doc": "how"})
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        return Action(channels=(ChannelFilter("response", self._response),))
+
+    def _response(self, frequency_hz: Any) -> Any:
+        return (1 + self.size + 0 * frequency_hz)[self.kind == "short" :] / (self.size <= 1.0)
+
+
+def test_a_filter_that_fails_at_the_campaigns_lines_is_left_out(tmp_path: Path) -> None:
+    told = r"^effect 'filtering' failed in the ChannelFilter on 'response' .*: TypeError: .*; 1 of 2 variants left out$"
+    with pytest.warns(EffectPluginWarning, match=told):
+        found = candidates(problem(tmp_path, 1), {"filtering": Filtering})
+    assert [h.settings["kind"] for h in found] == ["works"]
+
+
+@pytest.mark.filterwarnings("ignore:divide by zero")
+def test_a_filter_that_fails_only_where_a_fit_leads_is_refused_there(tmp_path: Path) -> None:
+    case = problem(tmp_path, 1)
+    hypothesis = Hypothesis(Filtering, {"kind": "works"})
+    u = np.zeros(case.size)
+    inside, beyond = (hypothesis.scores({"size": size}) for size in (0.5, 1.2))
+    there = anchor(case, u, (hypothesis,), inside)
+    assert np.isfinite(there.predict(u, inside)).all()
+    told = r"^effect 'filtering' failed in the ChannelFilter on 'response' .*; the search goes on without it there$"
+    with pytest.warns(EffectPluginWarning, match=told), pytest.raises(NoStructureError, match="effect 'filtering'"):
+        there.predict(u, beyond)

@@ -53,7 +53,8 @@ def one_of_each_name(
         first, used = found.setdefault(point.name, (loaded, point))
         if first is not loaded:
             left_out = f"that of {package_of(point)} ({point.value}) is left out"
-            tell(f"two are called {point.name!r}: that of {package_of(used)} is used, {left_out}")
+            advice = "give it another name, in the class and in its entry point"
+            tell(f"two are called {point.name!r}: that of {package_of(used)} is used, {left_out}; {advice}")
     return {name: cls for name, (cls, _) in found.items()}
 
 
@@ -70,7 +71,10 @@ def lacking(cls: object, name: str, method: str, attributes: Mapping[str, type])
     ):
         return f"it is not a dataclass with a method {method}"
     if cls.__dict__.get("name") != name:
-        return f"the class calls itself {cls.__dict__.get('name')!r}"
+        own = cls.__dict__.get("name")
+        if own is None:
+            return f"the class has no name of its own: write name: ClassVar[str] = {name!r}"
+        return f"the class calls itself {own!r}"
     for attribute, kind in attributes.items():
         if not isinstance(getattr(cls, attribute, None), kind):
             return f"its class attribute {attribute!r} is missing, or no {kind.__name__}"
@@ -83,14 +87,14 @@ def whose_fault(plugin: object, title: str, doing: str) -> Iterator[None]:
 
     ``title`` and ``doing`` are the words before and after "failed in". What says already what is wrong with the input
     passes, and so does a lack of memory; and whatever a bundled one raises, which is a mistake of this program's and
-    to be seen as it is.
+    to be seen as it is. ``plugin`` is the class where there is no object yet.
     """
     try:
         yield
     except (InputError, PluginError, MemoryError):
         raise
     except Exception as error:
-        if is_bundled(type(plugin).__module__):
+        if is_bundled((plugin if isinstance(plugin, type) else type(plugin)).__module__):
             raise
         first_line = (str(error).strip().splitlines() or [""])[0]
         what = f"{type(error).__name__}: {first_line}" if first_line else type(error).__name__

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import IntEnum
 
-from vgvt.data.plugin import whose_fault
+from vgvt.data.plugin import is_bundled, whose_fault
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import Element, GroundSpring
+from vgvt.effects.foreign import held_to_contract
 from vgvt.effects.point_error import seats
 from vgvt.effects.protocol import Effect
 from vgvt.scenario.model import Scenario
@@ -36,14 +37,14 @@ class Turn(IntEnum):
 def action_of(effect: Effect, scenario: Scenario, run: int) -> Action:
     """What an effect does to a run (counted from 0) of a scenario.
 
-    PluginError, which names the effect, where one that is not bundled raises anything but InputError or gives no
-    Action.
+    PluginError, which names the effect, where one that is not bundled raises anything but InputError, gives no
+    Action, or one that it may not give; functions in its Action raise it, too, where they fail.
     """
     with whose_fault(effect, f"effect {effect.name!r}", f"act(run {run})"):
         action: object = effect.act(scenario, run)
         if not isinstance(action, Action):
             raise TypeError(f"it gave {type(action).__name__}, not an Action")
-    return action
+    return action if is_bundled(type(effect).__module__) else held_to_contract(effect, action, scenario, run)
 
 
 def acted(

@@ -15,8 +15,9 @@ from typing import Any, cast
 
 import numpy as np
 
+from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action, ChannelFilter
-from vgvt.effects.parameter import Parameter, parameters_of
+from vgvt.effects.parameter import Parameter, parameters_of, range_fault
 from vgvt.effects.protocol import Effect, Family
 from vgvt.effects.registry import available_effects, effects_of, make_effect
 from vgvt.scenario import Scenario, load_scenario, to_toml
@@ -128,13 +129,10 @@ def declares_its_parameters(effect: type) -> None:
     defaults = effect()
     for p in parameters_of(effect):
         where = f"{effect.__name__}.{p.name}"
-        assert isinstance(p.unit, str), f"{where}: the unit must be a text, '' for a fraction"
-        assert math.isfinite(p.low) and math.isfinite(p.high) and p.low < p.high, f"{where}: {p.low} to {p.high}"
-        assert p.scale == "linear" or p.low > 0, f"{where}: a logarithmic scale needs a positive range"
+        assert not (said := range_fault(p)), f"{where}: {said}"
         assert math.isfinite(getattr(defaults, p.name)), f"{where}: the default must be finite"
         assert p.doc.strip() and p.source.strip(), f"{where}: doc and source must say something"
         if p.neutral is not None:
-            assert math.isfinite(p.neutral), f"{where}: the neutral value must be finite"
             inside = p.low < p.neutral < p.high
             assert not (p.scale == "log" and inside), f"{where}: neutral inside a logarithmic range; make it linear"
         else:
@@ -147,7 +145,7 @@ def acts_without_side_effects(effect: type) -> None:
     before = to_toml(scenario)
     made = switched_on(effect)
     for run in (0, 3):
-        first, again = (_facts(made.act(scenario, run)) for _ in range(2))
+        first, again = (_facts(action_of(made, scenario, run)) for _ in range(2))
         assert len(first) == len(again), f"run {run} of one scenario gives two different actions"
         for one, other in zip(first, again, strict=True):
             assert np.array_equal(one, other), f"run {run} of one scenario gives {one} and then {other}"

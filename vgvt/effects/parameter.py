@@ -51,11 +51,33 @@ def parameter(
     """A dataclass field that is a physical parameter; it defaults to ``default``, else to its neutral value."""
     value = default if default is not None else neutral
     if value is None:
-        raise ValueError("a parameter needs a neutral value or a default")
+        raise ValueError(f"the parameter {doc!r} needs neutral=… (the value at which the effect is gone) or default=…")
     if least is None and scale == "log":
         least = 0.0
     about = {"unit": unit, "low": low, "high": high, "doc": doc, "neutral": neutral, "scale": scale}
     return dataclasses.field(default=float(value), metadata=about | {"source": source, "least": least})
+
+
+def range_fault(p: Parameter) -> str:
+    """What keeps a parameter from being fitted, in words; empty where nothing does."""
+    # Somebody else's class: nothing keeps it to the types that are asked for.
+    numbers: list[tuple[str, object]] = [("low", p.low), ("high", p.high)]
+    numbers += [(what, v) for what, v in (("neutral", p.neutral), ("least", p.least)) if v is not None]
+    for what, value in numbers:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            return f"{what} = {value!r} is no finite number"
+    unit: object = p.unit
+    if not isinstance(unit, str):
+        return f"the unit is {unit!r}: write a text, '' for a fraction"
+    if p.scale not in ("linear", "log"):
+        return f"scale = {p.scale!r}: write 'linear' or 'log'"
+    if not p.low < p.high:
+        return f"{p.low:g} to {p.high:g} is no range: low comes first"
+    if p.scale == "log" and p.low <= 0:
+        return f"a logarithmic scale cannot begin at {p.low:g}: write a positive low, or scale='linear'"
+    if p.neutral is not None and p.least is not None and p.neutral < p.least:
+        return f"neutral = {p.neutral:g} is below least = {p.least:g}"
+    return ""
 
 
 def parameters_of(effect: type) -> tuple[Parameter, ...]:

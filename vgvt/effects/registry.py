@@ -10,9 +10,9 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
 from vgvt.data import InputError
-from vgvt.data.plugin import lacking, one_of_each_name
+from vgvt.data.plugin import lacking, one_of_each_name, whose_fault
 from vgvt.data.suggestion import choose_one_of
-from vgvt.effects.parameter import parameters_of
+from vgvt.effects.parameter import parameters_of, range_fault
 from vgvt.effects.protocol import Effect, Family
 from vgvt.scenario.model import Scenario
 
@@ -26,6 +26,9 @@ _DECLARED = {
     "separating_test": str,
     "reference": str,
 }
+
+# What a scenario file can hold in an [[effect]] table.
+_WRITABLE = "bool, int, float, str and Literal[…]"
 
 
 class EffectPluginWarning(UserWarning):
@@ -45,7 +48,7 @@ def _load(point: EntryPoint) -> type | None:
     try:
         loaded = point.load()
         why = lacking(loaded, point.name, "act(scenario, run)", _DECLARED) or _unusable(loaded)
-    except Exception as error:  # noqa: BLE001  whatever a third-party import raises must not stop the others
+    except (Exception, SystemExit) as error:  # noqa: BLE001  what a plugin raises must not stop others
         why = f"{type(error).__name__}: {error}"
     if not why:
         return typing.cast(type, loaded)
@@ -56,13 +59,19 @@ def _load(point: EntryPoint) -> type | None:
 @cache
 def _unusable(cls: type) -> str:
     """What keeps the fields of a class from being tried and fitted, in words; empty where nothing does."""
+    hints = typing.get_type_hints(cls)  # raises where it cannot tell
+    ranged = {f.name for f in dataclasses.fields(cls) if {"unit", "low", "high"} <= set(f.metadata)}
     for f in dataclasses.fields(cls):
-        if f.init and f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING:
+        if f.init and f.default is dataclasses.MISSING:
             return f"its field {f.name!r} has no default"
-    # Both raise where they cannot tell.
-    typing.get_type_hints(cls)
-    parameters_of(cls)
-    return ""
+        if "unit" in f.metadata and f.name not in ranged:
+            return f"its field {f.name!r} has a unit, but no range: make it with parameter(unit, low, high, doc, …)"
+        if hints[f.name] not in (bool, int, float, str) and typing.get_origin(hints[f.name]) is not typing.Literal:
+            return f"its field {f.name!r} is none of {_WRITABLE}: an [[effect]] table could not give it"
+    turn = getattr(cls, "turn", 0)
+    if not isinstance(turn, int):
+        return f"its class attribute 'turn' is {turn!r}: give one of vgvt.effects.acting.Turn"
+    return next((f"its field {p.name!r}: {said}" for p in parameters_of(cls) if (said := range_fault(p))), "")
 
 
 def make_effect(name: str, where: str, **values: object) -> Effect:
@@ -93,10 +102,11 @@ def _made(known: Mapping[str, type], name: str, where: str, values: Mapping[str,
         if about.least is not None and isinstance(number, float) and number < about.least:
             problem = f"effect {name!r}: {number:g} is below {about.least:g}"
             raise InputError(f"{where}.{about.name}", problem, _ranges(cls))
-    try:
-        made: Effect = cls(**checked)
-    except ValueError as error:
-        raise InputError(where, f"effect {name!r}: {error}", _ranges(cls)) from error
+    with whose_fault(cls, f"effect {name!r}", "its constructor"):
+        try:
+            made: Effect = cls(**checked)
+        except ValueError as error:
+            raise InputError(where, f"effect {name!r}: {error}", _ranges(cls)) from error
     return made
 
 

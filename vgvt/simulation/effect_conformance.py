@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Record
+from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action
 from vgvt.effects.conformance import (
     Check,
@@ -86,7 +87,7 @@ def example_scenario(amplitude_v: float = QUIET_V) -> Scenario:
 def vanishes_at_its_neutral_values(effect: type) -> None:
     """At its neutral values it does nothing, or truth and records equal those without it to round-off."""
     off, scenario = neutral(effect), example_scenario()
-    actions = [off.act(scenario, run) for run in range(len(scenario.acquisition.run_nodes))]
+    actions = [action_of(off, scenario, run) for run in range(len(scenario.acquisition.run_nodes))]
     warmest = max(abs(a.warming_k) for a in actions)
     assert warmest == 0, f"at neutral values a thermometer beside the aircraft shows {warmest:g} K more"
     if all(a.command is None and not a.channels and _as_ideal(a, scenario) for a in actions):

@@ -7,8 +7,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Channel, ChannelRole, Direction, Dof, Quantity
+from vgvt.data import Channel, ChannelRole, Direction, Dof, PluginError, Quantity
 from vgvt.effects.action import Action, ChannelFilter
+from vgvt.reconcile.prediction.grouping import NoStructureError, refused
 from vgvt.reconcile.question.problem import Problem
 from vgvt.simulation.channel_effects import selects
 
@@ -20,9 +21,18 @@ _HIGHEST = 0.49
 
 
 def chain_factor(problem: Problem, scores: Array, actions: list[tuple[Action, ...]] | None) -> ComplexArray:
-    """What multiplies the mechanical A/F, (C, L), at scores (nuisances,); ``actions`` of every run or None."""
+    """What multiplies the mechanical A/F, (C, L), at scores (nuisances,); ``actions`` of every run or None.
+
+    NoStructureError, with a warning, where a filter of somebody else's effect fails.
+    """
     out = _plain(problem, np.asarray(scores, dtype=float).tobytes())
-    return out if actions is None else np.asarray(out * _filters(problem, actions))
+    if actions is None:
+        return out
+    try:
+        return np.asarray(out * _filters(problem, actions))
+    except PluginError as error:
+        refused(error)
+        raise NoStructureError(str(error)) from error
 
 
 @lru_cache(maxsize=256)

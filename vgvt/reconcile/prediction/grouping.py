@@ -75,12 +75,16 @@ class NoStructureError(ValueError):
 
 
 def effects_at(problem: Problem, hypotheses: Sequence[Hypothesis], e: Array) -> tuple[Effect, ...] | None:
-    """The scenario's own effects, then the hypotheses' at scores e; None where one refuses its values."""
+    """The scenario's own effects, then the hypotheses' at scores e; None where one refuses its values, or fails."""
     made: list[Effect] = list(effects_of(problem.scenario))
     start = 0
     for hypothesis in hypotheses:
         count = len(hypothesis.parameters)
-        effect = hypothesis.effect(hypothesis.values(e[start : start + count]))
+        try:
+            effect = hypothesis.effect(hypothesis.values(e[start : start + count]))
+        except PluginError as error:
+            refused(error)
+            return None
         start += count
         if effect is None:
             return None
@@ -93,13 +97,19 @@ def run_actions(
 ) -> list[tuple[Scenario, tuple[Action, ...]]]:
     """What effects make of every one of ``runs`` runs: the edited scenario and the actions, in their order.
 
-    Somebody else's effect that fails is refused like one that cannot be had, but not without a word.
+    Somebody else's effect that fails is refused like one that cannot be had, by NoStructureError, but not without a
+    word.
     """
     try:
         return [acted(effects, scenario, run) for run in range(runs)]
     except PluginError as error:
-        warnings.warn(f"{error}; the search goes on without it there", EffectPluginWarning, stacklevel=1)
-        raise
+        refused(error)
+        raise NoStructureError(str(error)) from error
+
+
+def refused(error: PluginError) -> None:
+    """Say which effect of somebody else's a search goes on without."""
+    warnings.warn(f"{error}; the search goes on without it there", EffectPluginWarning, stacklevel=1)
 
 
 def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Array:

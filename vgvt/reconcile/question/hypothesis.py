@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.plugin import whose_fault
 from vgvt.effects.parameter import Parameter, parameters_of
 from vgvt.effects.protocol import Effect
 
@@ -120,14 +121,18 @@ class Hypothesis:
         return math.expm1(sd * step) / sd if p.scale == "log" else step
 
     def effect(self, values: Mapping[str, float]) -> Effect | None:
-        """The effect itself; None where it refuses the values, or a scenario would: below a parameter's least."""
+        """The effect itself; None where it refuses the values, or a scenario would: below a parameter's least.
+
+        PluginError where the constructor of somebody else's fails otherwise.
+        """
         chosen = {**self.settings, **values}
         if any(p.least is not None and chosen.get(p.name, p.least) < p.least for p in parameters_of(self.cls)):
             return None
-        try:
-            made: Effect = self.cls(**chosen)
-        except ValueError:
-            return None
+        with whose_fault(self.cls, f"effect {self.name!r}", "its constructor"):
+            try:
+                made: Effect = self.cls(**chosen)
+            except ValueError:
+                return None
         return made
 
 

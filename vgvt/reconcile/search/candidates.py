@@ -20,6 +20,7 @@ import numpy as np
 from vgvt.data import InputError, PluginError
 from vgvt.data.plugin import is_bundled
 from vgvt.effects.acting import action_of
+from vgvt.effects.action import ChannelFilter
 from vgvt.effects.beams import plain_name
 from vgvt.effects.parameter import parameters_of
 from vgvt.effects.registry import EffectPluginWarning, available_effects
@@ -87,11 +88,13 @@ def _that_act(problem: Problem, cls: type, variants: list[dict[str, Any]]) -> li
 
 
 def _act_once(problem: Problem, hypothesis: Hypothesis) -> None:
-    """Ask an effect what it does in every run, the aircraft as stated."""
+    """Ask an effect what it does in every run, the aircraft as stated, and its filters at the campaign's lines."""
     effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
     if effect is not None:
         for run in range(len(problem.measured.runs)):
-            action_of(effect, problem.scenario, run)
+            for change in action_of(effect, problem.scenario, run).channels:
+                if isinstance(change, ChannelFilter):
+                    change.response(problem.measured.frequency_hz)
 
 
 def freed(hypothesis: Hypothesis) -> Hypothesis:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vgvt.data import PluginError
 from vgvt.effects.acting import action_of
 from vgvt.effects.action import ChannelFilter
 from vgvt.effects.elements import Absorber, HingedFlap, SuspensionFrame
@@ -287,7 +288,10 @@ def _of_channels(changes: Sequence[object]) -> list[tuple[float, float]]:
     found = []
     for change in changes:
         if isinstance(change, ChannelFilter):
-            height = np.abs(change.response(_GRID_HZ))
+            try:
+                height = np.abs(change.response(_GRID_HZ))
+            except PluginError:  # beyond the lines that it was asked for before
+                continue
             peak = int(height.argmax())
             if height[peak] > _PEAK * max(height[0], height[-1]):
                 found.append((2 * math.pi * float(_GRID_HZ[peak]), 0.5 * float(height[0] / height[peak])))
