@@ -59,7 +59,11 @@ def confirmed(monkeypatch: pytest.MonkeyPatch) -> Any:
         monkeypatch.setattr(confirmation, "_felt", lambda found: felt)
         monkeypatch.setattr(confirmation, "takes_enough", lambda *given: enough)
         gained = 2 * LINES * (before.held_out_chi2_per_dof - held_out)
-        monkeypatch.setattr(confirmation, "held_out_nats", lambda judge, *given: confirmation._worth(judge) * gained)
+        monkeypatch.setattr(
+            confirmation,
+            "held_out_nats",
+            lambda judge, *given: gained * confirmation._worth(judge, judge.problem.split.held),
+        )
         null: Any = SimpleNamespace(scores=np.array([null_scores, 0.0, 0.0]), foretold=own.foretold + apart)
         return confirmed_by_held_out(own, held_out, null, before, NEEDS)
 
@@ -170,8 +174,8 @@ def test_noise_that_a_held_out_run_shares_is_not_news_of_it() -> None:
             measured=replace(judged, values=true * (1 + relative)), split=SimpleNamespace(held=held)
         )
         right, wrong = (SimpleNamespace(problem=problem, foretold=true * factor) for factor in (1.0, 1.03))
-        between = confirmation._square_sum(confirmation._of_held_out(problem, wrong.foretold - right.foretold))
-        worth = confirmation._worth(right)  # type: ignore[arg-type]
+        between = confirmation._square_sum(confirmation._of(problem, held, wrong.foretold - right.foretold))
+        worth = confirmation._worth(right, held)  # type: ignore[arg-type]
         nats = held_out_nats(right, right, wrong) / worth  # type: ignore[arg-type]
         said.append((nats - between) / np.sqrt(2 * between))
     assert np.std(said) == pytest.approx(1.0, abs=0.15)

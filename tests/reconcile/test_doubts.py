@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vgvt.effects import available_effects
 from vgvt.reconcile.decision import one_level, place_control, reasons
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.evidence.still_explained import StillExplained
+from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS
 
 NAMES = tuple(f"unknown {k}" for k in range(30))
@@ -59,7 +61,7 @@ def test_each_doubt_is_said_and_makes_the_explanation_partial(null: Any, final: 
 
 def test_what_a_law_still_explains_is_a_doubt() -> None:
     more = found(fitted(), fitted())
-    more.still = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), 13.6)
+    more.still = StillExplained("force at 5+Z", "structure", 13.6)
     (said,) = doubts(more)
     assert "A force at 5+Z that is smooth over frequency would still explain 14 nats more" in said
     assert kind_of(more) is Kind.PARTLY_EXPLAINED
@@ -95,7 +97,7 @@ def test_a_name_that_depends_on_level_awaits_a_second_one_before_anything_else(
     assert kind_of(beside) is Kind.PARTLY_EXPLAINED
     going = found(fitted(), fitted(converged=False))
     more = found(fitted(), fitted())
-    more.still = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), 13.6)
+    more.still = StillExplained("force at 5+Z", "structure", 13.6)
     for case in (going, more):
         case.final_residual = SimpleNamespace(adequate=False, met=met)
         case.rounds[0].winner.hypothesis.linear = linear
@@ -146,6 +148,9 @@ def test_how_coarse_a_chain_the_data_come_from_is_no_tolerance() -> None:
     assert not strained_too_much(coarse)
     assert far_scores(coarse) == ""
     assert strained_too_much(fitted(0.5, -9.0))
+
+
+LIMITS: Any = SimpleNamespace(set_nats=5.0, evidence_nats=9.0)
 
 
 def test_what_an_error_of_the_model_would_do_as_well_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -204,3 +209,56 @@ def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.
     refused = [words for words in reasons._of_the_unknown(led) if "speak against it" in words]
     # Of several variants of one effect the best is told.
     assert [words.split(" nats")[0] for words in refused] == ["cable would gain 60"]
+
+
+def told(name: str, nats: float, held_out: float | None = 0.9, left: float = 0.9) -> Any:
+    """A rival of the catalogue that gains so much."""
+    hypothesis = Hypothesis(available_effects()[name])
+    return SimpleNamespace(
+        name=name, hypothesis=hypothesis, gain_nats=nats, lasting_nats=nats, held_out=held_out,
+        fit=SimpleNamespace(chi2_per_dof=left, hypotheses=(hypothesis,)),
+    )  # fmt: skip
+
+
+def test_where_nothing_is_held_out_held_out_data_are_not_blamed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reasons, "implausible", lambda fit: ())
+    about: Any = SimpleNamespace(
+        null=SimpleNamespace(converged=True), leads=(), vetoed=(told("added-mass", 120.0, None),)
+    )
+    (said,) = (words for words in reasons._of_the_unknown(about) if "added-mass" in words)
+    assert said.startswith(
+        "added-mass would gain 120 nats, but nothing is held out that could confirm it: a name needs"
+    )
+
+
+@pytest.mark.parametrize(
+    ("winner", "other", "plain"),
+    [("root-compliance", "cubic-root-stiffness", False), ("cubic-root-stiffness", "root-compliance", True)],
+)
+def test_only_a_linear_likeness_of_a_joint_is_not_told_by_level(
+    monkeypatch: pytest.MonkeyPatch, winner: str, other: str, plain: bool
+) -> None:
+    """One that held-out data put beside the name, the other way round, is another matter."""
+    monkeypatch.setattr(reasons, "open_places", lambda addition: ())
+    first, behind = told(winner, 100.0), told(other, 90.0)
+    said = reasons._of_a_name(Addition(first, (first, behind), (first, behind), 2.0), LIMITS)
+    assert any("no level of force tells the two" in words for words in said) is plain
+
+
+def test_a_name_is_not_ahead_of_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A control elsewhere may gain more: that its place is open is said of its own."""
+    monkeypatch.setattr(reasons, "open_places", lambda addition: ())
+    first, elsewhere = told("added-mass", 100.0), told("added-mass", 120.0)
+    said = reasons._of_a_name(Addition(first, (first, elsewhere), (first, elsewhere), 2.0), LIMITS)
+    assert not any("more than held-out data speak against it" in words for words in said)
+
+
+def test_what_is_no_plausible_thing_is_told_behind_whatever_was_refused_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once for each effect, by its best variant."""
+    monkeypatch.setattr(reasons, "implausible", lambda fit: ("120 Hz",) if fit.chi2_per_dof == 0.5 else ())
+    others = [told(name, 50.0) for name in ("added-mass", "added-inertia", "mount-compliance")]
+    strange = [told("local-absorber", nats, left=0.5) for nats in (30.0, 40.0)]
+    about: Any = SimpleNamespace(vetoed=(*others, *strange))
+    assert reasons._of_the_implausible(about) == [
+        "local-absorber would gain 40 nats, but it is no plausible thing (120 Hz)"
+    ]

@@ -43,3 +43,7 @@ def test_a_force_is_found_where_it_acts_though_runs_have_different_joints(tmp_pa
     found = localise(fit(missed, (creep,), u, e, ()))
     assert found.places[0].label == f"force at {point.dof}"
     assert found.places[0].explained > 0.95
+    # What one channel has a free force explains from anywhere.
+    alone = np.arange(missed.split.train.size) == int(np.flatnonzero(missed.split.train)[0])
+    single = replace(missed, split=replace(missed.split, train=alone))
+    assert localise(fit(single, (creep,), u, e, ())).places == ()

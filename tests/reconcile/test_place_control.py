@@ -13,7 +13,15 @@ from reconciled_case import campaign_of, claimed, drawn_scores, problem, roving_
 from vgvt.effects import available_effects
 from vgvt.reconcile.decision import place_control
 from vgvt.reconcile.decision.addition import Addition
-from vgvt.reconcile.decision.place_control import APART_M, as_good, distinct_places, elsewhere, open_places, place_of
+from vgvt.reconcile.decision.place_control import (
+    APART_M,
+    as_good,
+    distinct_places,
+    elsewhere,
+    ends_of,
+    open_places,
+    place_of,
+)
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import NEAR, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -22,11 +30,12 @@ from vgvt.reconcile.question.problem import make_problem
 CHANNELS, LINES = 8, 100
 
 
-def leaving(residual: np.ndarray) -> Any:
-    """A fit that leaves (C, L) standard deviations; the first two channels are held out."""
+def leaving(residual: np.ndarray, share: float = 1.0) -> Any:
+    """A fit that leaves (C, L) standard deviations, noise a ``share`` of them; the first two channels are held out."""
     shape = (CHANNELS, LINES)
     held = np.arange(CHANNELS) < 2
-    measured = SimpleNamespace(values=np.ones(shape, complex), sigma=np.ones(shape), noise=np.ones(shape))
+    ones = np.ones(shape)
+    measured = SimpleNamespace(values=ones + 0j, sigma=ones, noise=share * ones, of_force=None)
     parts = SimpleNamespace(held=held, train=~held)
     return SimpleNamespace(problem=SimpleNamespace(measured=measured, split=parts), foretold=1 + residual)
 
@@ -48,15 +57,58 @@ def test_held_out_data_decide_and_fitted_ones_do_not() -> None:
     assert as_good(leaving(winner), leaving(other), 5.0)
 
 
-def at(x_m: float, y_m: float) -> Any:
-    """A fit of something that sits there."""
-    hypothesis = SimpleNamespace(settings={"x_m": x_m}, parameters=())
+def test_another_place_is_judged_as_names_are() -> None:
+    """An error of the model's form counts once for some lines: 50 nats are ten where there is hardly any noise."""
+    other = noise(0)
+    other[:2] += 0.5
+    alike = [as_good(leaving(other, share), leaving(noise(0), share), 15.0) for share in (1.0, 0.05)]
+    assert alike == [False, True]
+
+
+def test_where_nothing_is_held_out_all_data_judge() -> None:
+    winner, other = leaving(noise(0)), leaving(noise(0) + 0.5)
+    for fitted in (winner, other):
+        fitted.problem.split.held[:], fitted.problem.split.train[:] = False, True
+    assert not as_good(other, winner, 5.0)
+    assert as_good(winner, other, 5.0)
+
+
+def at(x_m: float, y_m: float, *other: float) -> Any:
+    """A fit of something that sits there, or goes from there to another point."""
+    to = dict(zip(("other_x_m", "other_y_m"), other, strict=False))
+    hypothesis = SimpleNamespace(settings={"x_m": x_m, **to}, parameters=())
     return SimpleNamespace(hypotheses=(hypothesis,), values=lambda k: {"y_m": (y_m, 0.01, "m")})
+
+
+def test_a_thing_with_two_ends_is_elsewhere_where_either_is() -> None:
+    """Which of them is called the first says nothing."""
+    cable, turned = at(0.5, 1.0, 0.4, 0.1), at(0.4, 0.1, 0.5, 1.0)
+    longer = at(0.5, 1.0, 0.4, -0.6)
+    assert ends_of(cable) == ((0.5, 1.0), (0.4, 0.1))
+    assert distinct_places([cable, turned]) == (((0.5, 1.0), (0.4, 0.1)),)
+    assert distinct_places([cable, longer]) == (ends_of(cable), ends_of(longer))
+    assert distinct_places([cable, at(0.5, 1.0)]) == (ends_of(cable), ((0.5, 1.0),))
+
+
+def test_the_mirror_image_of_two_ends_mirrors_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And what is its own mirror image is not offered there."""
+    monkeypatch.setattr(place_control, "places", lambda problem: ())
+    hypothesis = Hypothesis(available_effects()["cable-bundle"], {})
+
+    def offered(*ends: float) -> list[dict[str, float]]:
+        values = dict(zip(("x_m", "y_m", "other_x_m", "other_y_m"), ends, strict=True)) | {"stiffness_n_per_m": 50.0}
+        told = {name: (value, 0.01, "") for name, value in values.items()}
+        found: Any = SimpleNamespace(problem=None, hypotheses=(hypothesis,), values=lambda k: told)
+        return [start for where, _, start in place_control._offers(found) if where == "at the mirror image"]
+
+    (there,) = offered(0.5, 1.0, 0.4, -0.2)
+    assert there == {"x_m": 0.5, "y_m": -1.0, "other_x_m": 0.4, "other_y_m": 0.2, "stiffness_n_per_m": 50.0}
+    assert offered(0.5, 1.0, 0.5, -1.0) == []
 
 
 def test_places_nearer_than_a_station_are_one_place() -> None:
     near, far = at(0.5 + 0.9 * APART_M, 1.0), at(0.5, -1.0)
-    assert distinct_places([at(0.5, 1.0), near, far, at(0.5, 1.0)]) == ((0.5, 1.0), (0.5, -1.0))
+    assert distinct_places([at(0.5, 1.0), near, far, at(0.5, 1.0)]) == (((0.5, 1.0),), ((0.5, -1.0),))
 
 
 def test_what_does_as_well_elsewhere_joins_the_round_among_its_rivals(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,6 +20,7 @@ from vgvt.reconcile.fitting.fit import NEAR, fit
 from vgvt.reconcile.next_test import suggest as suggesting
 from vgvt.reconcile.next_test.procedures import Procedure, changed, procedures
 from vgvt.reconcile.next_test.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
+from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.search.candidates import freed
@@ -46,6 +47,22 @@ def campaigns_alone(monkeypatch: pytest.MonkeyPatch, tests: tuple[Procedure, ...
     monkeypatch.setattr(suggesting, "checks", lambda problem: ())
     monkeypatch.setattr(suggesting, "procedures", lambda problem: tests)
     monkeypatch.setattr(suggesting, "changed", lambda problem, p: p.words)
+
+
+@pytest.mark.parametrize(
+    ("words", "unknown"),
+    [("spring half as stiff", "spring"), ("spring twice as stiff", "spring"), ("excite", "transducer end mass")],
+)
+def test_another_rig_has_slopes_of_its_own(case: Problem, words: str, unknown: str) -> None:
+    """Half a spring has half of a spring's slope, and another drive point the row of another point."""
+    tests = [p for p in procedures(case) if words in p.words]
+    after, step = changed(case, tests[0]), 0.01
+    u, k = np.zeros(case.size), [n.name for n in case.unknowns].index(unknown)
+    known = anchor(after, u).slopes()[k]
+    aside = [u + s * step * np.eye(u.size)[k] for s in (1, -1)]
+    ends = [anchor(after, a, slopes=False).mechanical(a, np.zeros(0)) for a in aside]
+    wanted = (ends[0] - ends[1]) / (2 * step)
+    assert np.linalg.norm(known - wanted) < 0.02 * np.linalg.norm(wanted)
 
 
 @pytest.mark.parametrize("again", [0, 2])

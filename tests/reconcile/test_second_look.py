@@ -64,6 +64,11 @@ def test_at_one_level_nonlinear_joints_are_asked_for_where_they_could_be_told(
     assert [h.name for h in rounds._twins(bent, rivals, before, named)] == asked
 
 
+def held(name: str, gain_nats: float, held_out: float, left: float) -> Any:
+    """A rival that gains so much, misses held-out data by so much, and leaves so much of its own."""
+    return SimpleNamespace(name=name, gain_nats=gain_nats, held_out=held_out, fit=SimpleNamespace(chi2_per_dof=left))
+
+
 @pytest.mark.parametrize(
     ("left", "first", "set_of"), [(0.8, "most", ["most", "near"]), (13.0, "as good", ["best held out", "as good"])]
 )
@@ -71,14 +76,8 @@ def test_where_much_is_left_held_out_data_say_what_is_best_and_what_is_as_good(
     left: float, first: str, set_of: list[str]
 ) -> None:
     """Evidence then weighs wrong unknowns: it only chooses among those that held-out data put first."""
-
-    def rival(name: str, gain_nats: float, held_out: float) -> Any:
-        return SimpleNamespace(
-            name=name, gain_nats=gain_nats, held_out=held_out, fit=SimpleNamespace(chi2_per_dof=left)
-        )
-
     rows = (("most", 400.0, 36.0), ("near", 396.0, 36.0), ("best held out", 290.0, 30.0), ("as good", 300.0, 31.0))
-    confirmed = [rival(*row) for row in rows]
+    confirmed = [held(*row, left) for row in rows]
     winner = rounds._first(confirmed)
     assert winner.name == first
     assert [r.name for r in rounds._equal(winner, confirmed, THRESHOLDS)] == set_of
@@ -177,6 +176,34 @@ def test_what_is_ahead_by_all_data_is_named_beside_the_confirmed(
     found = rounds._ahead_in_all(winner, tried, [winner], THRESHOLDS)
     # What an error that lasts would do as well is not ahead of anything.
     assert found == ([other] if ahead else [])
+
+
+def test_what_was_refused_for_another_reason_does_not_come_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A joint whose law the data do not ask for is ahead by its law, and was left out for that: not beside the name."""
+    plain, bent = a_fit(0.7), a_fit(0.7)
+    a_round(monkeypatch, plain, plain)
+
+    def rival(name: str, fit: Any, gain_nats: float) -> Any:
+        return SimpleNamespace(name=name, fit=fit, gain_nats=gain_nats, held_out=0.8, convinces=lambda limits: True)
+
+    both = rival("bent", bent, 92.0), rival("plain", plain, 90.0)
+    monkeypatch.setattr(rounds, "ended", lambda *given: both)
+    monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
+    monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: [r for r in confirmed if r.name != "bent"])
+    monkeypatch.setattr(rounds, "held_out_nats", lambda judge, found, without: 0.0)
+    monkeypatch.setattr(rounds, "implausible", lambda fit: ())
+    found = rounds.attribute(a_fit(1.0), (), THRESHOLDS, most=1)
+    assert found.rounds[0].winner.name == "plain"
+    assert found.rounds[0].equivalent == ()
+
+
+def test_within_reach_is_within_reach_of_the_least() -> None:
+    """Held-out errors of 30 and 32.9 are one within a tenth; 36 is within one of the second, and not of the first."""
+    rows = (("far", 400.0, 36.0), ("near", 300.0, 32.9), ("least", 290.0, 30.0))
+    confirmed = [held(*row, 13.0) for row in rows]
+    winner = rounds._first(confirmed)
+    assert winner.name == "near"
+    assert [r.name for r in rounds._equal(winner, confirmed, THRESHOLDS)] == ["near", "least"]
 
 
 @pytest.mark.parametrize(

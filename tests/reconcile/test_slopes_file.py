@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +14,9 @@ from reconciled_case import small_scenario
 
 from vgvt.reconcile.question import problem as asking
 from vgvt.reconcile.question.problem import MATRICES, _kept
+from vgvt.reconcile.question.structure_code import _MAKERS, structure_code
+
+SAY = "from vgvt.reconcile.question.structure_code import structure_code as s; print(s(), end='')"
 
 
 def broken_off(file: Path) -> None:
@@ -46,3 +52,55 @@ def test_a_spoilt_file_is_computed_again(tmp_path: Path, spoil: Callable[[Path],
     assert all(np.array_equal(first[name], again[name]) for name in MATRICES)
     kept = _kept(file)
     assert kept is not None and set(kept) == set(MATRICES)
+
+
+def taken(folder: Path) -> dict[str, np.ndarray]:
+    """The slopes in one unknown, with a folder to keep them in."""
+    scenario = small_scenario()
+    start, _, _ = asking._hung(scenario, scenario, 60.0)
+    known = asking.unknowns(scenario)[:1]
+    return asking._slopes(start.scenario, known, start.layouts, start.structure, folder)
+
+
+def test_another_program_does_not_use_what_this_one_took(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A key of the scenario alone would serve matrices that are made otherwise by now."""
+    taken(tmp_path)
+    (file,) = tmp_path.iterdir()
+    taken(tmp_path)
+    assert list(tmp_path.iterdir()) == [file]
+    monkeypatch.setattr(asking, "structure_code", lambda: "of another version")
+    taken(tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_folder_keeps_what_was_used_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And nothing in it that is no such file is touched."""
+    others = [tmp_path / f"slopes-{k}.npz" for k in range(3)]
+    for k, file in enumerate((*others, tmp_path / "mine.npz")):
+        file.write_bytes(b"")
+        os.utime(file, (k, k))
+    monkeypatch.setattr(asking, "_FILES", 3)
+    taken(tmp_path)
+    (fresh,) = set(tmp_path.iterdir()) - {*others, tmp_path / "mine.npz"}
+    assert set(tmp_path.iterdir()) == {others[1], others[2], tmp_path / "mine.npz", fresh}
+    os.utime(fresh, (0, 0))
+    taken(tmp_path)
+    assert fresh.stat().st_mtime > 10
+
+
+def test_the_program_is_known_by_its_source() -> None:
+    """The same in every process; it covers what airframes are built by, and what is unknown of them."""
+    asked = [
+        subprocess.run([sys.executable, "-c", SAY], capture_output=True, text=True, check=True).stdout for _ in range(2)
+    ]
+    assert asked == [structure_code()] * 2
+    names = {
+        "simulation/airframe.py",
+        "simulation/damping.py",
+        "scenario/airframe.py",
+        "reconcile/question/uncertain.py",
+    }
+    root = Path(asking.__file__).parents[2]
+    assert all(
+        (root / name).parent.relative_to(root).as_posix() in _MAKERS and (root / name).is_file() for name in names
+    )

@@ -15,7 +15,7 @@ from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence.free_places import free_places
-from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _laws, _surprise, still_explained
+from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _laws, _spans, _surprise, still_explained
 from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -103,6 +103,16 @@ def test_a_law_that_acts_in_some_runs_is_seen_there(
     assert still.nats > 9
 
 
+def test_runs_are_called_by_the_numbers_that_the_campaign_gives_them() -> None:
+    """Of runs 1, 2, 5 and 7 the third is run 5, as in every label of its channels."""
+    place: Any = SimpleNamespace(kind="structure")
+    spans = _spans(place, np.arange(4), dict(enumerate((1, 2, 5, 7))))
+    assert [when for when, _ in spans] == [
+        "", "from run 2 on", "from run 5 on", "in run 1 alone", "in run 2 alone", "in run 5 alone", "in run 7 alone",
+    ]  # fmt: skip
+    assert [list(runs) for _, runs in spans][2] == [2, 3]
+
+
 def test_what_is_rough_over_frequency_is_no_law(damped: Problem, right: Fit) -> None:
     """As much on one sensor that turns from line to line is for the residual's own test to see."""
     mine = np.flatnonzero(damped.split.train)[3]
@@ -137,7 +147,7 @@ def test_terms_share_out_one_and_chance_is_that_of_noise() -> None:
 def test_what_takes_as_much_as_a_name_is_told(
     monkeypatch: pytest.MonkeyPatch, nats: float, one_level: bool, kept: bool
 ) -> None:
-    beside = StillExplained("force at 5+Z", "structure", (0.8, 1.0, 0.0), nats)
+    beside = StillExplained("force at 5+Z", "structure", nats)
     monkeypatch.setattr(beyond_names, "still_explained", lambda fit: beside)
     monkeypatch.setattr(beyond_names, "bends_at_one_level", lambda found: one_level)
     monkeypatch.setattr(beyond_names, "replace", lambda found, still: SimpleNamespace(**vars(found) | {"still": still}))

@@ -103,6 +103,16 @@ def test_without_a_floor_noise_is_all_that_may_be_left(thresholds: Thresholds) -
     assert 1.1 < limit < 1.25
 
 
+def test_where_nothing_is_held_out_a_new_run_may_leave_what_the_fitted_ones_may(thresholds: Thresholds) -> None:
+    """And not the four that a limit of no values at all comes to."""
+    measured, _ = case(0.01, 0.004, 0.0, 5)
+    nothing = np.zeros(CHANNELS, dtype=bool)
+    everything = Split(~nothing, nothing, nothing)
+    limits = limits_for(thresholds, measured, everything)
+    assert limits.held_out_per_dof < 1.5
+    assert limits.held_out_per_dof == pytest.approx(limits.chi2_per_dof, rel=0.2)
+
+
 def test_placebos_that_drown_in_noise_tell_nothing_of_the_rest() -> None:
     with pytest.raises(InputError, match="noise hides the others"):
         calibrated_thresholds([case(0.1, 0.004, 0.0015, k)[1] for k in range(20)], "a test")

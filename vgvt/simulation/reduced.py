@@ -46,8 +46,10 @@ class Structure:
     (B, 3, 3) from the unloaded shape.
 
     The first six coordinates are translation and rotation of the centre body along its own axes, so that the
-    attitude in which a rig hangs does not change the matrices of the airframe; ``root`` (6, 6) turns them into
-    those of the six root joints, for which ``equilibrium`` stands.
+    attitude in which a rig hangs does not change the matrices of the airframe. They are those of the middle of the
+    beams' roots, as if it were fixed to the body: the body's own frame sits at its centre of gravity, and another
+    balance would change the rows of every point. ``root`` (6, 6) turns them into those of the six root joints, for
+    which ``equilibrium`` stands.
     """
 
     joints: tuple[str, ...]
@@ -203,16 +205,23 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
         names, mass, damping, stiffness, drive, places, jacobian, axis, tilt, qpos, body_names, bodies, attitude,
         np.eye(6),
     )  # fmt: skip
-    return _in_body_axes(joint_structure)
+    roots_m = np.array([chain.table.point_m(0.0) for chain in layout.parts.chains.values()])
+    return _in_body_axes(joint_structure, layout.parts.origin_m[ROOT] - roots_m.mean(axis=0))
 
 
-def _in_body_axes(s: Structure) -> Structure:
-    """The structure with its first six coordinates, those of the root joints, along the centre body's own axes."""
+def _in_body_axes(s: Structure, centre_m: Array) -> Structure:
+    """The structure with its first six coordinates, those of the root joints, along the centre body's own axes.
+
+    ``centre_m`` (3,) is where the body's own frame sits, from the point whose coordinates they are.
+    """
     k = s.body_names.index(ROOT)
     back = s.attitude[k].T
     twist = np.vstack([back @ s.bodies[k, :3, :6], back @ s.bodies[k, 3:, :6]])
+    about = np.eye(6)
+    # What the centre moves by as the body turns about the point.
+    about[:3, 3:] = np.cross(np.eye(3), centre_m).T
     turn = np.eye(s.drive.size)
-    turn[:6, :6] = np.linalg.inv(twist)
+    turn[:6, :6] = np.linalg.solve(twist, about)
     return replace(
         s,
         mass=turn.T @ s.mass @ turn,

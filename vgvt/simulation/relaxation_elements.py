@@ -142,6 +142,9 @@ def _elastic_modes(spec: mujoco.MjSpec, parts: AirframeParts, limit_rad_per_s: f
         if not 0 < square <= limit_rad_per_s**2:
             continue
         momentum: NDArray[np.float64] = mass @ shape
+        # Of two signs the same for aircraft next to each other: a node's coordinate goes with it, and a slope is taken
+        # across it. Weights are unlike each other, so that a mode of two halves that swing against each other has one.
+        momentum *= np.copysign(1.0, momentum @ np.linspace(1.0, 2.0, momentum.size))
         least = _NOTHING * np.abs(momentum).max()
         weights = zip(joints, momentum, strict=True)
         yield float(np.sqrt(square)), [(name, weight) for (_, name), weight in weights if abs(weight) > least]

@@ -127,19 +127,17 @@ def _selected(
                     again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team, again=True)
                     found += [r.fit for r in again]
                 rivals = against(current, found)
-        confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        confirmed = passed = [r for r in rivals if _passed(r, current, before, thresholds)]
         twins = _twins(bent, confirmed, before, named=k > 0)
         if twins:
             later = second_list(current, twins, straight, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
             more = _fit_all(current, later, before, twins, part(here, 0.85, 0.9), team)
             rivals = against(current, [r.fit for r in (*rivals, *more)])
-            confirmed = [r for r in rivals if _passed(r, current, before, thresholds)]
+            confirmed = passed = [r for r in rivals if _passed(r, current, before, thresholds)]
         if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
             rivals = ended(current, rivals, confirmed, thresholds, part(here, 0.9, 1.0), team)
-            confirmed = [
-                r for r in rivals
-                if _passed(r, current, before, thresholds) and takes_enough(r.fit, current, before)
-            ]  # fmt: skip
+            passed = [r for r in rivals if _passed(r, current, before, thresholds)]
+            confirmed = [r for r in passed if takes_enough(r.fit, current, before)]
         confirmed = straightened(confirmed, thresholds.set_nats)
         if confirmed:
             confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
@@ -148,7 +146,7 @@ def _selected(
         if best is None:
             break
         winner, equal = best
-        equal = (*equal, *_ahead_in_all(winner, rivals, confirmed, thresholds))
+        equal = (*equal, *_ahead_in_all(winner, rivals, passed, thresholds))
         equal = (*equal, *plain_likenesses(winner, confirmed, equal, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
@@ -221,8 +219,10 @@ def _equal(winner: Rival, confirmed: Sequence[Rival], thresholds: Thresholds) ->
 
     Under a model that still misses much, evidence weighs how far wrong unknowns are bent: held-out data decide alone.
     """
-    if winner.fit.chi2_per_dof >= BIASED and winner.held_out is not None:
-        return tuple(r for r in confirmed if _as_good(r, winner.held_out))
+    missed = [r.held_out for r in confirmed if r.held_out is not None]
+    if winner.fit.chi2_per_dof >= BIASED and winner.held_out is not None and missed:
+        # Within reach of the least, as the winner is: within that of the winner would be twice as far.
+        return tuple(r for r in confirmed if _as_good(r, min(missed)))
     near = winner.gain_nats - thresholds.set_nats
     return tuple(r for r in confirmed if r.gain_nats > near)
 
@@ -248,15 +248,16 @@ def _as_good(r: Rival, missed: float) -> bool:
 
 
 def _ahead_in_all(
-    winner: Rival, rivals: Sequence[Rival], confirmed: Sequence[Rival], thresholds: Thresholds
+    winner: Rival, rivals: Sequence[Rival], passed: Sequence[Rival], thresholds: Thresholds
 ) -> list[Rival]:
     """Rivals that held-out data alone do not confirm, and that are ahead of the winner by all data together.
 
     What keeps them from a name of their own may be chance, and what the winner owes its name to is then that chance.
+    What they do confirm and was refused for another reason, its place or how little it takes, is not among them.
     """
     if winner.fit.chi2_per_dof >= BIASED or winner.held_out is None:
         return []
-    unconfirmed = [r for r in rivals if r.convinces(thresholds) and r not in confirmed and r.name != winner.name]
+    unconfirmed = [r for r in rivals if r.convinces(thresholds) and r not in passed and r.name != winner.name]
     others = [r for r in unconfirmed if r.held_out is not None and not implausible(r.fit)]
     return [r for r in others if r.gain_nats + held_out_nats(winner.fit, r.fit, winner.fit) > winner.gain_nats]
 

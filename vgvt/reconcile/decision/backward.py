@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.decision.place_control import distinct_places, place_of
+from vgvt.reconcile.decision.place_control import distinct_places, ends_of
 from vgvt.reconcile.evidence.lasting import lasting_nats
+from vgvt.reconcile.evidence.plausible import AXES
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -75,15 +76,14 @@ def nowhere(addition: Addition) -> bool:
     is no such thing: a moment by a force anywhere on an arm, or on an arm longer than there is.
     """
     winner = addition.winner
-    place = place_of(winner.fit)
-    if place is None:
+    if not ends_of(winner.fit):
         return False
     elsewhere = [r.fit for r in addition.equivalent if r.name == winner.name]
-    return len(distinct_places([winner.fit, *elsewhere])) > 1 or _beyond(winner.fit, place)
+    return len(distinct_places([winner.fit, *elsewhere])) > 1 or _beyond(winner.fit)
 
 
-def _beyond(found: Fit, place: tuple[float, float]) -> bool:
-    """Whether a place is further out than the effect's parameters plausibly reach."""
-    reach = {p.name: (p.low, p.high) for p in found.hypotheses[-1].parameters}
-    named = zip(("x_m", "y_m"), place, strict=True)
-    return any(not reach[n][0] <= at <= reach[n][1] for n, at in named if n in reach)
+def _beyond(found: Fit) -> bool:
+    """Whether a place of the last effect is further out than its parameters plausibly reach."""
+    reach = {p.name: (p.low, p.high) for p in found.hypotheses[-1].parameters if p.name in AXES}
+    values = found.values(len(found.hypotheses) - 1)
+    return any(not reach[n][0] <= v[0] <= reach[n][1] for n, v in values.items() if n in reach)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.acting import action_of
-from vgvt.reconcile.evidence.residual import independent_values
+from vgvt.reconcile.evidence.confirmation import preferred_by
+from vgvt.reconcile.evidence.plausible import PLACES
 from vgvt.reconcile.fitting.fit import FAR, Fit
 from vgvt.reconcile.fitting.fit_unless_behind import fit_unless_behind
 from vgvt.reconcile.prediction.grouping import NoStructureError, effects_at
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]
+Ends = tuple[Place, ...]
 
 APART_M = 0.25
 """Places nearer than this are one place: a station of the candidates' grid is about twice as long."""
@@ -61,14 +64,13 @@ def elsewhere(winner: Fit, tell: Progress = silent, team: Team = ALONE) -> tuple
 
     Nothing for an effect that has neither a place nor a side.
     """
-    offers, own = _offers(winner), place_of(winner)
+    offers, own = _offers(winner), ends_of(winner)
     found = team.work_off([(_fitted_at, (winner, *offer)) for offer in offers], tell)
-    places_found = [None if fitted is None else place_of(fitted) for fitted in found]
     # One that wandered back says nothing.
     return tuple(
         ElsewhereTrial(where, fitted)
-        for (where, _, _), fitted, place in zip(offers, found, places_found, strict=True)
-        if fitted is not None and (place is None or own is None or _apart(place, own) > APART_M)
+        for (where, _, _), fitted in zip(offers, found, strict=True)
+        if fitted is not None and (not own or _moved(ends_of(fitted), own) > APART_M)
     )
 
 
@@ -86,35 +88,28 @@ def _fitted_at(winner: Fit, where: str, hypothesis: Hypothesis, values: dict[str
 
 
 def as_good(other: Fit, winner: Fit, set_nats: float) -> bool:
-    """Whether held-out data, or all where nothing is held out, prefer the winner by less than ``set_nats``.
-
-    χ² counts as many independent values as the better residual has.
-    """
-    measured, parts = winner.problem.measured, winner.problem.split
-    rows = parts.held if parts.held.any() else parts.train
-    left = [((f.foretold - measured.values) / measured.sigma)[rows] for f in (winner, other)]
-    best = min(left, key=_square)
-    worth = min(1.0, independent_values(best) / (2 * best.size))
-    nats = worth * (_square(left[1]) - _square(left[0]))
-    # sigma² is the variance of the complex value: |rho|² is half a square sum of two, as nats want it.
-    return nats < set_nats
+    """Whether held-out data, or all where nothing is held out, prefer the winner by less than ``set_nats``."""
+    return preferred_by(winner, other) < set_nats
 
 
 def place_of(fit: Fit) -> Place | None:
     """Where the last effect of a fit sits, (x, y) in metres; None for one without a place."""
+    return next(iter(ends_of(fit)), None)
+
+
+def ends_of(fit: Fit) -> Ends:
+    """The places (x, y) in metres of the last effect of a fit: two of one from a point to another, none of many."""
     hypothesis = fit.hypotheses[-1]
     values = {**hypothesis.settings, **{k: v[0] for k, v in fit.values(len(fit.hypotheses) - 1).items()}}
-    if "x_m" not in values or "y_m" not in values:
-        return None
-    return float(values["x_m"]), float(values["y_m"])
+    return tuple((float(values[x]), float(values[y])) for x, y in PLACES if x in values and y in values)
 
 
-def distinct_places(fits: Sequence[Fit]) -> tuple[Place, ...]:
+def distinct_places(fits: Sequence[Fit]) -> tuple[Ends, ...]:
     """The places of the last effects of some fits, the first of those that are one place, in order."""
-    found: list[Place] = []
+    found: list[Ends] = []
     for fitted in fits:
-        place = place_of(fitted)
-        if place is not None and all(_apart(place, other) > APART_M for other in found):
+        place = ends_of(fitted)
+        if place and all(_moved(place, other) > APART_M for other in found):
             found.append(place)
     return tuple(found)
 
@@ -135,7 +130,7 @@ def open_places(addition: Addition) -> tuple[str, ...]:
         if touched is None or _touched(r.fit) != touched
     ]
     return (
-        *(f"at x = {x:.2f} m, y = {y:.2f} m" for x, y in points),
+        *("at " + " and ".join(f"x = {x:.2f} m, y = {y:.2f} m" for x, y in ends) for ends in points),
         *dict.fromkeys("with " + ", ".join(f"{k} = {v}" for k, v in other.items()) for other in others if other),
     )
 
@@ -168,11 +163,13 @@ def _offers(winner: Fit) -> list[tuple[str, Hypothesis, dict[str, float]]]:
             return []
         other = replace(hypothesis, settings={**hypothesis.settings, "side": _OTHER_SIDE[side]})
         return [(f"on the {_OTHER_SIDE[side]}", other, values)]
-    x, y = place
     free = freed(hypothesis)
     offers = []
-    if 2 * abs(y) > APART_M:
-        offers.append(("at the mirror image", free, {**values, "x_m": x, "y_m": -y}))
+    ends = ends_of(winner)
+    there = tuple((x, -y) for x, y in ends)
+    if _moved(ends, there) > APART_M:
+        placed = {k: v for pair, point in zip(PLACES, there, strict=False) for k, v in zip(pair, point, strict=True)}
+        offers.append(("at the mirror image", free, {**values, **placed}))
     stations = sorted((p for p in places(winner.problem) if _apart(p, place) > APART_M), key=lambda p: _apart(p, place))
     for p in stations[:_NEIGHBOURS]:
         held = replace(free, settings={**free.settings, "x_m": p[0], "y_m": p[1]})
@@ -185,5 +182,11 @@ def _apart(one: Place, other: Place) -> float:
     return float(np.hypot(one[0] - other[0], one[1] - other[1]))
 
 
-def _square(rho: NDArray[np.complex128]) -> float:
-    return float(np.sum(np.abs(rho) ** 2))
+def _moved(one: Ends, other: Ends) -> float:
+    """How far the end that moved most has moved between two places of one thing; which end is called first is naught.
+
+    A thing with another number of ends is elsewhere.
+    """
+    if len(one) != len(other):
+        return np.inf
+    return min(max(map(_apart, one, turned)) for turned in permutations(other))

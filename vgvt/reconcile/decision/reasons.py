@@ -19,6 +19,10 @@ from vgvt.reconcile.search.shortlist import BIASED
 
 # Of the candidates that were refused a name, the best so many are told.
 _TOLD = 3
+_AGAINST = (
+    "held-out data, what one place still explains with it, or another place where it does as well, speak against it"
+)
+_NONE = "nothing is held out that could confirm it: a name needs a second run, or more channels"
 
 
 def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Localisation | None) -> tuple[str, ...]:
@@ -40,11 +44,7 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         said += _of_the_unknown(found)
     if kind in (Kind.UNKNOWN, Kind.ADEQUATE):
         said += _lasting_alone(found, limits)
-    said += [
-        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but it is no plausible thing ({'; '.join(strange)})"
-        for r in found.vetoed[:_TOLD]
-        if (strange := implausible(r.fit))
-    ]
+    said += _of_the_implausible(found)
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(problem):
         said.append(
             "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
@@ -87,13 +87,15 @@ def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
         f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
     ]
     # Of all that held-out data confirm the winner gains most: what gains more is not confirmed by them.
-    ahead = {r.name: r.gain_nats for r in addition.equivalent if r.gain_nats > winner.gain_nats + within}
+    others = [r for r in addition.equivalent if r.name != winner.name]
+    ahead = {r.name: r.gain_nats for r in others if r.gain_nats > winner.gain_nats + within}
     # At one level a plain likeness stands beside a nonlinear name that is ahead of it by what depends on no level.
     met = winner.fit.chi2_per_dof < BIASED
+    bent = met and not winner.hypothesis.linear
     plain = {
         r.name: winner.gain_nats - r.gain_nats
-        for r in addition.equivalent
-        if met and r.name != winner.name and r.gain_nats < winner.gain_nats - within
+        for r in others
+        if bent and r.hypothesis.linear and r.gain_nats < winner.gain_nats - within
     }
     said += [
         f"{name} meets the data, too, {nats:.0f} nats behind, and no level of force tells the two"
@@ -102,14 +104,14 @@ def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
     said += [
         f"{name} would gain {gain:.0f} nats, more than held-out data speak against it" for name, gain in ahead.items()
     ]
-    others = sorted({r.name for r in addition.equivalent} - {winner.name, *ahead, *plain})
-    if others:
+    as_well = sorted({r.name for r in others} - {*ahead, *plain})
+    if as_well:
         what = (
             f"the data as well, within {within:.0f} nats"
             if met
             else "held-out data as well, within a tenth of what misses them"
         )
-        said.append(f"{', '.join(others)} explain{'s' if len(others) == 1 else ''} {what}")
+        said.append(f"{', '.join(as_well)} explain{'s' if len(as_well) == 1 else ''} {what}")
     beside = {e.name for e in addition.equivalent}
     said += [
         f"{r.name} in place of {winner.name} explains the data {_how_well(r, winner, within)}, beside all that was "
@@ -142,11 +144,22 @@ def _of_the_unknown(found: Attribution) -> list[str]:
         if r.name not in nearest and not implausible(r.fit):
             refused.setdefault(r.name, r)
     said += [
-        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but held-out data, what one place still "
-        "explains with it, or another place where it does as well, speak against it"
+        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but {_AGAINST if r.held_out is not None else _NONE}"
         for r in list(refused.values())[:_TOLD]
     ]
     return said
+
+
+def _of_the_implausible(found: Attribution) -> list[str]:
+    """The best refused variant of each effect that is no plausible thing."""
+    strange: dict[str, tuple[Rival, tuple[str, ...]]] = {}
+    for r in sorted(found.vetoed, key=lambda r: -r.gain_nats):
+        if r.name not in strange and (why := implausible(r.fit)):
+            strange[r.name] = (r, why)
+    return [
+        f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but it is no plausible thing ({'; '.join(why)})"
+        for r, why in list(strange.values())[:_TOLD]
+    ]
 
 
 def _lasting_alone(found: Attribution, limits: Thresholds) -> list[str]:

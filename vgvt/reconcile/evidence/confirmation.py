@@ -17,6 +17,7 @@ from vgvt.reconcile.question.shared_noise import apart
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share
 
 ComplexArray = NDArray[np.complex128]
+Rows = NDArray[np.bool_]
 # Held-out data must speak for a name by more than chance fluctuation.
 _HELD_OUT_NATS = 1.0
 # Standard deviations within which held-out data are not against a name that they cannot tell.
@@ -48,7 +49,8 @@ def confirmed_by_held_out(
         before.held_out_chi2_per_dof - missed >= _MUCH * excess or takes_enough(found, current, before)
     ):
         return False
-    worth = _worth(found)
+    held = found.problem.split.held
+    worth = _worth(found, held)
     nats = held_out_nats(found, found, current)
     if nats > _HELD_OUT_NATS:
         return True
@@ -56,7 +58,7 @@ def confirmed_by_held_out(
     if tolerances_nats < thresholds.evidence_nats and worth * _felt(found) > _HELD_OUT_NATS:
         return False
     # Two predictions that differ by S in squared deviations are told apart by S ± sqrt(2 S) nats.
-    between = worth * _square_sum(_of_held_out(found.problem, found.foretold - current.foretold))
+    between = worth * _square_sum(_of(found.problem, held, found.foretold - current.foretold))
     return nats > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * between))
 
 
@@ -105,28 +107,42 @@ def shares_taken(found: Fit, current: Fit, after: Residual, before: Residual) ->
 
 def held_out_nats(judge: Fit, found: Fit, without: Fit) -> float:
     """What held-out data say for ``found`` against ``without``, in nats, each value worth what it is to ``judge``."""
-    return _worth(judge) * (_square_sum(_missed(without)) - _square_sum(_missed(found)))
+    return _nats(judge, found, without, found.problem.split.held)
 
 
-def _missed(found: Fit) -> ComplexArray:
-    """What a fit misses of held-out data."""
-    return _of_held_out(found.problem, found.foretold - found.problem.measured.values)
+def preferred_by(winner: Fit, other: Fit) -> float:
+    """By how many nats held-out data, or all where nothing is held out, prefer one fit to another.
+
+    Each value is worth what it is to the one that misses less.
+    """
+    parts = winner.problem.split
+    rows = parts.held if parts.held.any() else parts.train
+    judge = min((winner, other), key=lambda f: _square_sum(_missed(f, rows)))
+    return _nats(judge, winner, other, rows)
 
 
-def _of_held_out(problem: Problem, change: ComplexArray) -> ComplexArray:
-    """Held-out rows of changes (C, L) of A/F in standard deviations, what channels of a run share taken out."""
-    measured, held = problem.measured, problem.split.held
-    return apart(measured, held, (change / measured.sigma)[held])
+def _nats(judge: Fit, found: Fit, without: Fit, rows: Rows) -> float:
+    return _worth(judge, rows) * (_square_sum(_missed(without, rows)) - _square_sum(_missed(found, rows)))
+
+
+def _missed(found: Fit, rows: Rows) -> ComplexArray:
+    """What a fit misses of some channels (C,)."""
+    return _of(found.problem, rows, found.foretold - found.problem.measured.values)
+
+
+def _of(problem: Problem, rows: Rows, change: ComplexArray) -> ComplexArray:
+    """Some rows of changes (C, L) of A/F in standard deviations, what channels of a run share taken out."""
+    return apart(problem.measured, rows, (change / problem.measured.sigma)[rows])
 
 
 def _square_sum(standardised: ComplexArray) -> float:
     return float(np.sum(np.abs(standardised) ** 2))
 
 
-def _worth(found: Fit) -> float:
-    """Independent values that a held-out one is worth: what a fit misses there, and an error of form, are not noise."""
-    rho = _missed(found)
-    worth = noise_share(found.problem.measured, found.problem.split.held).worth
+def _worth(found: Fit, rows: Rows) -> float:
+    """Independent values that one of some channels is worth: what a fit misses, and an error of form, are not noise."""
+    rho = _missed(found, rows)
+    worth = noise_share(found.problem.measured, rows).worth
     return min(1.0, independent_values(rho) / (2 * rho.size)) * worth
 
 
@@ -138,4 +154,4 @@ def _felt(found: Fit) -> float:
         without = anchor(problem, found.u, found.hypotheses[:-1], rest, slopes=False).predict(found.u, rest)
     except NoStructureError:
         return np.inf
-    return _square_sum(_of_held_out(problem, found.predicted - without))
+    return _square_sum(_of(problem, problem.split.held, found.predicted - without))

@@ -25,7 +25,7 @@ class Residual:
     ``standardised`` (C, L) complex; ``bands_hz`` (B + 1,); ``table`` (C, B) χ² per degree of freedom by channel
     and band; ``smooth_per_dof`` the same of sums over neighbouring lines, which noise leaves at its own level and
     a missing effect raises; ``lag_one`` the correlation of neighbouring lines; ``share_beyond_three`` of lines beyond
-    three standard deviations; ``independent`` the number of real values that this correlation leaves. ``noise_per_dof``
+    three standard deviations. ``noise_per_dof``
     is what noise alone leaves, ``held_out_noise_per_dof`` of held-out data, ``limits`` are those of this campaign.
     ``strain_sd`` is what it took of the tolerances to leave no more (:mod:`vgvt.reconcile.evidence.strain`); ``met``
     says that it leaves no more than noise does, ``adequate`` that it did not lean on them for it either.
@@ -42,7 +42,6 @@ class Residual:
     lag_one: float
     between_channels: float
     share_beyond_three: float
-    independent: float
     met: bool
     adequate: bool
     reasons: tuple[str, ...]
@@ -68,7 +67,7 @@ def residual(fit: Fit, thresholds: Thresholds) -> Residual:
         tuple(c.label for c in measured.channels), measured.frequency_hz, rho, bands, _table(rho, measured, bands),
         chi2, held_chi2, smooth, lag_one(train), _between(rho, measured, parts),
         float(np.mean(np.abs(rho[measured.used]) > 3)),
-        independent_values(train), not left, not reasons, reasons, limits, noise_share(measured, parts.train).noise,
+        not left, not reasons, reasons, limits, noise_share(measured, parts.train).noise,
         noise_share(measured, parts.held).noise if held.size else None, strain,
     )  # fmt: skip
 
@@ -102,8 +101,8 @@ def independent_values(standardised: ComplexArray) -> float:
         length += 2 * value
     spectrum = np.linalg.eigvalsh((standardised @ standardised.conj().T).real)
     rank: float = float(spectrum.sum()) ** 2 / float(np.sum(spectrum**2))
-    # Random noise itself spreads the eigenvalues: (1 + count / lines) is what white channels give.
-    rank = min(float(count), rank * (1 + count / lines))
+    # Random noise itself spreads the eigenvalues: this is what white channels give, real parts of two values a line.
+    rank = min(float(count), rank * (1 + count / (2 * lines)))
     return float(2 * lines / length * rank)
 
 

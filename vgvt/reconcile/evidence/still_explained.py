@@ -8,6 +8,7 @@ channel, whatever thing may have it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -41,7 +42,6 @@ class StillExplained:
 
     label: str
     kind: str
-    position_m: tuple[float, float, float] | None
     nats: float
     when: str = ""
 
@@ -65,29 +65,34 @@ def still_explained(found: Fit) -> StillExplained | None:
         return None
     keep = problem.split.train
     run_of = np.array([c.run for c in problem.measured.channels])
+    numbers = {c.run: c.run_number for c in problem.measured.channels}
     chain, laws = here.chain(found.u, found.e), _laws(problem.measured.frequency_hz)
     views = _views(found)
     told: list[StillExplained] = []
     for place in free_places(problem, here, keep):
         columns = _columns(found, here, place, chain, laws)
-        spans = _spans(place, run_of[keep if place.mask is None else keep & place.mask])
+        spans = _spans(place, run_of[keep if place.mask is None else keep & place.mask], numbers)
         nats = np.min([view.nats(columns, run_of[keep], [runs for _, runs in spans]) for view in views], axis=0)
         told += [
-            StillExplained(place.label, place.kind, place.position_m, float(n), when)
-            for n, (when, _) in zip(nats, spans, strict=True)
+            StillExplained(place.label, place.kind, float(n), when) for n, (when, _) in zip(nats, spans, strict=True)
         ]
     best = max(told, key=lambda s: s.nats)
     return replace(best, nats=best.nats - float(np.log(len(told))))
 
 
-def _spans(place: FreePlace, acting: NDArray[np.intp]) -> list[tuple[str, NDArray[np.intp]]]:
-    """In which runs, counted from 0, a law may act at a place where it has something to act on in those ``acting``."""
+def _spans(
+    place: FreePlace, acting: NDArray[np.intp], numbers: Mapping[int, int]
+) -> list[tuple[str, NDArray[np.intp]]]:
+    """In which runs, counted from 0, a law may act at a place where it has something to act on in those ``acting``.
+
+    ``numbers`` are those that the campaign gives its runs.
+    """
     runs = np.unique(acting)
     spans = [("", runs)]
-    spans += [(f"from run {first + 1} on", runs[runs >= first]) for first in runs[1:-1]]
+    spans += [(f"from run {numbers[first]} on", runs[runs >= first]) for first in runs[1:-1]]
     if place.kind != "sensor" and runs.size > 1:
         # One sensor in one run is a place of its own.
-        spans += [(f"in run {run + 1} alone", np.array([run])) for run in runs]
+        spans += [(f"in run {numbers[run]} alone", np.array([run])) for run in runs]
     return spans
 
 

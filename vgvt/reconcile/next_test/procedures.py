@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.effects.added_mass import with_lump
 from vgvt.effects.beams import plain_name
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.holdout import Split
-from vgvt.reconcile.question.problem import Nominal, Problem, nuisances_of
-from vgvt.reconcile.question.uncertain import prepared
+from vgvt.reconcile.question.problem import Nominal, Problem, nuisances_of, slopes_in
+from vgvt.reconcile.question.uncertain import prepared, unknowns_of_the_rig
 from vgvt.reconcile.search.candidates import places
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import Point
@@ -28,6 +29,7 @@ _AVERAGED = (4, 16)
 # To move the sensors and to look at what they read.
 _BETWEEN_RUNS_MIN = 3.0
 
+Array = NDArray[np.float64]
 Runs = tuple[tuple[int, ...], ...]
 
 
@@ -170,7 +172,23 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
     # averaged. The model's own error does neither.
     noise = measured.noise / (procedure.force**2 * procedure.sweeps)
     measured = replace(measured, noise=noise, sigma=np.sqrt(measured.sigma**2 - measured.noise + noise))
-    return replace(problem, scenario=scenario, measured=measured, start=nominal)
+    slopes = _slopes_of_another_rig(problem, start, nominal)
+    return replace(problem, scenario=scenario, measured=measured, start=nominal, slopes=slopes)
+
+
+def _slopes_of_another_rig(problem: Problem, start: Scenario, nominal: Nominal) -> dict[str, Array]:
+    """The slopes, those of the rig's own unknowns anew where that is another: half a spring has half of its slope."""
+    before = problem.scenario
+    if (start.suspension, start.shakers, start.transducer) == (before.suspension, before.shakers, before.transducer):
+        return problem.slopes
+    known = unknowns_of_the_rig(start)
+    rows = [[k.name for k in problem.unknowns].index(k.name) for k in known]
+    fresh = slopes_in(start, known, nominal.layouts, nominal.structure)
+    found = {}
+    for name, values in problem.slopes.items():
+        found[name] = values.copy()
+        found[name][rows] = fresh[name]
+    return found
 
 
 def _rearranged(problem: Problem, scenario: Scenario) -> Problem:

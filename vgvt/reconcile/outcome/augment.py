@@ -87,11 +87,15 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
 def _values(effect: NamedEffect) -> list[str]:
     """Settings and parameters of an effect as comments."""
     settings = [f"#   {k} = {v}" for k, v in effect.settings.items()]
-    fitted = [
-        f"#   {k} = {v:.5g} +- {sd:.2g} {unit}".rstrip() + _interval(effect, k)
-        for k, (v, sd, unit) in effect.parameters.items()
-    ]
+    fitted = [_value(k, *told) + _interval(effect, k) for k, told in effect.parameters.items()]
     return settings + fitted
+
+
+def _value(name: str, value: float, sd: float, unit: str) -> str:
+    """A parameter with its standard deviation; one at the end of what is tried has none, and is not sharp."""
+    if sd == 0:
+        return f"#   {name} = {value:.5g} {unit}".rstrip() + " (the end of what is tried)"
+    return f"#   {name} = {value:.5g} +- {sd:.2g} {unit}".rstrip()
 
 
 def _interval(effect: NamedEffect, parameter: str) -> str:
@@ -99,10 +103,15 @@ def _interval(effect: NamedEffect, parameter: str) -> str:
     return "" if known is None else f" (95 % from {known[0]:.4g} to {known[1]:.4g})"
 
 
+def _in_a_line(text: str) -> str:
+    return " ".join(text.split())
+
+
 def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]) -> None:
     """The augmented scenario as TOML with where it comes from, and the posterior, as comments above it."""
-    lines = [f"# {key}: {value}" for key, value in provenance.items()]
-    lines += [f"# verdict: {verdict.kind.value}", *(f"# {reason}" for reason in verdict.reasons), "#"]
+    # A name or a word of somebody else's may hold a line's end, and would be no comment behind it.
+    lines = [f"# {key}: {_in_a_line(value)}" for key, value in provenance.items()]
+    lines += [f"# verdict: {verdict.kind.value}", *(f"# {_in_a_line(reason)}" for reason in verdict.reasons), "#"]
     for effect in verdict.effects:
         lines.append(
             f"# {effect.name}: {effect.evidence_nats:.1f} nats, equivalent: {', '.join(effect.equivalent) or 'none'}"

@@ -284,7 +284,7 @@ def _reduced(
             rows = values @ part
         else:
             rows = values[:, grid_rows] @ part
-        if name == "mass" and sensor is not None and not roving:
+        if name == "mass" and sensor is not None:
             own = np.full(group.rows.size, problem.scenario.accelerometers.mass_kg)
             rows[sensor] += basis.T @ _carried(s, group.rows, own, runs, roving) @ basis
         if name == "mass" and end is not None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import tempfile
 import zipfile
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -20,6 +22,7 @@ from vgvt.files.atomically import replacing
 from vgvt.reconcile.mechanics.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
+from vgvt.reconcile.question.structure_code import structure_code
 from vgvt.reconcile.question.uncertain import Unknown, edited, prepared, unknowns
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
@@ -33,7 +36,8 @@ _STEP = 0.1
 _ASIDE = 0.02
 MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 """What of a structure changes with the unknowns."""
-_VERSION = "3"
+# Files of derivatives that a folder keeps, some megabytes each: those of the scenarios that one works on.
+_FILES = 20
 # A campaign may come from a coarse chain too: 0 is the continuum, -1 the chain as stated, which stands for it.
 CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "bounded", lambda scenario, _: scenario)
 
@@ -263,11 +267,22 @@ def _slopes(
     start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nominal: Structure, cache: Path | None
 ) -> dict[str, Array]:
     folder = cache or Path(tempfile.gettempdir()) / "vgvt-reconcile"
-    text = "\n".join((_VERSION, to_toml(start.model_copy(update={"seed": 0})), *nominal.joints))
+    text = "\n".join((structure_code(), to_toml(start.model_copy(update={"seed": 0})), *nominal.joints))
     file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
     kept = _kept(file)
     if kept is not None:
+        with suppress(OSError):  # what is used is not what was made longest ago
+            os.utime(file)
         return kept
+    slopes = slopes_in(start, known, layouts, nominal)
+    with replacing(file) as part, part.open("wb") as stream:
+        np.savez(stream, **slopes)  # type: ignore[arg-type]
+    _leave_newest(folder)
+    return slopes
+
+
+def slopes_in(start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nominal: Structure) -> dict[str, Array]:
+    """Changes (unknowns, …) of the matrices of an aircraft per unit of each unknown's amount, by name of the matrix."""
     found: dict[str, list[Array]] = {name: [] for name in MATRICES}
     for unknown in known:
         sides = []
@@ -277,10 +292,18 @@ def _slopes(
         span = unknown.change(_STEP) - unknown.change(-_STEP)
         for name in MATRICES:
             found[name].append((getattr(sides[0], name) - getattr(sides[1], name)) / span)
-    slopes = {name: np.array(rows) for name, rows in found.items()}
-    with replacing(file) as part, part.open("wb") as stream:
-        np.savez(stream, **slopes)  # type: ignore[arg-type]
-    return slopes
+    return {name: np.array(rows) for name, rows in found.items()}
+
+
+def _leave_newest(folder: Path) -> None:
+    """Take away what was made longest ago: by other versions, or of scenarios that were edited since."""
+    made: list[tuple[int, Path]] = []
+    for file in folder.glob("slopes-*.npz"):
+        with suppress(OSError):  # another process may take it away first
+            made.append((file.stat().st_mtime_ns, file))
+    for _, file in sorted(made)[:-_FILES]:
+        with suppress(OSError):
+            file.unlink()
 
 
 def _kept(file: Path) -> dict[str, Array] | None:

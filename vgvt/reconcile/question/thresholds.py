@@ -115,7 +115,9 @@ def limits_for(thresholds: Thresholds, measured: Measured, parts: Split) -> Limi
     A placebo leaves its noise, which is known within a tenth and fluctuates, and its model-form error: that of the
     placebos, and as much again as the declared floor lies above theirs, which is taken at its word.
     """
-    fitted, held = noise_share(measured, parts.train), noise_share(measured, parts.held)
+    fitted = noise_share(measured, parts.train)
+    # Where nothing is held out, what a new run like the fitted ones may leave.
+    held = noise_share(measured, parts.held) if parts.held.any() else fitted
     return Limits(
         _limit(fitted, thresholds.chi2_per_dof, thresholds.model_form, 1),
         # Sums over neighbouring lines: a smooth error counts that many times, noise once.

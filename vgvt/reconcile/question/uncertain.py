@@ -78,8 +78,13 @@ class Unknown:
 
 def unknowns(scenario: Scenario) -> tuple[Unknown, ...]:
     """Every structural quantity that the scenario's tolerances leave open; gains are not among them."""
-    found = [*_beams(scenario), *_body(scenario), *_items(scenario), *_damping(scenario), *_rig(scenario)]
-    return tuple(u for u in found if u.sd > 0)
+    airframe = [*_beams(scenario), *_body(scenario), *_items(scenario), *_damping(scenario)]
+    return (*(u for u in airframe if u.sd > 0), *unknowns_of_the_rig(scenario))
+
+
+def unknowns_of_the_rig(scenario: Scenario) -> tuple[Unknown, ...]:
+    """Those of them that are no part of the aircraft: suspension, drive point, transducer and sensors."""
+    return tuple(u for u in _rig(scenario) if u.sd > 0)
 
 
 def edited(scenario: Scenario, known: tuple[Unknown, ...], scores: np.ndarray) -> Scenario:
