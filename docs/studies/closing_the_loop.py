@@ -23,6 +23,7 @@ from loop_results import (
     Row,
     alone,
     by_key,
+    by_verdict,
     confusion,
     headline,
     judged,
@@ -171,7 +172,7 @@ def results(rows: Sequence[Row]) -> str:
     said = ", ".join(f"{core} ({n})" for core, n in versions.most_common())
     return (
         f"{judged} campaigns came to a verdict; without one: {beside}. Source of the analysis (cases): {said}.\n\n"
-        f"{headline(rows)}\n\n### By effect\n\n{by_key(rows, 'truth')}\n\n### By noise\n\n{by_key(rows, 'noise')}\n\n"
+        f"{headline(rows)}\n\n### By verdict\n\n{by_verdict(rows)}\n\n### By effect\n\n{by_key(rows, 'truth')}\n\n### By noise\n\n{by_key(rows, 'noise')}\n\n"
         f"### By size\n\n{by_key(rows, 'size')}\n\n### By laboratory\n\n{by_key(with_laboratory(rows), 'laboratory')}"
     )
 

@@ -127,14 +127,16 @@ def _parameters(null: Document, after: Document | None) -> str:
             if (b := later.get(r["name"])) is not None:
                 cells += [b["score"], b["std_score"], b.get("factor", b.get("shift"))]
             writer.writerow((r["name"], *(f"{c:.5g}" for c in cells)))
-    far = sorted((r for r in null["posterior"] if abs(r["score"]) > 3), key=lambda r: -abs(r["score"]))
+    # How coarse a chain the records come from is no tolerance: an aircraft has no cells.
+    stated = [r for r in null["posterior"] if r["name"] != "cells"]
+    far = sorted((r for r in stated if abs(r["score"]) > 3), key=lambda r: -abs(r["score"]))
     rows = []
     for r in far:
         b = later.get(r["name"])
         rows.append((r["what"], _score(r), _value(r), *(("–", "–") if b is None else (_score(b), _value(b)))))
     head = ("quantity", "score", "calibrated", "score with what was named, or came nearest", "calibrated with it")
     text = (
-        f"{len(far)} of {len(null['posterior'])} calibrated quantities leave three standard deviations of their "
+        f"{len(far)} of {len(stated)} calibrated quantities leave three standard deviations of their "
         "tolerance before any effect is added; here they are, all are in "
         "[`hati-reconciled-parameters.csv`](hati-reconciled-parameters.csv):"
     )
@@ -203,7 +205,7 @@ def _splits() -> str:
                 m = r.get(label, {}).get(part)
                 cells.append("–" if m is None else f"{m['chi2_per_dof']:.1f} / {m['nrmse_percent']:.0f} %")
         rows.append(cells)
-    head = ("fitted", "fitted, before", "judged, before", "fitted, after", "judged, after")
+    head = ("fitted", "fitted, before", "judged, before", "fitted, with the leads", "judged, with the leads")
     return "**Six more hold-outs: χ² per degree of freedom / NRMSE fit, both ways**\n\n" + table(head, rows)
 
 

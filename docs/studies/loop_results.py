@@ -129,6 +129,38 @@ def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     ]  # fmt: skip
 
 
+def by_verdict(rows: Sequence[Row]) -> str:
+    """What was true behind each verdict: how many are right, and what the others were."""
+    groups = {"placebo": "nothing missing", "effect": "one effect", "pair": "two", "removed": "removed",
+              "never": "never catalogued"}  # fmt: skip
+    lines = []
+    for verdict in JUDGED:
+        mine = [r for r in rows if r["verdict"] == verdict]
+        wrong = Counter(groups[r["group"]] for r in mine if not _verdict_right(r))
+        beside = ", ".join(f"{name} {wrong[name]}" for name in groups.values() if wrong[name]) or "–"
+        lines.append((verdict.replace("_", " "), _RIGHT[verdict], rate(mine, _verdict_right), beside))
+    return table(("verdict", "right where", "right", "what the others were"), lines)
+
+
+_RIGHT = {
+    "adequate": "nothing is missing, or what is there is below what gets a name",
+    "explained": "the truth is in the answer",
+    "ambiguous": "the truth is in the answer",
+    "partly_explained": "the truth is in the answer, or is in no catalogue and sits at the place that is told",
+    "unknown": "the truth is not in the catalogue",
+}
+
+
+def _verdict_right(row: Row) -> bool:
+    """Whether a verdict says what is so, as far as it says it."""
+    open_set = row["group"] in ("removed", "never")
+    if row["verdict"] == "adequate":
+        return row["group"] == "placebo" or (row["group"] == "effect" and not visible(row))
+    if row["verdict"] == "unknown":
+        return open_set
+    return open_set_right(row) if open_set else in_set(row)
+
+
 def by_key(rows: Sequence[Row], key: str) -> str:
     """Single effects above the limit by a column: what was named, and what held-out data say."""
     groups: dict[Any, list[Row]] = defaultdict(list)
@@ -155,7 +187,7 @@ def by_key(rows: Sequence[Row], key: str) -> str:
 def alone(rows: Sequence[Row]) -> str:
     """Effects that had themselves alone to be chosen from: whether they are found, and what held-out data say."""
     mine = judged(rows, "alone")
-    beyond, at = ([r for r in mine if visible(r) and at_the_limit(r) is near] for near in (False, True))
+    beyond, at = [r for r in mine if visible(r) and not at_the_limit(r)], [r for r in mine if at_the_limit(r)]
     told = [r for r in mine if r["oracle_held_out"] and named(r)]
     lines = [
         ("named, beyond a tenth above what gets a name", rate(beyond, named)),

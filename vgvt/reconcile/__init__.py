@@ -24,6 +24,7 @@ _HOMES = {
     "next_test.suggest": ("Suggestion", "suggest"),
     "decision.attribute": ("Addition", "Attribution", "Rival", "attribute"),
     "decision.kinds": ("Kind",),
+    "decision.undecided": ("undecided",),
     "decision.verdict": ("NamedEffect", "Verdict"),
     "outcome.account": ("account_of",),
     "outcome.augment": ("augment", "posterior_of", "write_reconciled"),
