@@ -9,8 +9,8 @@ import pytest
 import scipy.fft
 from numpy.typing import NDArray
 
-from vgvt.reconcile.mechanics.describing import Law
 from vgvt.reconcile.mechanics.joints import Joints
+from vgvt.reconcile.mechanics.law import Law
 from vgvt.reconcile.mechanics.march import Memory, marched
 from vgvt.reconcile.mechanics.response import Matrices, accelerances
 from vgvt.reconcile.mechanics.run_march import Push, marched_run

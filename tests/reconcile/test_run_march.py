@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vgvt.reconcile.mechanics.describing import Law
 from vgvt.reconcile.mechanics.ending import Ending, left_out
 from vgvt.reconcile.mechanics.joints import Joints
+from vgvt.reconcile.mechanics.law import Law
 from vgvt.reconcile.mechanics.response import Matrices, loaded_by
 from vgvt.reconcile.mechanics.run_march import Push, marched_run
 from vgvt.reconcile.prediction.levels import level_accelerances

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vgvt.effects.elements import JointLaw
 from vgvt.effects.root_joint import one_law
-from vgvt.reconcile.mechanics.describing import Law
+from vgvt.reconcile.mechanics.law import Law
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.assembly import Plan
 from vgvt.simulation.reduced import Structure

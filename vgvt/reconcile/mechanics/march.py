@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.mechanics.describing import Law
+from vgvt.reconcile.mechanics.law import Law
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -9,9 +9,9 @@ import scipy.fft
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from vgvt.reconcile.mechanics.describing import Law
 from vgvt.reconcile.mechanics.ending import Ending, added_by
 from vgvt.reconcile.mechanics.joints import Joints
+from vgvt.reconcile.mechanics.law import Law
 from vgvt.reconcile.mechanics.march import Memory, marched
 from vgvt.reconcile.mechanics.response import Matrices, Poles, poles_of
 

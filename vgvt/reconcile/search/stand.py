@@ -71,8 +71,9 @@ def _at_rest(null: Fit) -> Fit:
 class Stand:
     """A fit with the basis (2 N + scores, scores) of what its scores imitate, and its misfit with and without that.
 
-    ``inverse`` (scores, scores) is of the tangent's normal matrix; ``motions`` are what slopes are taken from,
-    ``known`` the last of these, and ``sides`` are what its hypotheses' parameters change.
+    ``inverse`` (scores, scores) is of the tangent's normal matrix, and ``back`` leads by it to what the fit foretells;
+    ``motions`` are what slopes are taken from, ``known`` the last of these, and ``sides`` are what its hypotheses'
+    parameters change.
     """
 
     fit: Fit
@@ -82,6 +83,7 @@ class Stand:
     misfit: Array
     left: Array
     inverse: Array
+    back: Follower
     sides: Sequence[Side] | None
     known: dict[tuple[Any, ...], Array | None] = field(default_factory=dict)
 
@@ -98,7 +100,8 @@ class Stand:
         # What joints show along their way is another matter beside something else.
         straight = all(h.linear for h in null.hypotheses)
         sides = sides_of(here.structures, null.u, null.hypotheses, null.e, here.assembled) if straight else None
-        return cls(null, here, FirstOrder.of(here), basis, misfit, left, inverse, sides)
+        back = Follower.back(null, inverse)
+        return cls(null, here, FirstOrder.of(here), basis, misfit, left, inverse, back, sides)
 
     @property
     def groups(self) -> tuple[Group, ...]:
@@ -269,7 +272,7 @@ class Stand:
         Free of noise and of curvature that they have in common with the effect, which :meth:`projected` takes for
         something to be seen. None if impossible.
         """
-        there = self._followed(Follower.back(self.fit, self.inverse), hypothesis, values, sizes)
+        there = self._followed(self.back, hypothesis, values, sizes)
         return None if there is None else np.concatenate([there.misfit, there.scores - self.fit.scores])
 
     def _followed(

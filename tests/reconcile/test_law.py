@@ -1,0 +1,34 @@
+"""The force law of a joint against its own terms, and where a load holds it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vgvt.effects.elements import JointLaw
+from vgvt.reconcile.mechanics.law import Law
+
+STIFFNESS = 2000.0
+
+
+def test_beyond_its_play_it_is_a_spring_that_stiffens() -> None:
+    law, x = Law(STIFFNESS, cubic=2e7, play=1e-3), np.array([-3e-3, -1e-3, 0.0, 0.5e-3, 1e-3, 4e-3])
+    pressed = np.array([-2e-3, 0.0, 0.0, 0.0, 0.0, 3e-3])
+    np.testing.assert_allclose(law.elastic(x), STIFFNESS * pressed + 2e7 * pressed**3, rtol=1e-12)
+    ends = [law.elastic(x + s * 1e-7) for s in (1, -1)]
+    inside = np.abs(np.abs(x) - 1e-3) > 1e-6
+    np.testing.assert_allclose(law.slope(x)[inside], ((ends[0] - ends[1]) / 2e-7)[inside], rtol=1e-5, atol=1e-6)
+
+
+def test_more_weight_moves_a_joint_to_where_it_is_held() -> None:
+    law = Law(STIFFNESS, cubic=2e7, play=1e-3, rest=-4e-3)
+    more = law.loaded(-0.5)
+    assert more.load == pytest.approx(law.load - 0.5, rel=1e-9)
+    assert more.rest < law.rest
+
+
+def test_of_a_joint_at_its_stop_a_linear_model_has_half_of_its_spring() -> None:
+    """As central differences take it, whose one side is in the gap; well beyond the stop it has all of it."""
+    for rest, share in ((-1e-3, 0.5), (-3e-3, 1.0), (0.0, 0.0)):
+        law = Law.of(JointLaw("wing-left", "bending", STIFFNESS, play_rad=1e-3), rest)
+        assert law.modelled == pytest.approx(share * STIFFNESS, rel=1e-6)

@@ -1,0 +1,64 @@
+"""The force law of a joint that depends on level: a stiffening spring with play and friction, about where it rests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.effects.elements import JointLaw
+
+Array = NDArray[np.float64]
+_NEWTON = 8
+# The step of the linear model's central differences.
+_LINEARISED_RAD = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """A force against a displacement x: k x + k3 x³ beyond a dead band of ± ``play``, and ± ``friction`` against v.
+
+    ``rest`` is the displacement that the weight holds the joint at; what moves it is measured from there.
+    ``modelled`` is the stiffness that a linear model has for the joint already.
+    """
+
+    stiffness: float
+    cubic: float = 0.0
+    friction: float = 0.0
+    play: float = 0.0
+    rest: float = 0.0
+    modelled: float = 0.0
+
+    @classmethod
+    def of(cls, element: JointLaw, rest_rad: float) -> Law:
+        """The law of a root joint, N m and rad, in a structure that was linearised at its rest."""
+        law = cls(
+            element.stiffness_n_m_per_rad, element.cubic_n_m_per_rad3, element.friction_n_m, element.play_rad, rest_rad
+        )
+        # As the linearisation takes it: a joint that rests near a stop has some of both its slopes in there.
+        near = law.elastic(np.array([rest_rad + _LINEARISED_RAD, rest_rad - _LINEARISED_RAD]))
+        return replace(law, modelled=float(near[0] - near[1]) / (2 * _LINEARISED_RAD))
+
+    def loaded(self, force: float) -> Law:
+        """The same joint with more weight on it: it rests elsewhere, on a spring that is convex on either side."""
+        wanted, x = self.load + force, self.rest
+        for _ in range(_NEWTON):
+            slope = float(self.slope(np.array(x)))
+            x -= (float(self.elastic(np.array(x))) - wanted) / (slope if slope > 0 else self.stiffness)
+        return replace(self, rest=x)
+
+    def elastic(self, x: Array) -> Array:
+        """The spring's force at displacements x of any shape, from the unloaded state."""
+        pressed = x - np.clip(x, -self.play, self.play)
+        return self.stiffness * pressed + self.cubic * pressed**3
+
+    def slope(self, x: Array) -> Array:
+        """Derivative of :meth:`elastic`; its value beyond the band on the band's edge."""
+        pressed = x - np.clip(x, -self.play, self.play)
+        return np.where(np.abs(x) < self.play, 0.0, self.stiffness + 3 * self.cubic * pressed**2)
+
+    @property
+    def load(self) -> float:
+        """What rests on the joint."""
+        return float(self.elastic(np.array(self.rest)))
