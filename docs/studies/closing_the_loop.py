@@ -170,10 +170,19 @@ def results(rows: Sequence[Row]) -> str:
     beside = "; ".join(f"{n} {name}" for name, n in sorted(other.items())) or "none"
     versions = Counter(r["core"] for r in rows)
     said = ", ".join(f"{core} ({n})" for core, n in versions.most_common())
-    return (
-        f"{judged} campaigns came to a verdict; without one: {beside}. Source of the analysis (cases): {said}.\n\n"
-        f"{headline(rows)}\n\n### By verdict\n\n{by_verdict(rows)}\n\n### By effect\n\n{by_key(rows, 'truth')}\n\n### By noise\n\n{by_key(rows, 'noise')}\n\n"
-        f"### By size\n\n{by_key(rows, 'size')}\n\n### By laboratory\n\n{by_key(with_laboratory(rows), 'laboratory')}"
+    tables = {
+        "verdict": by_verdict(rows),
+        "effect": by_key(rows, "truth"),
+        "noise": by_key(rows, "noise"),
+        "size": by_key(rows, "size"),
+        "laboratory": by_key(with_laboratory(rows), "laboratory"),
+    }
+    return "\n\n".join(
+        (
+            f"{judged} campaigns came to a verdict; without one: {beside}. Source of the analysis (cases): {said}.",
+            headline(rows),
+            *(f"### By {what}\n\n{found}" for what, found in tables.items()),
+        )
     )
 
 

@@ -79,6 +79,10 @@ def judged(case: Case, stage: Staged, verdict: Verdict) -> Row:
     }  # fmt: skip
 
 
+# A/F is a quotient: what all responses gain is what the force lost.
+_GAINS, _QUOTIENT = ("gain_error", "drift"), {"force", "response"}
+
+
 def deviations(truth: dict[str, dict[str, Any]], verdict: Verdict) -> str:
     """What is true of named effects, in stated standard deviations from what the verdict says: ``mass_kg -0.7``.
 
@@ -92,6 +96,8 @@ def deviations(truth: dict[str, dict[str, Any]], verdict: Verdict) -> str:
             known = true.get(_OTHER_END.get(name, name) if _ends_exchanged(true, effect) else name)
             if known is None or std <= 0:
                 continue
+            if name in _GAINS and {true.get("channels"), effect.settings.get("channels")} == _QUOTIENT:
+                known = 1 / (1 + known) - 1
             if scales[name] == "log":
                 rows.append(f"{name} {np.log(known / value) * value / std:.2f}")
             else:

@@ -79,8 +79,8 @@ def test_stated_deviations_are_held_against_the_truth() -> None:
     A mass is positive: its deviations are those of its logarithm.
     """
     told = {"mass_kg": (0.11, 0.022, "kg"), "x_m": (0.5, 0.0, "m"), "y_m": (0.9, 0.05, "m")}
-    mass = SimpleNamespace(name="added-mass", parameters=told)
-    other = SimpleNamespace(name="channel-gain", parameters={"gain_error": (0.1, 0.01, "")})
+    mass = SimpleNamespace(name="added-mass", parameters=told, settings={})
+    other = SimpleNamespace(name="channel-gain", parameters={"gain_error": (0.1, 0.01, "")}, settings={})
     truth = {"added-mass": {"mass_kg": 0.11 * np.exp(-0.1), "x_m": 0.4, "y_m": 1.0}}
     verdict: Any = SimpleNamespace(effects=(mass, other))
     assert loop_work.deviations(truth, verdict) == "mass_kg -0.50; y_m 2.00"
@@ -91,6 +91,38 @@ def test_stated_deviations_are_held_against_the_truth() -> None:
     assert loop_results.deviations_of(rows[0]) == [1.5, -2.5]
     line = next(x for x in loop_results.headline(rows).splitlines() if "stated intervals" in x)
     assert "| 1 of 2, 50 % " in line
+
+
+@pytest.mark.parametrize(
+    ("true", "told", "off"), [("force", "response", 0.0), ("response", "response", 3.0), ("response", "sensor-1", 3.0)]
+)
+def test_what_the_force_gains_all_responses_lose(true: str, told: str, off: float) -> None:
+    """A/F is a quotient: 8 % less of one is 8.7 % more of the other, and no hundred deviations off."""
+    known = -0.08 if true == "force" else 0.1
+    value = 1 / 0.92 - 1 if true == "force" else 0.097
+    effect = SimpleNamespace(name="gain-drift", settings={"channels": told}, parameters={"drift": (value, 0.001, "")})
+    truth = {"gain-drift": {"channels": true, "drift": known}}
+    said = loop_work.deviations(truth, SimpleNamespace(effects=(effect,)))  # type: ignore[arg-type]
+    assert float(said.removeprefix("drift ")) == pytest.approx(off, abs=1e-6)
+
+
+def test_behind_each_verdict_stands_what_was_true() -> None:
+    def row(group: str, verdict: str, **said: Any) -> loop_results.Row:
+        return {"group": group, "verdict": verdict, "ratio": 2.0, "answer": "wrong", "near": False} | said
+
+    rows = [
+        row("placebo", "adequate"), row("effect", "adequate"), row("effect", "adequate", ratio=0.8),
+        row("effect", "explained", answer="right"), row("removed", "explained"),
+        row("never", "partly_explained", near=True), row("never", "partly_explained"),
+        row("never", "unknown"), row("placebo", "unknown"),
+    ]  # fmt: skip
+    said = loop_results.by_verdict(rows).splitlines()
+    found = {line.split(" | ")[0].strip("| "): line.split(" | ")[2:] for line in said[2:]}
+    assert found["adequate"][0].startswith("2 of 3,") and found["adequate"][1] == "one effect 1 |"
+    assert found["explained"][0].startswith("1 of 2,") and found["explained"][1] == "removed 1 |"
+    assert found["partly explained"][0].startswith("1 of 2,") and found["partly explained"][1] == "never catalogued 1 |"
+    assert found["unknown"][0].startswith("1 of 2,") and found["unknown"][1] == "nothing missing 1 |"
+    assert found["ambiguous"] == ["–", "– |"]
 
 
 def test_a_bundle_has_no_first_end() -> None:
