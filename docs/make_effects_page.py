@@ -39,6 +39,7 @@ in the group `vgvt.effects`, and let it pass the conformance suite:
 
 ```text
 import pytest
+from my_effect import MyEffect
 from vgvt.simulation.effect_conformance import checks
 
 @pytest.mark.parametrize("check", checks(), ids=str)

@@ -100,6 +100,16 @@ def test_an_effect_that_fails_is_named_and_the_input_is_not_blamed(vgvt, tmp_pat
     assert error["message"].startswith("effect 'failing' failed in act(run 0): KeyError: 'k' (run with VGVT_TRACEBACK")
 
 
+@pytest.mark.usefixtures("effects")
+def test_a_scenario_with_an_effect_that_is_left_out_is_told_so(vgvt, tmp_path: Path) -> None:
+    """And not that there is none of that name, with the names of all others."""
+    (tmp_path / "spoiled.toml").write_text(SCENARIO.replace("failing", "bare").replace("size_kg = 0.5", ""))
+    result = vgvt("simulate", "./spoiled.toml", "--engine", "linear", "--json")
+    assert result.status == 2
+    error = result.document["error"]
+    assert "effect 'bare' is installed, but of no use" in error["message"] and "doctor" in str(error)
+
+
 @pytest.mark.filterwarnings("default:divide by zero")
 def test_numbers_that_are_none_are_not_written_to_a_campaign(vgvt, install, tmp_path: Path) -> None:
     """A factor that is infinite at 0 Hz, the likeliest mistake of all."""

@@ -1,6 +1,7 @@
 """The checks every effect must pass; shipped, so that a plugin's whole test file is three lines.
 
     import pytest
+    from my_effect import MyEffect
     from vgvt.simulation.effect_conformance import checks
 
     @pytest.mark.parametrize("check", checks(), ids=str)
