@@ -87,7 +87,10 @@ def make_effect(name: str, where: str, **values: object) -> Effect:
 def _made(known: Mapping[str, type], name: str, where: str, values: Mapping[str, object]) -> Effect:
     if name not in known:
         if any(point.name == name for point in entry_points(group=GROUP)):
-            problem, advice = f"effect {name!r} is installed, but of no use", "mend it: `vgvt doctor` says what is wrong"
+            problem, advice = (
+                f"effect {name!r} is installed, but of no use",
+                "mend it: `vgvt doctor` says what is wrong",
+            )
             raise InputError(where, problem, advice)
         raise InputError(where, f"there is no effect {name!r}", choose_one_of(name, tuple(known)))
     cls = known[name]
