@@ -181,7 +181,7 @@ def test_fields_that_no_table_could_give_leave_an_effect_out() -> None:
 
     assert "its field 'nodes' is none of bool, int, float, str and Literal[…]" in _unusable(Listed)
     assert "its field 'width' has a unit, but no range: make it with parameter(" in _unusable(Made)
-    assert "its field 'side' has no default" in _unusable(Filled)
+    assert "its field 'side' has a default_factory: write a default" in _unusable(Filled)
     assert "its class attribute 'turn' is 'last'" in _unusable(Turned)
     with pytest.raises(ValueError, match=r"the parameter 'width' needs neutral=… .* or default=…"):
         parameter("m", 0.1, 1.0, "width")

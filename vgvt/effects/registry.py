@@ -29,6 +29,9 @@ _DECLARED = {
 
 # What a scenario file can hold in an [[effect]] table.
 _WRITABLE = "bool, int, float, str and Literal[…]"
+_IN_WORDS: dict[object, str] = {
+    bool: "true or false", int: "a whole number", float: "a finite number", str: "a text in quotes",
+}  # fmt: skip
 
 
 class EffectPluginWarning(UserWarning):
@@ -63,7 +66,10 @@ def _unusable(cls: type) -> str:
     ranged = {f.name for f in dataclasses.fields(cls) if {"unit", "low", "high"} <= set(f.metadata)}
     for f in dataclasses.fields(cls):
         if f.init and f.default is dataclasses.MISSING:
-            return f"its field {f.name!r} has no default"
+            made = (
+                "a default_factory: write a default" if f.default_factory is not dataclasses.MISSING else "no default"
+            )
+            return f"its field {f.name!r} has {made}"
         if "unit" in f.metadata and f.name not in ranged:
             return f"its field {f.name!r} has a unit, but no range: make it with parameter(unit, low, high, doc, …)"
         if hints[f.name] not in (bool, int, float, str) and typing.get_origin(hints[f.name]) is not typing.Literal:
@@ -135,8 +141,8 @@ def _fitting(where: str, value: object, hint: object) -> object:
         return value
     if options is None and isinstance(hint, type) and hint is not float and type(value) is hint:
         return value
-    wanted = " or ".join(map(repr, options)) if options else getattr(hint, "__name__", str(hint))
-    raise InputError(where, f"{value!r} does not fit", f"Write {wanted if hint is not float else 'a finite number'}.")
+    wanted = " or ".join(map(repr, options)) if options else _IN_WORDS.get(hint, str(hint))
+    raise InputError(where, f"{value!r} does not fit", f"Write {wanted}.")
 
 
 def _ranges(cls: type) -> str:
