@@ -13,10 +13,10 @@ import pytest
 from vgvt.data import InputError, PluginError
 from vgvt.effects import Action, ChannelFilter, ChannelTransform, Family, available_effects, parameter, parameters_of
 from vgvt.effects.acting import action_of
-from vgvt.effects.elements import BendTwist, GroundSpring, PointMass
+from vgvt.effects.elements import BendTwist, GroundSpring, JointLaw, PointMass
 from vgvt.effects.parameter import range_fault
 from vgvt.effects.point_error import PointError
-from vgvt.effects.registry import _made, _unusable
+from vgvt.effects.registry import EffectPluginWarning, _made, _unusable
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.scenario import load_scenario
 
@@ -61,6 +61,12 @@ def filters(response: Callable[..., Any], channels: Any = "response", stage: Any
         (filters(np.ones_like, "99+Z"), r"ChannelFilter on '99\+Z': write 'force', 'drive', 'response', 'all'"),
         (filters(np.ones_like, 3), r"ChannelFilter on 3: write"),
         (filters(np.ones_like, "1-Z"), r"ChannelFilter on '1-Z': write"),
+        # As labels are compared: these would select nothing.
+        (filters(np.ones_like, "1Z"), r"ChannelFilter on '1Z': write"),
+        (filters(np.ones_like, "1+z"), r"ChannelFilter on '1\+z': write"),
+        ({"points": (PointError([1, 2]),)}, r"TypeError: unhashable"),  # type: ignore[arg-type]
+        ({"elements": (GroundSpring("body", (0.0, 0.0, 0.0), 1.0, node=99),)}, r"GroundSpring on node 99: "),
+        ({"elements": (JointLaw("wing-left", "bend", 1.0),)}, r"JointLaw.kind is 'bend': did you mean 'bending'\?"),  # type: ignore[arg-type]
         (filters(np.ones_like, stage="sensors"), r"at stage 'sensors': did you mean 'sensor'\?"),
         (filters(1.2), r"ChannelFilter holds no function"),  # type: ignore[arg-type]
         ({"points": (PointError(99),)}, r"PointError on node 99: "),
@@ -81,6 +87,7 @@ def test_contents_that_mean_nothing_are_refused_in_the_effects_name(contents: di
 def test_what_an_action_may_hold_passes_and_does_the_same() -> None:
     elements = (
         PointMass("wing", (0.6, 0.7, 0.0), 0.01),
+        PointMass("body", (np.float64(0.6), 0.0, np.int64(0)), np.float32(0.01)),  # type: ignore[arg-type]
         GroundSpring("wing-left", (0.6, -0.7, 0.0), -3.0, node=11),
         BendTwist("wing-right", 0.1),
     )
@@ -179,6 +186,12 @@ def test_fields_that_no_table_could_give_leave_an_effect_out() -> None:
         turn: ClassVar[Any] = "last"
         side: Literal["left", "right"] = "left"
 
+    @dataclass(frozen=True)
+    class Computed:
+        side: str = "left"
+        squares: tuple[float, ...] = field(init=False, default=())
+
+    assert _unusable(Computed) == ""
     assert "its field 'nodes' is none of bool, int, float, str and Literal[…]" in _unusable(Listed)
     assert "its field 'width' has a unit, but no range: make it with parameter(" in _unusable(Made)
     assert "its field 'side' has a default_factory: write a default" in _unusable(Filled)
@@ -208,7 +221,9 @@ def test_a_constructor_that_fails_says_whose_it_is() -> None:
         _made({"mine": Built}, "mine", "here", {"kind": "fails"})
     assert Hypothesis(Built, {"kind": "refuses", "gives": None}).effect({"size": 0.5}) is None
     with pytest.raises(PluginError, match=told):
-        Hypothesis(Built, {"kind": "fails", "gives": None}).effect({"size": 0.5})
+        Hypothesis(Built, {"kind": "fails", "gives": None}).made({"size": 0.5})
+    with pytest.warns(EffectPluginWarning, match=told.rstrip("$") + "; the search goes on without it there"):
+        assert Hypothesis(Built, {"kind": "fails", "gives": None}).effect({"size": 0.5}) is None
 
 
 def test_the_how_to_names_the_fields_of_an_action() -> None:

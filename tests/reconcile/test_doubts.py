@@ -243,6 +243,10 @@ def test_only_a_linear_likeness_of_a_joint_is_not_told_by_level(
     first, behind = told(winner, 100.0), told(other, 90.0)
     said = reasons._of_a_name(Addition(first, (first, behind), (first, behind), 2.0), LIMITS)
     assert any("no level of force tells the two" in words for words in said) is plain
+    assert (
+        any("10 nats behind by the data that were fitted, is ahead with those held out" in w for w in said) is not plain
+    )
+    assert not any("explains the data as well" in words for words in said)
 
 
 def test_a_name_is_not_ahead_of_itself(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,10 +16,12 @@ from vgvt.data import InputError
 from vgvt.effects import Action, ChannelFilter, Family, parameter
 from vgvt.effects.action import NOTHING
 from vgvt.effects.registry import EffectPluginWarning
+from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.prediction.grouping import NoStructureError, assembled, run_actions
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.stand import Stand
 from vgvt.scenario import Scenario
 
 
@@ -117,6 +119,12 @@ def test_a_filter_that_fails_only_where_a_fit_leads_is_refused_there(tmp_path: P
     u = np.zeros(case.size)
     inside, beyond = (hypothesis.scores({"size": size}) for size in (0.5, 1.2))
     there = anchor(case, u, (hypothesis,), inside)
+    stand = Stand.of(fit(case, (), u, np.zeros(0), ()))
+    assert stand.change(hypothesis, {"size": 0.5}) is not None
+    with pytest.warns(EffectPluginWarning, match="the search goes on without it there"):
+        assert stand.change(hypothesis, {"size": 1.2}) is None
+    with pytest.warns(EffectPluginWarning, match="the search goes on without it there"):
+        assert stand._linear_change(hypothesis, {"size": 1.2}) is None
     assert np.isfinite(there.predict(u, inside)).all()
     told = r"^effect 'filtering' failed in the ChannelFilter on 'response' .*; the search goes on without it there$"
     with pytest.warns(EffectPluginWarning, match=told), pytest.raises(NoStructureError, match="effect 'filtering'"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from reconciled_case import roving_scenario, without_instrument_noise
@@ -47,3 +48,8 @@ def test_a_force_is_found_where_it_acts_though_runs_have_different_joints(tmp_pa
     alone = np.arange(missed.split.train.size) == int(np.flatnonzero(missed.split.train)[0])
     single = replace(missed, split=replace(missed.split, train=alone))
     assert localise(fit(single, (creep,), u, e, ())).places == ()
+    # And what one point has, however often it was measured.
+    again = tuple(replace(c, dof=case.measured.channels[0].dof) for c in missed.measured.channels)
+    often = replace(missed, measured=replace(missed.measured, channels=again))
+    asked = SimpleNamespace(problem=often, chi2_per_dof=1.0)
+    assert localise(asked).places == ()  # type: ignore[arg-type]

@@ -75,14 +75,15 @@ def test_another_program_does_not_use_what_this_one_took(tmp_path: Path, monkeyp
 
 def test_a_folder_keeps_what_was_used_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And nothing in it that is no such file is touched."""
-    others = [tmp_path / f"slopes-{k}.npz" for k in range(3)]
-    for k, file in enumerate((*others, tmp_path / "mine.npz")):
+    others = [tmp_path / f"slopes-{k:024x}.npz" for k in range(3)]
+    mine = tmp_path / "slopes-mine.npz"
+    for k, file in enumerate((*others, mine)):
         file.write_bytes(b"")
         os.utime(file, (k, k))
     monkeypatch.setattr(asking, "_FILES", 3)
     taken(tmp_path)
-    (fresh,) = set(tmp_path.iterdir()) - {*others, tmp_path / "mine.npz"}
-    assert set(tmp_path.iterdir()) == {others[1], others[2], tmp_path / "mine.npz", fresh}
+    (fresh,) = set(tmp_path.iterdir()) - {*others, mine}
+    assert set(tmp_path.iterdir()) == {others[1], others[2], mine, fresh}
     os.utime(fresh, (0, 0))
     taken(tmp_path)
     assert fresh.stat().st_mtime > 10

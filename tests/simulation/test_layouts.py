@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from vgvt.effects import make_effect
+from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import reduced, settling
 from vgvt.simulation.assembly import Plan, plan
@@ -142,3 +143,22 @@ def test_a_sensor_that_looks_ahead_feels_gravity_as_the_nose_goes_down() -> None
     found = structure(layout, (ahead,))
     # Centre body's translations, then its rotations.
     np.testing.assert_allclose(found.tilt[0, 3:6], [0.0, -9.80665, 0.0], atol=0.05 * 9.80665)
+
+
+def test_a_body_without_beams_has_a_structure() -> None:
+    """Its coordinates are those of its own frame: there is no root to take them from."""
+    whole = prepared(load_scenario("quick"))
+    grid = whole.accelerometers.grid
+    on_body = grid.model_copy(update={"attached_to": ("body",) * len(grid.node), "z_m": (0.0,) * len(grid.node)})
+    airframe = whole.airframe.model_copy(
+        update={
+            "beam": (),
+            "item": tuple(i for i in whole.airframe.item if i.attached_to == "body"),
+            "damping": whole.airframe.damping.model_copy(update={"modal": ()}),
+        }
+    )
+    sensors = whole.accelerometers.model_copy(update={"grid": on_body})
+    layout = plan(whole.model_copy(update={"airframe": airframe, "accelerometers": sensors}))
+    found = structure(layout, layout.grid)
+    assert len(found.joints) == 6
+    assert np.isfinite(found.mass).all() and np.linalg.eigvalsh(found.mass)[0] > 0

@@ -44,7 +44,7 @@ def action_of(effect: Effect, scenario: Scenario, run: int) -> Action:
         action: object = effect.act(scenario, run)
         if not isinstance(action, Action):
             raise TypeError(f"it gave {type(action).__name__}, not an Action")
-    return action if is_bundled(type(effect).__module__) else held_to_contract(effect, action, scenario, run)
+        return action if is_bundled(type(effect).__module__) else held_to_contract(effect, action, scenario, run)
 
 
 def acted(

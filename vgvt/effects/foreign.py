@@ -9,13 +9,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterator
-from functools import partial
-from typing import Any, get_args, get_type_hints
+from functools import cache, partial
+from numbers import Real
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Dof
 from vgvt.data.plugin import PluginError, whose_fault
 from vgvt.data.suggestion import choose_one_of
 from vgvt.effects.action import Action, ChannelFilter, ChannelTransform, Stage
@@ -100,7 +100,7 @@ def _problems(action: Action, scenario: Scenario) -> Iterator[str]:
             yield f"PointError on node {point.node}: {choose_one_of(str(point.node), map(str, nodes))}"
         if point.at_node is not None and point.at_node not in nodes:
             yield f"PointError at node {point.at_node}: {choose_one_of(str(point.at_node), map(str, nodes))}"
-        yield from _of_numbers(point)
+        yield from _of_fields(point)
     beams = expanded_beams(there.airframe)
     built = {b.name for b in beams}
     stated = {_BODY} | built | {b.name for b in there.airframe.beam}
@@ -110,7 +110,10 @@ def _problems(action: Action, scenario: Scenario) -> Iterator[str]:
             if getattr(element, f) not in known:
                 what = f"{type(element).__name__}: there is no {f.replace('_', ' ')} {getattr(element, f)!r}"
                 yield f"{what}; {choose_one_of(str(getattr(element, f)), known)}"
-        yield from _of_numbers(element)
+        node = getattr(element, "node", None)
+        if node is not None and node not in nodes:
+            yield f"{type(element).__name__} on node {node}: {choose_one_of(str(node), map(str, nodes))}"
+        yield from _of_fields(element)
         for f in _MASSES:
             if getattr(element, f, 0.0) < 0:
                 yield f"{type(element).__name__}.{f} is {getattr(element, f):g}: take mass from an item of the airframe"
@@ -126,30 +129,38 @@ def _of_channels(change: ChannelFilter | ChannelTransform, scenario: Scenario) -
     if change.channels in _ROLES:
         return
     labels = [str(p.dof) for p in sensor_points(scenario)]
-    try:
-        known = str(Dof.from_label(change.channels)) in labels
-    except (ValueError, TypeError, AttributeError):
-        known = False
-    if not known:
+    if change.channels not in labels:
         yield f"{what} on {change.channels!r}: write {', '.join(map(repr, _ROLES))}, or a DOF that is measured like " \
               f"{labels[0]!r}"  # fmt: skip
 
 
-def _of_numbers(thing: object) -> Iterator[str]:
-    """Fields of an element or a point error that should be finite numbers, or three of them, and are not."""
-    hints = get_type_hints(type(thing))
-    for f in dataclasses.fields(thing):  # type: ignore[arg-type]
-        value = getattr(thing, f.name)
-        what = f"{type(thing).__name__}.{f.name} is {value!r}"
-        if hints[f.name] is float and not _finite(value):
+def _of_fields(thing: object) -> Iterator[str]:
+    """Fields of an element or a point error that are no finite number, no three of them, or no word that there is."""
+    for name, kind, words in _kinds(type(thing)):  # type: ignore[arg-type]
+        value = getattr(thing, name)
+        what = f"{type(thing).__name__}.{name} is {value!r}"
+        if kind is float and not _finite(value):
             yield f"{what}: give a finite number"
         is_vector = isinstance(value, tuple) and len(value) == 3 and all(map(_finite, value))
-        if hints[f.name] == tuple[float, float, float] and not is_vector:
+        if kind is tuple and not is_vector:
             yield f"{what}: give a tuple of three finite numbers"
+        if words and value not in words:
+            yield f"{what}: {choose_one_of(str(value), words)}"
+
+
+@cache
+def _kinds(cls: type) -> tuple[tuple[str, type, tuple[str, ...]], ...]:
+    """Fields of a class: name, number or three of them, and the words that it may be."""
+    found: list[tuple[str, type, tuple[str, ...]]] = []
+    for name, hint in get_type_hints(cls).items():
+        words = get_args(hint) if get_origin(hint) is Literal else ()
+        kind = float if hint is float else tuple if hint == tuple[float, float, float] else object
+        found.append((name, kind, words))
+    return tuple(found)
 
 
 def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and math.isfinite(value)
+    return isinstance(value, Real) and math.isfinite(value)
 
 
 _CHANGES = (ChannelFilter, ChannelTransform)

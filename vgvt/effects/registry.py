@@ -72,7 +72,8 @@ def _unusable(cls: type) -> str:
             return f"its field {f.name!r} has {made}"
         if "unit" in f.metadata and f.name not in ranged:
             return f"its field {f.name!r} has a unit, but no range: make it with parameter(unit, low, high, doc, …)"
-        if hints[f.name] not in (bool, int, float, str) and typing.get_origin(hints[f.name]) is not typing.Literal:
+        plain = hints[f.name] in (bool, int, float, str) or typing.get_origin(hints[f.name]) is typing.Literal
+        if f.init and not plain:
             return f"its field {f.name!r} is none of {_WRITABLE}: an [[effect]] table could not give it"
     turn = getattr(cls, "turn", 0)
     if not isinstance(turn, int):

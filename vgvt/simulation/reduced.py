@@ -205,8 +205,10 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
         names, mass, damping, stiffness, drive, places, jacobian, axis, tilt, qpos, body_names, bodies, attitude,
         np.eye(6),
     )  # fmt: skip
-    roots_m = np.array([chain.table.point_m(0.0) for chain in layout.parts.chains.values()])
-    return _in_body_axes(joint_structure, layout.parts.origin_m[ROOT] - roots_m.mean(axis=0))
+    centre_m = layout.parts.origin_m[ROOT]
+    # Of a body without beams nothing else is told from its own frame.
+    roots_m = [chain.table.point_m(0.0) for chain in layout.parts.chains.values()] or [centre_m]
+    return _in_body_axes(joint_structure, centre_m - np.mean(roots_m, axis=0))
 
 
 def _in_body_axes(s: Structure, centre_m: Array) -> Structure:

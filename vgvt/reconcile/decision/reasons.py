@@ -104,7 +104,17 @@ def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
     said += [
         f"{name} would gain {gain:.0f} nats, more than held-out data speak against it" for name, gain in ahead.items()
     ]
-    as_well = sorted({r.name for r in others} - {*ahead, *plain})
+    # What held-out data put beside the winner, and fitted ones behind it.
+    by_others = {
+        r.name: winner.gain_nats - r.gain_nats
+        for r in others
+        if met and r.name not in plain and r.gain_nats < winner.gain_nats - within
+    }
+    said += [
+        f"{name}, {nats:.0f} nats behind by the data that were fitted, is ahead with those held out"
+        for name, nats in by_others.items()
+    ]
+    as_well = sorted({r.name for r in others} - {*ahead, *plain, *by_others})
     if as_well:
         what = (
             f"the data as well, within {within:.0f} nats"

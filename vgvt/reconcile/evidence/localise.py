@@ -81,10 +81,10 @@ class Localisation:
 def localise(null: Fit, progress: Callable[[float, str], None] | None = None) -> Localisation:
     """Rank every place by the residual that a force, a gain or a single sensor there would explain.
 
-    No place where a single channel was fitted: a free force anywhere explains all that one channel has.
+    No place where one point alone was fitted, in however many runs: a free force anywhere explains all that it has.
     """
     problem = null.problem
-    if np.count_nonzero(problem.split.train) < 2:
+    if len({c.dof for c, fitted in zip(problem.measured.channels, problem.split.train, strict=True) if fitted}) < 2:
         return Localisation((), problem.measured.frequency_hz, null.chi2_per_dof)
     here = anchor(problem, null.u, null.hypotheses, null.e)
     keep = problem.split.train

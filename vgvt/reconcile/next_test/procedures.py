@@ -178,7 +178,7 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
 
 def _slopes_of_another_rig(problem: Problem, start: Scenario, nominal: Nominal) -> dict[str, Array]:
     """The slopes, those of the rig's own unknowns anew where that is another: half a spring has half of its slope."""
-    before = problem.scenario
+    before = problem.start.scenario
     if (start.suspension, start.shakers, start.transducer) == (before.suspension, before.shakers, before.transducer):
         return problem.slopes
     known = unknowns_of_the_rig(start)

@@ -86,7 +86,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
 
 def _values(effect: NamedEffect) -> list[str]:
     """Settings and parameters of an effect as comments."""
-    settings = [f"#   {k} = {v}" for k, v in effect.settings.items()]
+    settings = [f"#   {k} = {_in_a_line(str(v))}" for k, v in effect.settings.items()]
     fitted = [_value(k, *told) + _interval(effect, k) for k, told in effect.parameters.items()]
     return settings + fitted
 
@@ -126,6 +126,8 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
     gains = len(gain_tables(verdict.scenario, verdict.attribution.final))
     if gains:
         lines += ["#", f"# The last {gains} [[effect]] tables are no findings: they are the gains above."]
-    lines += [f"# {text}" for text in (*unwritten(verdict.attribution.final), verdict.resimulated.remark) if text]
+    lines += [
+        f"# {_in_a_line(text)}" for text in (*unwritten(verdict.attribution.final), verdict.resimulated.remark) if text
+    ]
     with replacing(path) as part:
         part.write_text("\n".join(lines) + "\n\n" + to_toml(verdict.scenario), encoding="utf-8")

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from vgvt.data import Channel, ChannelRole, Direction, Dof, PluginError, Quantity
 from vgvt.effects.action import Action, ChannelFilter
-from vgvt.reconcile.prediction.grouping import NoStructureError, refused
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.question.hypothesis import refused
 from vgvt.reconcile.question.problem import Problem
 from vgvt.simulation.channel_effects import selects
 

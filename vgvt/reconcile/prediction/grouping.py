@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -14,8 +13,8 @@ from vgvt.data import InputError, PluginError
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.protocol import Effect
-from vgvt.effects.registry import EffectPluginWarning, effects_of
-from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.effects.registry import effects_of
+from vgvt.reconcile.question.hypothesis import Hypothesis, refused
 from vgvt.reconcile.question.problem import CELLS, Problem
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.model import Scenario
@@ -80,11 +79,7 @@ def effects_at(problem: Problem, hypotheses: Sequence[Hypothesis], e: Array) -> 
     start = 0
     for hypothesis in hypotheses:
         count = len(hypothesis.parameters)
-        try:
-            effect = hypothesis.effect(hypothesis.values(e[start : start + count]))
-        except PluginError as error:
-            refused(error)
-            return None
+        effect = hypothesis.effect(hypothesis.values(e[start : start + count]))
         start += count
         if effect is None:
             return None
@@ -105,11 +100,6 @@ def run_actions(
     except PluginError as error:
         refused(error)
         raise NoStructureError(str(error)) from error
-
-
-def refused(error: PluginError) -> None:
-    """Say which effect of somebody else's a search goes on without."""
-    warnings.warn(f"{error}; the search goes on without it there", EffectPluginWarning, stacklevel=1)
 
 
 def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Array:

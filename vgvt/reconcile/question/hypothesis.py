@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -10,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data.plugin import whose_fault
+from vgvt.data.plugin import PluginError, whose_fault
 from vgvt.effects.parameter import Parameter, parameters_of
 from vgvt.effects.protocol import Effect
+from vgvt.effects.registry import EffectPluginWarning
 
 Array = NDArray[np.float64]
 # A plausible range is taken as plus and minus this many standard deviations of the prior.
@@ -123,8 +125,16 @@ class Hypothesis:
     def effect(self, values: Mapping[str, float]) -> Effect | None:
         """The effect itself; None where it refuses the values, or a scenario would: below a parameter's least.
 
-        PluginError where the constructor of somebody else's fails otherwise.
+        And, with a warning, where the constructor of somebody else's fails otherwise.
         """
+        try:
+            return self.made(values)
+        except PluginError as error:
+            refused(error)
+            return None
+
+    def made(self, values: Mapping[str, float]) -> Effect | None:
+        """:meth:`effect`, but PluginError where the constructor of somebody else's fails."""
         chosen = {**self.settings, **values}
         if any(p.least is not None and chosen.get(p.name, p.least) < p.least for p in parameters_of(self.cls)):
             return None
@@ -134,6 +144,11 @@ class Hypothesis:
             except ValueError:
                 return None
         return made
+
+
+def refused(error: PluginError) -> None:
+    """Say which effect of somebody else's a search goes on without."""
+    warnings.warn(f"{error}; the search goes on without it there", EffectPluginWarning, stacklevel=1)
 
 
 def prior(p: Parameter) -> tuple[float, float]:

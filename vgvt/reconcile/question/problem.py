@@ -37,7 +37,7 @@ _ASIDE = 0.02
 MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 """What of a structure changes with the unknowns."""
 # Files of derivatives that a folder keeps, some megabytes each: those of the scenarios that one works on.
-_FILES = 20
+_FILES, _DIGITS = 20, 24
 # A campaign may come from a coarse chain too: 0 is the continuum, -1 the chain as stated, which stands for it.
 CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "bounded", lambda scenario, _: scenario)
 
@@ -268,7 +268,7 @@ def _slopes(
 ) -> dict[str, Array]:
     folder = cache or Path(tempfile.gettempdir()) / "vgvt-reconcile"
     text = "\n".join((structure_code(), to_toml(start.model_copy(update={"seed": 0})), *nominal.joints))
-    file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
+    file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}.npz"
     kept = _kept(file)
     if kept is not None:
         with suppress(OSError):  # what is used is not what was made longest ago
@@ -298,7 +298,7 @@ def slopes_in(start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nom
 def _leave_newest(folder: Path) -> None:
     """Take away what was made longest ago: by other versions, or of scenarios that were edited since."""
     made: list[tuple[int, Path]] = []
-    for file in folder.glob("slopes-*.npz"):
+    for file in folder.glob(f"slopes-{'[0-9a-f]' * _DIGITS}.npz"):
         with suppress(OSError):  # another process may take it away first
             made.append((file.stat().st_mtime_ns, file))
     for _, file in sorted(made)[:-_FILES]:

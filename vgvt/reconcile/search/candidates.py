@@ -89,7 +89,7 @@ def _that_act(problem: Problem, cls: type, variants: list[dict[str, Any]]) -> li
 
 def _act_once(problem: Problem, hypothesis: Hypothesis) -> None:
     """Ask an effect what it does in every run, the aircraft as stated, and its filters at the campaign's lines."""
-    effect = hypothesis.effect({p.name: p.at(0.5) for p in hypothesis.parameters})
+    effect = hypothesis.made({p.name: p.at(0.5) for p in hypothesis.parameters})
     if effect is not None:
         for run in range(len(problem.measured.runs)):
             for change in action_of(effect, problem.scenario, run).channels:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import InputError
+from vgvt.data import InputError, PluginError
 from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action, ChannelFilter
 from vgvt.reconcile.fitting.fit import NEAR, Fit, cost_at, fit
@@ -139,4 +139,7 @@ def _alike(problem: Problem, one: tuple[Action, ...] | None, other: tuple[Action
         return [(c.channels, np.asarray(c.response(frequency)).tobytes()) for c in linear]
 
     same = zip(one, other, sorted(fitted), strict=True)
-    return all(a.same_rig(b) and filters(a, run) == filters(b, run) for a, b, run in same)
+    try:
+        return all(a.same_rig(b) and filters(a, run) == filters(b, run) for a, b, run in same)
+    except PluginError:  # whoever asks what it does there is told
+        return False

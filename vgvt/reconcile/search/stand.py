@@ -123,9 +123,9 @@ class Stand:
         null = self.fit
         added = (*null.hypotheses, _with_values(hypothesis, values))
         near = beside(null.problem, null.u, self.groups, added, null.e)
-        if near is not None and self._unmoved(near):
-            return self._change_to(null.predicted + self._of_filters(added, near)), False
         try:
+            if near is not None and self._unmoved(near):
+                return self._change_to(null.predicted + self._of_filters(added, near)), False
             there = anchor(null.problem, null.u, added, null.e, slopes=False, groups=near)
             predicted = there.predict(null.u, null.e)
         except NoStructureError:
@@ -239,7 +239,10 @@ class Stand:
             return None
         out = self.here.chain(null.u, null.e) * moved
         if any(g.filtered for g in there):
-            out = out + self._of_filters(added, there)
+            try:
+                out = out + self._of_filters(added, there)
+            except NoStructureError:  # a filter of somebody else's fails there
+                return None
         change = data_misfit(problem, problem.measured.values + out, null.sigma)
         return np.concatenate([change, np.zeros(null.scores.size)]), self._wider(there)
 
