@@ -26,7 +26,7 @@ from vgvt.reconcile.search.upright import upright
 from vgvt.reconcile.work.progress import Progress, part, silent
 from vgvt.reconcile.work.team import ALONE, Task, Team
 
-_SHORT_LIST, _A_FAMILY, _BEHIND = 6, 2, 3
+_SHORT_LIST, _A_FAMILY, _BEHIND = 6, 2, 2
 BIASED = 1.5
 """Beyond this chi² per degree of freedom a calibration has swallowed part of what it should leave."""
 _SHORT, _NEAREST, _BEST = ((0.6, 4), (0.1, 5)), 4, 2
