@@ -57,6 +57,9 @@ def test_a_measured_channel_needs_a_place(role: ChannelRole) -> None:
 def test_suggestions_find_the_word_meant() -> None:
     known = ("hati-unsymmetric", "hati-symmetric", "quick")
     assert nearest("hati-unsymetric", known) == "hati-unsymmetric"
+    # The words of a name in another order, before a name that is only spelt like it.
+    assert nearest("unsymmetric_hati", known) == "hati-unsymmetric"
+    assert nearest("mass-added", ("added-mass", "mass-adder")) == "added-mass"
     assert nearest("QUICK", known) == "quick"
     assert nearest("qui", known) == "quick"
     assert nearest("unsymmetric", known) == "hati-unsymmetric"

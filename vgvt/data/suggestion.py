@@ -18,9 +18,15 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     # A shortened name is too far from the whole one for a measure of likeness.
     longer = sorted(k for k in by_folded if len(typed) > 2 and k.startswith(typed))
     # So is one of its words; where several names have it, none of them is nearer.
-    holding = [k for k in by_folded if typed in re.split(r"[-_. ]", k)]
-    found = match or longer or (holding if len(holding) == 1 else [])
+    holding = [k for k in by_folded if typed in _words(k)]
+    turned = [k for k in by_folded if _words(k) == _words(typed)]
+    found = turned or match or longer or (holding if len(holding) == 1 else [])
     return by_folded[found[0]] if found else None
+
+
+def _words(name: str) -> list[str]:
+    """The words of a name, in alphabetical order: which comes first is easily mistaken."""
+    return sorted(re.split(r"[-_. ]", name))
 
 
 def choose_one_of(word: str, known: Iterable[str]) -> str:
