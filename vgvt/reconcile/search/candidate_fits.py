@@ -18,7 +18,7 @@ from vgvt.reconcile.search.screened import Screened, parted
 from vgvt.reconcile.work.progress import Progress, naming
 from vgvt.reconcile.work.team import ALONE, Team
 
-FINALISTS = 6
+FINALISTS = 4
 """As many as a far-off round fits to the end."""
 # Share of its size at which an effect can only do a little harm.
 _LITTLE = 0.125
