@@ -25,6 +25,7 @@ from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 
+_CHANGES = (ChannelFilter, ChannelTransform)
 _ROLES = ("force", "drive", "response", "all")
 _BODY = "body"
 # Elements are told apart by these fields: where they are, and what cannot be less than nothing.
@@ -76,6 +77,21 @@ def _as_many(
 
 def _problems(action: Action, scenario: Scenario) -> Iterator[str]:
     """What is wrong with the contents of an action, in words, with what to write instead."""
+    yield from _of_types(action)
+    there = action.scenario or scenario
+    for change in action.channels:
+        yield from _of_channels(change, there)
+    nodes = {p.dof.node for p in sensor_points(there)}
+    for point in action.points:
+        yield from _of_point(point, nodes, {s.node for s in there.shakers})
+    built = {b.name for b in expanded_beams(there.airframe)}
+    stated = {_BODY} | built | {b.name for b in there.airframe.beam}
+    for element in action.elements:
+        yield from _of_element(element, nodes, built, stated)
+
+
+def _of_types(action: Action) -> Iterator[str]:
+    """Fields of an action that are of another kind than they must be: whatever else is asked rests on it."""
     for f, kind in (("elements", get_args(Element)), ("points", (PointError,)), ("channels", _CHANGES)):
         given = getattr(action, f)
         if not isinstance(given, tuple):
@@ -91,32 +107,31 @@ def _problems(action: Action, scenario: Scenario) -> Iterator[str]:
         yield f"Action.command is a {type(command).__name__}: give a function of (command_v, time_s), or None"
     if not _finite(action.warming_k):
         yield f"Action.warming_k is {action.warming_k!r}: give a finite number of kelvins"
-    there = action.scenario or scenario
-    for change in action.channels:
-        yield from _of_channels(change, there)
-    nodes = {p.dof.node for p in sensor_points(there)}
-    for point in action.points:
-        if point.node not in nodes | {s.node for s in there.shakers}:
-            yield f"PointError on node {point.node}: {choose_one_of(str(point.node), map(str, nodes))}"
-        if point.at_node is not None and point.at_node not in nodes:
-            yield f"PointError at node {point.at_node}: {choose_one_of(str(point.at_node), map(str, nodes))}"
-        yield from _of_fields(point)
-    beams = expanded_beams(there.airframe)
-    built = {b.name for b in beams}
-    stated = {_BODY} | built | {b.name for b in there.airframe.beam}
-    for element in action.elements:
-        for f in (f for f in (*_PARTS, "beam") if hasattr(element, f)):
-            known = built if f == "beam" else stated
-            if getattr(element, f) not in known:
-                what = f"{type(element).__name__}: there is no {f.replace('_', ' ')} {getattr(element, f)!r}"
-                yield f"{what}; {choose_one_of(str(getattr(element, f)), known)}"
-        node = getattr(element, "node", None)
-        if node is not None and node not in nodes:
-            yield f"{type(element).__name__} on node {node}: {choose_one_of(str(node), map(str, nodes))}"
-        yield from _of_fields(element)
-        for f in _MASSES:
-            if getattr(element, f, 0.0) < 0:
-                yield f"{type(element).__name__}.{f} is {getattr(element, f):g}: take mass from an item of the airframe"
+
+
+def _of_point(point: PointError, nodes: set[int], shakers: set[int]) -> Iterator[str]:
+    """What is wrong with where a sensor is said to be, among the sensors' ``nodes`` and the ``shakers``'."""
+    if point.node not in nodes | shakers:
+        yield f"PointError on node {point.node}: {choose_one_of(str(point.node), map(str, nodes))}"
+    if point.at_node is not None and point.at_node not in nodes:
+        yield f"PointError at node {point.at_node}: {choose_one_of(str(point.at_node), map(str, nodes))}"
+    yield from _of_fields(point)
+
+
+def _of_element(element: Element, nodes: set[int], built: set[str], stated: set[str]) -> Iterator[str]:
+    """What is wrong with an element: its part among the ``stated``, its beam as ``built``, its node, its numbers."""
+    what = type(element).__name__
+    for f in (f for f in (*_PARTS, "beam") if hasattr(element, f)):
+        known, own = built if f == "beam" else stated, getattr(element, f)
+        if own not in known:
+            yield f"{what}: there is no {f.replace('_', ' ')} {own!r}; {choose_one_of(str(own), known)}"
+    node = getattr(element, "node", None)
+    if node is not None and node not in nodes:
+        yield f"{what} on node {node}: {choose_one_of(str(node), map(str, nodes))}"
+    yield from _of_fields(element)
+    for f in _MASSES:
+        if getattr(element, f, 0.0) < 0:
+            yield f"{what}.{f} is {getattr(element, f):g}: take mass from an item of the airframe"
 
 
 def _of_channels(change: ChannelFilter | ChannelTransform, scenario: Scenario) -> Iterator[str]:
@@ -161,6 +176,3 @@ def _kinds(cls: type) -> tuple[tuple[str, type, tuple[str, ...]], ...]:
 
 def _finite(value: object) -> bool:
     return isinstance(value, Real) and math.isfinite(value)
-
-
-_CHANGES = (ChannelFilter, ChannelTransform)

@@ -206,7 +206,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
         np.eye(6),
     )  # fmt: skip
     centre_m = layout.parts.origin_m[ROOT]
-    # Of a body without beams nothing else is told from its own frame.
+    # A body without beams has no root: its own frame, then.
     roots_m = [chain.table.point_m(0.0) for chain in layout.parts.chains.values()] or [centre_m]
     return _in_body_axes(joint_structure, centre_m - np.mean(roots_m, axis=0))
 
