@@ -17,13 +17,16 @@ from vgvt.reconcile.decision import undecided as undecided_module
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.undecided import next_best, undecided
 from vgvt.reconcile.fitting.fit import NEAR, fit
+from vgvt.reconcile.next_test import procedures as procedures_module
 from vgvt.reconcile.next_test import suggest as suggesting
 from vgvt.reconcile.next_test.procedures import Procedure, changed, procedures
 from vgvt.reconcile.next_test.suggest import Suggestion, expected_nats, known_in, suggest, words_of_none
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.uncertain import prepared
 from vgvt.reconcile.search.candidates import freed
+from vgvt.scenario import load_scenario
 
 # The package's lazy name of the same spelling is the function.
 GAIN = 0.05
@@ -63,6 +66,16 @@ def test_another_rig_has_slopes_of_its_own(case: Problem, words: str, unknown: s
     ends = [anchor(after, a, slopes=False).mechanical(a, np.zeros(0)) for a in aside]
     wanted = (ends[0] - ends[1]) / (2 * step)
     assert np.linalg.norm(known - wanted) < 0.02 * np.linalg.norm(wanted)
+
+
+def test_the_same_rig_keeps_its_slopes() -> None:
+    """A shaker on a wing is on one of two once these are written out: no other shaker for that."""
+    stated = load_scenario("teaching-beam")
+    assert prepared(stated).shakers != stated.shakers
+    slopes: Any = object()
+    start: Any = SimpleNamespace(scenario=prepared(stated))
+    problem: Any = SimpleNamespace(scenario=stated, start=start, slopes=slopes)
+    assert procedures_module._slopes_of_another_rig(problem, prepared(stated), start) is slopes
 
 
 @pytest.mark.parametrize("again", [0, 2])
