@@ -8,7 +8,6 @@ preferred where evidence says so.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -58,8 +57,7 @@ def _without(found: Fit, index: int, size: str, tell: Progress) -> Fit | None:
     """
     own = found.hypotheses[index]
     names = [p.name for p in own.parameters]
-    neutral = own.parameters[names.index(size)].neutral
-    less = replace(own, settings={**own.settings, size: neutral}, share=own.share / len(sizes_of(own)))
+    less = own.without(size)
     before = sum(len(h.parameters) for h in found.hypotheses[:index])
     e = np.delete(found.e, before + names.index(size))
     joined = (*found.hypotheses[:index], less, *found.hypotheses[index + 1 :])

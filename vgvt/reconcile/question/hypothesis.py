@@ -104,6 +104,16 @@ class Hypothesis:
             found.append(((math.log(value) if p.scale == "log" else value) - mean) / sd)
         return np.array(found)
 
+    def without(self, size: str) -> Hypothesis:
+        """The variant with one of its sizes a setting, where it does nothing; which of them is a choice, and paid for.
+
+        ValueError for a name that is no size of it.
+        """
+        sizes = {p.name: p.neutral for p in self.parameters if p.neutral is not None}
+        if size not in sizes:
+            raise ValueError(f"{size!r} is no size of {self.label}; name one of {', '.join(sizes)}")
+        return replace(self, settings={**self.settings, size: sizes[size]}, share=self.share / len(sizes))
+
     def moved(self, scores: Array, step: Array) -> Array:
         """Scores (parameters,) after a step (parameters,) that is straight in the values, not in their logarithms."""
         there = np.asarray(scores + step, dtype=float)

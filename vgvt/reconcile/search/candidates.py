@@ -98,8 +98,9 @@ def _act_once(problem: Problem, hypothesis: Hypothesis) -> None:
 
 
 def freed(hypothesis: Hypothesis) -> Hypothesis:
-    """The same variant with its place, if it has one, free to be fitted."""
-    kept = {k: v for k, v in hypothesis.settings.items() if k not in {p.name for p in parameters_of(hypothesis.cls)}}
+    """The same variant with its place, if it has one, free to be fitted; a size that was left out stays out."""
+    placed = {p.name for p in parameters_of(hypothesis.cls) if p.neutral is None}
+    kept = {k: v for k, v in hypothesis.settings.items() if k not in placed}
     return dataclasses.replace(hypothesis, settings=kept)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,24 +108,51 @@ def _sized(stand: Stand, hypothesis: Hypothesis, start: dict[str, float], tuned:
         reached = stand.linearly_followed(hypothesis, start)
         gain = -math.inf if reached is None else 0.5 * (stand.cost - reached)
         return Screened(hypothesis, start, gain, tuned=tuned)
-    left = stand.left
-    columns, used = [], []
+    columns: dict[str, Array] = {}
     for p in switches:
         slope = stand.slope(hypothesis, {**start, **neutral}, p)
         if slope is not None and np.abs(slope).max() * step_from_neutral(p) > 1e-9:
-            columns.append(stand.projected(slope))
-            used.append(p)
+            columns[p.name] = stand.projected(slope)
+    middles = {p.name: p.at(0.5) for p in switches}
     if not columns:
-        middles = {p.name: p.at(0.5) for p in switches}
         return Screened(hypothesis, {**start, **middles}, 0.0, visible=False, tuned=tuned)
-    amounts = _non_negative(np.array(columns).T, left, [p.scale == "log" for p in used])
-    values = {**start, **neutral}
-    for p, amount in zip(used, amounts, strict=True):
-        values[p.name] = neutral[p.name] + float(amount)
-    predicted = left + np.array(columns).T @ amounts
-    linear = 0.5 * float(left @ left - predicted @ predicted)
-    inside = {p.name: _inside(p, values[p.name]) for p in used}
-    return Screened(hypothesis, {**values, **inside}, linear, tuned=tuned)
+    used = [p for p in switches if p.name in columns]
+    choices = itertools.chain.from_iterable(itertools.combinations(used, r) for r in range(1, len(used) + 1))
+    sized = [_with_sizes(stand.left, hypothesis, used, on, columns) for on in choices]
+    best = max(sized, key=lambda s: s.at_values + math.log(s.hypothesis.share))
+    unseen = {name: value for name, value in middles.items() if name not in columns}
+    return Screened(best.hypothesis, {**start, **unseen, **best.values}, best.linear, tuned=tuned)
+
+
+class _Sized(NamedTuple):
+    """A variant with plausible values of its sizes, and nats: of what the closed form gives them, and of these."""
+
+    hypothesis: Hypothesis
+    values: dict[str, float]
+    linear: float
+    at_values: float
+
+
+def _with_sizes(
+    left: Array,
+    hypothesis: Hypothesis,
+    sizes: Sequence[Parameter],
+    on: Sequence[Parameter],
+    columns: dict[str, Array],
+) -> _Sized:
+    """The best of some sizes by the closed form, the others left out.
+
+    What is best at nothing, or at less, has its least plausible value where it is not: in quiet data that does harm.
+    """
+    for p in sizes:
+        hypothesis = hypothesis if p in on else hypothesis.without(p.name)
+    matrix = np.array([columns[p.name] for p in on]).T
+    amounts = _non_negative(matrix, left, [p.scale == "log" for p in on])
+    neutral = np.array([float(p.neutral or 0.0) for p in on])
+    values = {p.name: _inside(p, float(v)) for p, v in zip(on, neutral + amounts, strict=True)}
+    plausible = np.array([*values.values()]) - neutral
+    linear, at_values = (0.5 * float(left @ left - np.sum((left + matrix @ a) ** 2)) for a in (amounts, plausible))
+    return _Sized(hypothesis, values, linear, at_values)
 
 
 def _non_negative(columns: Array, left: Array, positive: list[bool]) -> Array:
