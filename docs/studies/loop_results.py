@@ -65,6 +65,12 @@ def twin(row: Row) -> bool:
     return named(row) and told is not None and float(told) <= _AS_GOOD_NATS
 
 
+def above_its_own(row: Row) -> bool:
+    """Whether an effect is above the limit of its own aircraft; rows of older versions do not say."""
+    own = row.get("own_ratio")
+    return own is not None and float(own) >= 1.0
+
+
 def at_the_limit(row: Row) -> bool:
     """Whether an effect is as large as gets a name in 95 of 100 campaigns, and not larger."""
     ratio = row.get("ratio")
@@ -110,6 +116,8 @@ def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
         ("truth in the set (≤ 3 members), above the limit", "≥ 95 %", rate(effect, in_set)),
         ("… of these within a tenth of the limit itself", "", rate([r for r in effect if at_the_limit(r)], in_set)),
         ("… of these beyond that", "≥ 95 %", rate([r for r in effect if not at_the_limit(r)], in_set)),
+        ("… of those whose own aircraft's limit is known, above that", "≥ 95 %",
+         rate([r for r in judged(rows, "effect") if above_its_own(r)], in_set)),
         ("wrong single name, above the limit", "≤ 2 %", rate(effect, lambda r: r["answer"] == "wrong")),
         ("nothing named, above the limit", "", rate(effect, lambda r: not named(r))),
         ("below the limit: wrong single name", "≤ 2 %",

@@ -10,6 +10,7 @@ from typing import Any
 import loop_truth as lab
 import numpy as np
 from loop_cases import LINES, Case, Staged, staged
+from loop_limits import own_ratio
 from loop_places import said_place
 
 import vgvt.reconcile
@@ -48,6 +49,7 @@ def work(case: Case) -> list[Row]:
     row |= judged(case, stage, verdict) | {
         "oracle_held_out": None if told is None or case.group == "removed" else told.held_out_chi2_per_dof,
         "told_ahead_nats": None if told is None else round(ahead(told, verdict), 2),
+        "own_ratio": None if told is None or case.group == "removed" else own_ratio(told, stage.truth),
     }
     return [row | {"cpu_s": round(time.process_time() - started, 1), "settings": str(stage.truth)}]
 
