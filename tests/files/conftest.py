@@ -126,3 +126,30 @@ def campaign() -> Campaign:
         band_hz=(1, 35),
         notes={"aircraft": "none, “made up”"},
     )
+
+
+CHANNELS = ((100, 13), (1, 12), (2, 12)), ((100, 13), (3, 12), (4, 12))
+"""Node and specific data type of each column of the bench's two runs, along +z; the very last one along -z."""
+
+
+@pytest.fixture
+def universal(bench: Path, volts: np.ndarray, edited: Callable[[str, str], Path]) -> Callable[..., Path]:
+    """The bench in Universal Files: ``universal(write)`` makes raw/run1.uff, raw/run2.uff of what write gives.
+
+    ``write(values, dof=, code=, unit=)`` gives one dataset as text or bytes. Returns the sidecar's path.
+    """
+
+    def write_with(write: Callable[..., str | bytes]) -> Path:
+        edited('format = "mat"', 'format = "uff"')
+        edited('samples = "data"\ntime_s = "t"\n', "")
+        edited(".mat", ".uff")
+        for run, channels in enumerate(CHANNELS):
+            content = b""
+            for k, (node, code) in enumerate(channels):
+                direction = -3 if (run, k) == (1, 2) else 3
+                dataset = write(volts[run][:, k], dof=(node, direction), code=code, unit="V")
+                content += dataset.encode() if isinstance(dataset, str) else dataset
+            (bench.parent / f"raw/run{run + 1}.uff").write_bytes(content)
+        return bench
+
+    return write_with

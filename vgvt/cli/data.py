@@ -1,4 +1,4 @@
-"""``vgvt data``: measured campaigns, on this machine and in the public place they come from."""
+"""``vgvt data``: measured campaigns: fetched, found, and described."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ import typer
 
 from vgvt.cli.boundary import CommandError
 from vgvt.cli.console import log, progress, show
+from vgvt.cli.describe import describe
 from vgvt.cli.document import write_document
 from vgvt.cli.options import JsonOption
 
 _DEFAULT = "hati-2015-09-24"
 
-data_app = typer.Typer(help="Fetch and find measured campaigns.")
+data_app = typer.Typer(help="Fetch, find and describe measured campaigns.")
+data_app.command()(describe)
 
 
 @data_app.callback(invoke_without_command=True)
 def data_what(context: typer.Context) -> None:
-    """Fetch and find measured campaigns."""
+    """Fetch, find and describe measured campaigns."""
     if context.invoked_subcommand is None:
-        raise typer.BadParameter("say what to do: get, list or where", ctx=context)
+        raise typer.BadParameter("say what to do: get, list, where or describe", ctx=context)
 
 
 @data_app.command()

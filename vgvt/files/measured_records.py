@@ -15,6 +15,8 @@ from vgvt.files.mat import read_mat
 from vgvt.files.npz import read_npz
 from vgvt.files.sidecar import ChannelRow, RunRow, Sidecar
 from vgvt.files.time_axis import check_time_axis, time_of_run
+from vgvt.files.uff.read import UniversalFile, read_uff
+from vgvt.files.uff.run_columns import columns_of_run
 
 
 def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
@@ -22,17 +24,18 @@ def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
 
     Samples come out in SI, aircraft axes. InputError names the file, and the
     run and channel where it can: missing or damaged file, wrong hash, missing variable,
-    too few columns, no samples, a time axis that contradicts the sample rate or the number of samples.
+    too few columns, no samples, a time axis that contradicts the sample rate or the number of samples,
+    a Universal File that states another quantity, DOF or unit.
     """
     runs: list[Record] = []
-    arrays: dict[str, NDArray[Any]] = {}
+    content: dict[str, NDArray[Any]] | UniversalFile = {}
     hashes: dict[str, str] = {}
     read = ""
     for run in sidecar.run:
         _check_file(sidecar, run, folder / run.file, hashes)
         if run.file != read:
-            arrays, read = _read_arrays(sidecar, folder / run.file), run.file
-        runs.append(_record(sidecar, run, arrays, folder / run.file))
+            content, read = _read_content(sidecar, folder / run.file), run.file
+        runs.append(_record(sidecar, run, content, folder / run.file))
     notes = dict(sidecar.notes)
     notes |= {"summary": sidecar.summary} if sidecar.summary else {}
     notes |= {"traps": "\n".join(sidecar.traps)} if sidecar.traps else {}
@@ -68,8 +71,11 @@ def _check_file(sidecar: Sidecar, run: RunRow, path: Path, hashes: dict[str, str
         )
 
 
-def _read_arrays(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]]:
+def _read_content(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]] | UniversalFile:
+    """The arrays of a file by their names; a Universal File holds no arrays, but time histories."""
     records = sidecar.records
+    if records.format == "uff":
+        return read_uff(path)
     if records.format == "csv":
         return {"": read_delimited(path, records.delimiter, records.skip_rows)}
     names = dict.fromkeys([c.variable or records.samples for c in sidecar.channel])
@@ -77,8 +83,11 @@ def _read_arrays(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]]:
     return read_mat(path, wanted) if records.format == "mat" else read_npz(path, wanted)
 
 
-def _record(sidecar: Sidecar, run: RunRow, arrays: dict[str, NDArray[Any]], path: Path) -> Record:
-    columns = [_column(sidecar, run, channel, arrays, path) for channel in sidecar.channel]
+def _record(sidecar: Sidecar, run: RunRow, content: dict[str, NDArray[Any]] | UniversalFile, path: Path) -> Record:
+    if isinstance(content, UniversalFile):
+        columns = columns_of_run(sidecar, run, content)
+    else:
+        columns = [_column(sidecar, run, channel, content, path) for channel in sidecar.channel]
     lengths = {c.name: len(x) for c, x in zip(sidecar.channel, columns, strict=True)}
     where = f"{path}, run {run.run}"
     if len(set(lengths.values())) > 1:
@@ -86,8 +95,8 @@ def _record(sidecar: Sidecar, run: RunRow, arrays: dict[str, NDArray[Any]], path
     if not columns[0].size:
         raise InputError(where, "the record has no samples", "leave this run out, or find its data")
     sample_rate_hz = run.sample_rate_hz or sidecar.records.sample_rate_hz
-    if sidecar.records.time_s:
-        time_s = time_of_run(arrays[sidecar.records.time_s], run.index, where)
+    if sidecar.records.time_s and not isinstance(content, UniversalFile):
+        time_s = time_of_run(content[sidecar.records.time_s], run.index, where)
         check_time_axis(time_s, columns[0].size, sample_rate_hz, where)
     double = any(x.dtype.itemsize > 4 or x.dtype.kind != "f" for x in columns)
     samples = np.empty((len(columns), columns[0].size), dtype=np.float64 if double else np.float32)

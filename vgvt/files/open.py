@@ -12,6 +12,7 @@ from vgvt.files.locate import find_dataset
 CAMPAIGN_NAME = "campaign.nc"
 _OF_SCENARIOS = frozenset({"extends", "airframe", "suspension", "shaker", "excitation", "acquisition", "effect"})
 _OF_SIDECARS = frozenset({"records", "channel", "run"})
+_UNIVERSAL = frozenset({".uff", ".unv", ".ufb", ".bunv"})
 _SHIPPED = Path(__file__).parent / "measured"
 
 
@@ -31,7 +32,15 @@ def open_campaign(source: str | Path) -> Campaign:
             raise InputError(str(path), f"the folder holds no {CAMPAIGN_NAME}", "give a run folder, or a file")
         return read_campaign(path / CAMPAIGN_NAME)
     if path.is_file():
-        return _open_sidecar(path) if path.suffix == ".toml" else read_campaign(path)
+        if path.suffix == ".toml":
+            return _open_sidecar(path)
+        if path.suffix.lower() in _UNIVERSAL:
+            raise InputError(
+                str(path),
+                "a Universal File does not say all that vgvt needs, like the band and which axis points aft",
+                f"write a sidecar for it, and give that: vgvt data describe {path}",
+            )
+        return read_campaign(path)
     name = str(source)
     if name in measured_names():
         return _open_sidecar(_SHIPPED / f"{name}.toml")

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from vgvt.data import ChannelRole, Direction, Dof, Quantity
+from vgvt.files.axes import Axes
 from vgvt.files.delimited_text import check_delimiter
 from vgvt.files.strict import Finite, Positive, Table
-from vgvt.files.units import LENGTHS_M, QUANTITIES, Sensitivity, unit_in_si
+from vgvt.files.units import QUANTITIES, Sensitivity, unit_in_si
 
 Sha256 = Field(default=None, pattern="^[0-9a-f]{64}$")
 
@@ -43,7 +44,7 @@ class Source(Table):
 class Records(Table):
     """What all record files have in common."""
 
-    format: Literal["mat", "npz", "csv"]
+    format: Literal["mat", "npz", "csv", "uff"]
     sample_rate_hz: Positive
     dataset: str = ""
     """Name of a data set that is looked up in VGVT_DATA; left out, files lie relative to the sidecar."""
@@ -53,11 +54,13 @@ class Records(Table):
     """The variable (MAT) or array (npz) that holds the channels; a channel may name another."""
     channels_are: Literal["columns", "rows"] = "columns"
     columns: int | None = Field(default=None, ge=1)
-    """How many channels a file must hold; left out, any number that covers the channel table."""
+    """How many channels a run must have in its file; left out, any number that covers the channel table."""
     time_s: str = ""
     """A variable that holds the time axis; it is compared with sample_rate_hz and the number of samples."""
     delimiter: str = ","
     skip_rows: int = Field(default=0, ge=0)
+    overrides: tuple[Literal["sample_rate_hz"], ...] = ()
+    """What the sidecar states against a Universal File that is wrong about it."""
 
     @field_validator("delimiter")
     @classmethod
@@ -66,38 +69,17 @@ class Records(Table):
         return value
 
     @model_validator(mode="after")
-    def _time_needs_names(self) -> Self:
+    def _only_what_the_format_has(self) -> Self:
         if self.format == "csv" and (self.samples or self.time_s):
             raise ValueError("text files have no named variables; leave out samples and time_s")
-        return self
-
-
-class Axes(Table):
-    """How the axes of the position table lie in the aircraft: vgvt has x aft from the nose, y right, z up."""
-
-    unit: Literal["m", "cm", "mm", "in", "ft"] = "m"
-    aft: str = Field(default="x", pattern="^[+-]?[xyz]$")
-    """Which axis of the table points aft, like 'y' or '-x'."""
-    right: str = Field(default="y", pattern="^[+-]?[xyz]$")
-    up: str = Field(default="z", pattern="^[+-]?[xyz]$")
-    nose: tuple[Finite, Finite, Finite] = (0.0, 0.0, 0.0)
-    """Where the nose is, in the table's own axes and unit."""
-
-    @model_validator(mode="after")
-    def _every_axis_once(self) -> Self:
-        if {a[-1] for a in (self.aft, self.right, self.up)} != {"x", "y", "z"}:
+        if self.format == "uff" and (self.samples or self.time_s or self.channels_are == "rows"):
             raise ValueError(
-                f"aft = {self.aft!r}, right = {self.right!r}, up = {self.up!r} do not use every axis once; "
-                "write each of x, y, z in one of them"
+                "Universal Files hold one time history a channel, with its time axis; "
+                "leave out samples, time_s and channels_are"
             )
+        if self.format != "uff" and self.overrides:
+            raise ValueError("only a Universal File states what could be overridden; leave out overrides")
         return self
-
-    def to_aircraft_m(self, table: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Positions (P, 3) of the table in aircraft axes and metres."""
-        turn = np.zeros((3, 3))
-        for row, axis in enumerate((self.aft, self.right, self.up)):
-            turn[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
-        return np.asarray((table - np.array(self.nose)) @ turn.T * LENGTHS_M[self.unit])
 
 
 class Nodes(Table):
@@ -136,9 +118,9 @@ class ChannelRow(Table):
     quantity: str
     role: ChannelRole
     column: int = Field(default=1, ge=1)
-    """Counted from 1."""
+    """Counted from 1; of a Universal File the time history of the run, found by its DOF where this is left out."""
     variable: str = ""
-    """The variable or array of this channel where it is not records.samples."""
+    """The variable or array of this channel where it is not records.samples; of a Universal File the DOF it states."""
     sensitivity: str | None = None
     """Volts per unit at the converter, like '10 mV/g'; the file then holds volts."""
     gain: Positive = 1.0
@@ -151,6 +133,8 @@ class ChannelRow(Table):
     """Node and direction in aircraft axes, like '100+Z', of a sensor that stays."""
     direction: str | None = None
     """Direction, like '+Z', of a sensor that moves; the runs say to which node."""
+    overrides: tuple[Literal["dof", "quantity", "unit"], ...] = ()
+    """What the sidecar states against a Universal File that is wrong about it."""
 
     @field_validator("quantity")
     @classmethod
@@ -191,6 +175,11 @@ class ChannelRow(Table):
         return QUANTITIES[self.quantity]
 
     @property
+    def has_column(self) -> bool:
+        """True where the sidecar states the column."""
+        return "column" in self.model_fields_set
+
+    @property
     def v_per_si(self) -> float:
         """Volts per SI unit, conditioner included; 1 where the file holds physical units."""
         if self.sensitivity is None:
@@ -215,7 +204,7 @@ class RunRow(Table):
     file: str
     sha256: str | None = Sha256
     index: int | None = Field(default=None, ge=1)
-    """For a file that holds several runs along the first axis of its arrays: which one, counted from 1."""
+    """Which run of a file that holds several, along the first axis of its arrays or one behind the other; from 1."""
     sample_rate_hz: Positive | None = None
     """Where it differs from the other runs."""
     nodes: dict[str, int | str] = Field(default_factory=dict)
@@ -249,13 +238,36 @@ class Sidecar(Table):
         _once("channel.name", (c.name for c in self.channel))
         _once("run.run", (r.run for r in self.run))
         for channel in self.channel:
-            if self.records.format != "csv" and not (channel.variable or self.records.samples):
-                raise ValueError(f"channel {channel.name!r} has no variable; name it there or as records.samples")
+            self._check_place(channel)
         self._check_columns()
         self._check_files()
         for run in self.run:
+            if self.records.format == "uff" and run.index is not None and self.records.columns is None:
+                raise ValueError(
+                    f"run {run.run} is one of several in a Universal File, and nothing says how many time histories "
+                    "a run has; write columns = ... in [records]"
+                )
             self._check_run(run)
         return self
+
+    def _check_place(self, channel: ChannelRow) -> None:
+        if self.records.format in ("mat", "npz") and not (channel.variable or self.records.samples):
+            raise ValueError(f"channel {channel.name!r} has no variable; name it there or as records.samples")
+        if self.records.format != "uff":
+            if channel.overrides:
+                raise ValueError(
+                    f"channel {channel.name!r}: only a Universal File states what could be overridden; "
+                    "leave overrides out"
+                )
+            return
+        if channel.variable:
+            Dof.from_label(channel.variable)
+            if channel.has_column:
+                raise ValueError(f"channel {channel.name!r} has a column and a variable; leave one of them out")
+        elif not channel.has_column and (channel.role is ChannelRole.DRIVE or "dof" in channel.overrides):
+            raise ValueError(
+                f"channel {channel.name!r} cannot be found by its DOF in a Universal File; give its column"
+            )
 
     def _check_files(self) -> None:
         taken: dict[tuple[str, int | None], int] = {}
@@ -271,6 +283,8 @@ class Sidecar(Table):
     def _check_columns(self) -> None:
         taken: dict[tuple[str, int], str] = {}
         for channel in self.channel:
+            if self.records.format == "uff" and not (channel.variable or channel.has_column):
+                continue  # found by its DOF, which is compared run by run
             place = ("" if self.records.format == "csv" else channel.variable or self.records.samples, channel.column)
             if place in taken:
                 of = f" of {place[0]!r}" if place[0] else ""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 
-_RATE_TOLERANCE = 1e-3
+RATE_TOLERANCE = 1e-3
 # Of a step, for axes that were rounded when they were written; a sample that was lost or doubled is a whole step.
 _STEP_TOLERANCE = 0.5
 
@@ -45,7 +45,7 @@ def check_time_axis(time_s: NDArray[np.float64], samples: int, sample_rate_hz: f
     even = np.abs(steps - 1) <= _STEP_TOLERANCE
     # Where most steps are right, the others are gaps: they are not to be taken for another rate.
     typical = float(steps[even].mean() if even.any() else steps.mean())
-    if not abs(typical - 1) <= _RATE_TOLERANCE:
+    if not abs(typical - 1) <= RATE_TOLERANCE:
         raise InputError(
             where,
             f"the time axis says {sample_rate_hz / (typical or np.nan):.6g} Hz, "
@@ -62,7 +62,7 @@ def check_time_axis(time_s: NDArray[np.float64], samples: int, sample_rate_hz: f
         )
     count = np.arange(time_s.size)
     ahead = (time_s - time_s[0]) * sample_rate_hz - count
-    astray = np.abs(ahead) > _STEP_TOLERANCE + _RATE_TOLERANCE * count
+    astray = np.abs(ahead) > _STEP_TOLERANCE + RATE_TOLERANCE * count
     if astray.any():
         k = int(np.argmax(astray))
         raise InputError(where, f"the time axis is not even: entry {k + 1} is {ahead[k]:+.3g} samples off", _ADVICE)

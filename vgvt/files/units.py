@@ -9,6 +9,7 @@ from vgvt.data.suggestion import choose_one_of
 
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 POUND_FORCE_N = 4.4482216152605
+KILOGRAM_FORCE_N = STANDARD_GRAVITY_M_PER_S2
 
 LENGTHS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 
@@ -22,10 +23,22 @@ QUANTITIES = {
 
 # SI units per unit, by quantity.
 UNITS: dict[Quantity, dict[str, float]] = {
-    Quantity.ACCELERATION: {"m/s^2": 1.0, "m/s²": 1.0, "g": STANDARD_GRAVITY_M_PER_S2, "in/s^2": 0.0254},
-    Quantity.VELOCITY: {"m/s": 1.0, "mm/s": 0.001, "in/s": 0.0254},
+    Quantity.ACCELERATION: {
+        "m/s^2": 1.0,
+        "m/s²": 1.0,
+        "g": STANDARD_GRAVITY_M_PER_S2,
+        **{f"{name}/s^2": metres for name, metres in LENGTHS_M.items() if name != "m"},
+    },
+    Quantity.VELOCITY: {f"{name}/s": metres for name, metres in LENGTHS_M.items()},
     Quantity.DISPLACEMENT: dict(LENGTHS_M),
-    Quantity.EXCITATION_FORCE: {"N": 1.0, "kN": 1000.0, "lb": POUND_FORCE_N, "lbf": POUND_FORCE_N},
+    Quantity.EXCITATION_FORCE: {
+        "N": 1.0,
+        "kN": 1000.0,
+        "mN": 0.001,
+        "lb": POUND_FORCE_N,
+        "lbf": POUND_FORCE_N,
+        "kgf": KILOGRAM_FORCE_N,
+    },
     Quantity.GENERAL: {"V": 1.0, "mV": 0.001},
 }
 

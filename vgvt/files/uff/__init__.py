@@ -1,0 +1,1 @@
+"""Universal Files (UFF): what the datasets of a file state, and how they fit a sidecar."""
