@@ -6,10 +6,12 @@ import mujoco
 import numpy as np
 import pytest
 
+from vgvt.data import InputError
 from vgvt.scenario import load_scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import truth_of
 from vgvt.simulation.assembly import driven_rig, plans
+from vgvt.simulation.linear import joint_force, settle
 from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
 STIFFNESS = 2000.0
@@ -35,6 +37,40 @@ def test_a_wing_rests_where_its_root_bears_what_hangs_on_it(scenario: str, kind:
         beyond = max(abs(angle) - gap_rad / 2, 0.0)
         assert STIFFNESS * np.sign(angle) * beyond == pytest.approx(moment, rel=1e-6, abs=1e-7), gap_rad
         assert kind == "torsion" or beyond > 0
+
+
+@pytest.mark.parametrize(("beam", "kind", "gap_rad"), [
+    ("nose", "torsion", 1e-3), ("nose", "bending", 8.7e-3), ("tail", "torsion", 8.7e-3), ("fin", "torsion", 1e-3),
+    ("fin", "torsion", 8.7e-3), ("wing-mount", "torsion", 1e-3), ("tailplane", "torsion", 8.7e-3),
+])  # fmt: skip
+def test_a_joint_between_its_stops_finds_the_one_that_it_rests_on(beam: str, kind: str, gap_rad: float) -> None:
+    """What Newton's step leads across the gap leads back from there: without a search along it there is no end."""
+    table = EffectTable(name="root-freeplay", kind=kind, gap_rad=gap_rad, beam=beam)
+    rig = driven_rig(plans(load_scenario("garteur-sm-ag19").model_copy(update={"effect": (table,)}))[0], 0)
+    data = mujoco.MjData(rig.model)
+    data.qpos[:] = rig.qpos
+    assert np.abs(joint_force(rig.model, data)).max() < 1e-8
+    assert np.abs(rig.qpos).max() < 0.1
+
+
+@pytest.mark.parametrize("angle", [0.5, 2.0, 3.0])
+def test_a_search_along_the_step_finds_no_rest_upside_down(angle: float) -> None:
+    """A mast that falls over its stops, whose tip is heavy: it hangs below its hinge, which is no rest nearby."""
+    spring = f'<fixed name="stop" stiffness="1" springlength="-{angle} {angle}"><joint joint="hinge" coef="1"/></fixed>'
+    mast = '<body><joint name="hinge" axis="0 1 0"/><geom type="sphere" size="0.1" pos="0 0 1" mass="1"/></body>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{mast}</worldbody><tendon>{spring}</tendon></mujoco>")
+    with pytest.raises(RuntimeError, match="would turn over"):
+        settle(model)
+
+
+def test_an_aircraft_that_finds_no_rest_is_not_told_of_a_hook_that_is_high_enough() -> None:
+    """What gives way is named instead: a mass on next to no spring sags for ever."""
+    table = EffectTable(name="local-absorber", mass_kg=0.1, frequency_hz=1e-3)
+    soft = load_scenario("teaching-beam").model_copy(update={"effect": (table,)})
+    with pytest.raises(InputError, match=r"finds no rest .*'effect-0-0.*' gives way") as caught:
+        driven_rig(plans(soft)[0], 0)
+    assert "Put the hook" not in str(caught.value)
+    assert "stiffer" in str(caught.value)
 
 
 @pytest.mark.parametrize("kind", ["bending", "torsion"])

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Direction, Dof, InputError, RigidBodyProperties
+from vgvt.data import Direction, Dof, RigidBodyProperties
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, RotationSpring
@@ -24,6 +24,7 @@ from vgvt.simulation.damping import undamped
 from vgvt.simulation.elements import TRIMMED, add_elements, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
+from vgvt.simulation.no_rest import no_rest
 from vgvt.simulation.once import cut_once, damped_airframe
 from vgvt.simulation.rig import (
     DRIVE_SITE,
@@ -283,12 +284,8 @@ def _settle(layout: Plan, spec: mujoco.MjSpec, springs: list[str]) -> NDArray[np
     try:
         return settle(model)
     except RuntimeError as error:
-        hook, cg = layout.scenario.suspension.hook_m, rigid_body(bare_rig(layout)).centre_of_gravity_m
-        raise InputError(
-            f"scenario {layout.scenario.name}: suspension.hook_m",
-            f"{error} with the hook at {tuple(round(float(x), 3) for x in hook)} m",
-            f"Put the hook above the centre of gravity, which is at {tuple(round(float(x), 3) for x in cg)} m.",
-        ) from error
+        cg = rigid_body(bare_rig(layout)).centre_of_gravity_m
+        raise no_rest(layout.scenario, cg, str(error)) from error
 
 
 def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:

@@ -20,6 +20,10 @@ _STEP = 1e-5
 _HARDLY_HELD = 1e-10
 # Newton's method is through in so many steps, but where it rests so near a stop that a difference reaches past it.
 _THROUGH, _BESIDE_A_STOP = 10, 1e-8
+# Steps downhill at most, three times what the slowest of the bundled aircraft with play takes; how often one is halved.
+_DOWNHILL, _HALVINGS = 100, 40
+# What a balanced aircraft is pushed by, m or rad.
+_PUSHED_OVER = 1e-4
 # Of what the weight does to the joints: the sums that should cancel leave up to 5e-16 of it.
 _ROUNDING = 1e-14
 # Of what a spring would push if it felt one coordinate alone: what is left where several cancel.
@@ -149,7 +153,7 @@ def at_rest_n(model: mujoco.MjModel, data: mujoco.MjData, least_n: float) -> flo
 
 
 def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 50) -> NDArray[np.float64]:
-    """The stable static equilibrium (nq,) by Newton's method from the unloaded shape.
+    """The stable static equilibrium (nq,) by Newton's method from the unloaded shape, or downhill from there.
 
     ``tolerance_n`` is left on the joints of an aircraft of 10 t or less; rounding leaves more on heavier ones.
     Raises RuntimeError, with the reason, where there is none nearby or the one
@@ -158,13 +162,10 @@ def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 5
     qpos = np.zeros(model.nq)
     data = mujoco.MjData(model)
     for k in range(iterations):
-        data.qpos[:], data.qvel[:] = qpos, 0.0
-        force = joint_force(model, data)
-        rests = np.abs(force).max() < at_rest_n(model, data, tolerance_n)
-        stiffness = stiffness_matrix(model, data, qpos, _STEP if k < _THROUGH else _BESIDE_A_STOP)
+        force, rests, stiffness = _pushed(model, data, qpos, tolerance_n, k)
         if rests:
             if np.linalg.eigvalsh((stiffness + stiffness.T) / 2)[0] <= 0:
-                raise RuntimeError("the hung aircraft would turn over")
+                break
             return qpos
         try:
             step = np.linalg.solve(stiffness, force)
@@ -172,9 +173,71 @@ def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 5
             # A joint with play, within its gap: the weight moves it to one of its stops.
             held = _HARDLY_HELD * float(np.abs(np.diag(stiffness)).max())
             step = np.linalg.solve(stiffness + held * np.eye(model.nv), force)
-        # Far from equilibrium the spring's geometry bends the path: never turn or swing by more than this at once.
-        qpos = qpos + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
-    raise RuntimeError(f"the hung aircraft finds no rest (force of {np.abs(force).max():.2g} N left)")
+        qpos = qpos + _cut(step)
+    return _settle_downhill(model, data, tolerance_n)
+
+
+def _settle_downhill(model: mujoco.MjModel, data: mujoco.MjData, tolerance_n: float) -> NDArray[np.float64]:
+    """What :func:`settle` gives, by steps that lose energy, each no longer than the forces push along it.
+
+    Newton's own step leads to a balance, stable or not, and may lead over a gap and back for ever: what holds a joint
+    at one of its stops is no measure of what the weight does between them.
+    """
+    qpos = np.zeros(model.nq)
+    hinges = model.jnt_qposadr[model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE]
+    for k in range(_DOWNHILL):
+        force, rests, stiffness = _pushed(model, data, qpos, tolerance_n, k)
+        values, shapes = np.linalg.eigh((stiffness + stiffness.T) / 2)
+        if rests:
+            if values[0] > 0:
+                return qpos
+            # Balanced: the least push to either side shows where it leads.
+            step = shapes[:, 0] * (_PUSHED_OVER / np.abs(shapes[:, 0]).max())
+        else:
+            held = np.maximum(np.abs(values), _HARDLY_HELD * np.abs(values).max())
+            step = _no_further(model, data, qpos, _cut(shapes @ ((shapes.T @ force) / held)))
+        qpos = qpos + step
+        if np.abs(qpos[hinges]).max(initial=0.0) > np.pi / 2:
+            rests = True
+            break
+    if rests:
+        raise RuntimeError("the hung aircraft would turn over")
+    furthest = model.joint(model.dof_jntid[int(np.abs(qpos).argmax())]).name
+    left = np.abs(force).max()
+    raise RuntimeError(f"the hung aircraft finds no rest (force of {left:.2g} N left; {furthest!r} gives way furthest)")
+
+
+def _pushed(
+    model: mujoco.MjModel, data: mujoco.MjData, qpos: NDArray[np.float64], tolerance_n: float, k: int
+) -> tuple[NDArray[np.float64], bool, NDArray[np.float64]]:
+    """The force on the joints (nv,) at a position (nq,), whether they rest, and the stiffness there, in step ``k``."""
+    data.qpos[:], data.qvel[:] = qpos, 0.0
+    force = joint_force(model, data)
+    rests = bool(np.abs(force).max() < at_rest_n(model, data, tolerance_n))
+    return force, rests, stiffness_matrix(model, data, qpos, _STEP if k < _THROUGH else _BESIDE_A_STOP)
+
+
+def _cut(step: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A step (nv,) of 0.2 m or rad at most: far from equilibrium the spring's geometry bends the path."""
+    return step * min(1.0, 0.2 / max(float(np.abs(step).max()), 1e-300))
+
+
+def _no_further(
+    model: mujoco.MjModel, data: mujoco.MjData, qpos: NDArray[np.float64], step: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """A step (nv,) downhill from a position (nq,), no further than where the forces push back along it."""
+
+    def pushes(share: float) -> bool:
+        data.qpos[:] = qpos + share * step
+        return bool(joint_force(model, data) @ step >= 0)
+
+    if pushes(1.0):
+        return step
+    near, far = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = (near + far) / 2
+        near, far = (middle, far) if pushes(middle) else (near, middle)
+    return (near + far) / 2 * step
 
 
 def _central_differences(
