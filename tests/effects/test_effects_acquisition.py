@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from small_rig import revised
 
 from vgvt.data import InputError, Record
 from vgvt.effects import ChannelFilter, ChannelTransform, make_effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.effect import EffectTable
+from vgvt.signals.resampling import REACH
 from vgvt.simulation import simulated_campaign
 
 RATE_HZ = 1000.0
@@ -48,10 +51,10 @@ def plain(short: Scenario) -> Record:
     return simulated_campaign(short).runs[0]
 
 
-def recorded(scenario: Scenario, name: str, **parameters: object) -> Record:
-    """The record with one effect."""
-    table = EffectTable(name=name, **parameters)
-    return simulated_campaign(scenario.model_copy(update={"effect": (table,)})).runs[0]
+def recorded(scenario: Scenario, name: str = "", **parameters: object) -> Record:
+    """The record with one effect, or without any."""
+    tables = (EffectTable(name=name, **parameters),) if name else ()
+    return simulated_campaign(scenario.model_copy(update={"effect": tables})).runs[0]
 
 
 def transformed(
@@ -195,14 +198,36 @@ def test_two_devices_lose_samples_of_their_own(short: Scenario, other: str, row:
 
 
 @pytest.mark.parametrize("skew", [3e-4, -3e-4])
-def test_clock_skew_reads_the_signal_at_its_own_instants(short: Scenario, skew: float) -> None:
+@pytest.mark.parametrize("share", [0.03, 0.2, 0.4, 0.45])
+def test_clock_skew_reads_the_signal_at_its_own_instants(short: Scenario, skew: float, share: float) -> None:
+    """Of a sine of any frequency, as a share of the rate, that a converter lets through; not at the record's ends."""
+
     def signal(time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(np.sin(2 * np.pi * 30.0 * time_s) * np.exp(-((time_s - 4.0) ** 2)))
+        return np.asarray(np.sin(2 * np.pi * share * RATE_HZ * time_s + 1.0))
 
     got = transformed(short, signal(TIME_S), "clock-skew", skew=skew)
-    # A cubic spline errs by 5/384 h⁴ of the fourth derivative (Hall and Meyer, J. Approximation Theory 16, 1976).
-    bound = 5 / 384 * (2 * np.pi * 30.0 / RATE_HZ) ** 4
-    np.testing.assert_allclose(got[:-20], signal(TIME_S * (1 + skew))[:-20], atol=bound)
+    inner = slice(REACH + 1, -REACH - 4)
+    np.testing.assert_allclose(got[inner], signal(TIME_S * (1 + skew))[inner], rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize("skew", [3e-4, -3e-4, 0.05])
+def test_clock_skew_leaves_a_straight_line_straight_to_its_ends(short: Scenario, skew: float) -> None:
+    """Nothing wraps around: it goes on beyond its ends as it came, but after the last sample nothing is known."""
+    got = transformed(short, 3.0 + TIME_S, "clock-skew", skew=skew)
+    np.testing.assert_allclose(got, 3.0 + np.minimum(TIME_S * (1 + skew), TIME_S[-1]), rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize("skew", [2e-3, -2e-3])
+def test_a_skewed_clock_counts_from_the_record_s_beginning(short: Scenario, skew: float) -> None:
+    """Sample n of a record that begins late was taken at n (1 + ε)/fs after its beginning, not after rest."""
+    late = revised(short, excitation={"lead_in_s": 0.0, "unrecorded_s": 2.0})
+    whole, skewed = recorded(revised(late, excitation={"unrecorded_s": None})), recorded(late, "clock-skew", skew=skew)
+    instant = 2.0 + np.arange(skewed.samples.shape[1]) / RATE_HZ * (1 + skew)
+    known = instant < 14.0
+    rest_s = np.arange(whole.samples.shape[1]) / RATE_HZ
+    wanted = CubicSpline(rest_s, whole.samples[2:], axis=1)(instant[known])
+    np.testing.assert_allclose(skewed.samples[2:, known], wanted, rtol=0, atol=1e-4 * np.abs(wanted).max())
+    np.testing.assert_array_equal(skewed.samples[1], whole.samples[1, -skewed.samples.shape[1] :])
 
 
 def test_clock_skew_shows_as_a_phase_that_grows_through_the_sweep(short: Scenario, plain: Record) -> None:

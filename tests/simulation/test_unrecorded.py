@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from effect_rig import having
 from small_rig import revised
 
 from vgvt.data import InputError
@@ -45,6 +46,16 @@ def test_the_aircraft_rings_at_the_first_sample(small: Scenario) -> None:
     whole_rms = np.sqrt((begun**2).mean(axis=1))
     assert (np.abs(first[:, :5]).max(axis=1) < 0.005 * whole_rms).all()
     assert (np.sqrt((begun[:, :50] ** 2).mean(axis=1)) > 0.05 * whole_rms).all()
+
+
+def test_an_airframe_warms_up_from_the_beginning_of_the_record(small: Scenario) -> None:
+    """It softens under its weight, and moves for that, as if the shaker had only now been switched on."""
+    sweep = {"duration_s": 3.0, "ring_down_s": 1.0, "amplitude_v": 1e-9}
+    warm = having(revised(small, excitation=sweep), "warm-up", softening=0.1, time_constant_s=0.3)
+    late = revised(warm, excitation={"unrecorded_s": LATE_S})
+    whole, begun = (simulated_campaign(s, engine="mujoco").runs[0].samples[1:] for s in (warm, late))
+    assert np.abs(whole).max() > 0.05
+    np.testing.assert_allclose(begun, whole[:, : begun.shape[1]], rtol=0, atol=1e-6)
 
 
 def test_the_campaign_says_what_it_holds_and_the_bound_is_of_that(whole: Scenario, late: Scenario) -> None:

@@ -42,7 +42,8 @@ class ChannelTransform:
 
     ``change(samples (N,), sample_rate_hz, generator) -> (N,)`` in SI units at stage 'sensor', in volts at the others;
     ``generator`` is a random stream of this channel, run and effect alone, or with ``together`` of this run and effect
-    alone: it draws the same on all channels that the effect changes.
+    alone: it draws the same on all channels that the effect changes. The samples begin at rest, and the record at the
+    one of number ``scenario.unrecorded_samples``; at stage 'record' they are the record's alone.
     """
 
     channels: str

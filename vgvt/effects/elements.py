@@ -231,12 +231,14 @@ class Relaxation:
 class WarmUp:
     """The airframe's springs lose a share of their stiffness while a record runs: k (1 - softening (1 - exp(-t/T))).
 
-    Those that other effects lay across its joints lose theirs with them; the cubic part of a law stays.
+    Those that other effects lay across its joints lose theirs with them; the cubic part of a law stays. t counts from
+    ``begin_s`` after rest: where the record begins, which is when the shaker starts or later.
     """
 
     softening: float
     time_constant_s: float
     owner: Owner = "airframe"
+    begin_s: float = 0.0
 
 
 Element = (

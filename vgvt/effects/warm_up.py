@@ -16,8 +16,9 @@ from vgvt.scenario.model import Scenario
 class WarmUp:
     """The airframe's linear springs times 1 - softening · (1 - exp(-t/T)), t from the start of every record.
 
-    That is EI, GJ, roots and carry-through, and what other effects lay across these, before or after it: a coupling of
-    bending and torsion, the stops of a root's play, a material's memory. A cubic root keeps its k3.
+    Until then they are cold. Those are EI, GJ, roots and carry-through, and what other effects lay across these, before
+    or after it: a coupling of bending and torsion, the stops of a root's play, a material's memory. A cubic root keeps
+    its k3.
     Superposition holds, but not invariance in time: only the mujoco engine can follow, and the linear one keeps the
     airframe cold, as the truth does.
     """
@@ -48,7 +49,8 @@ class WarmUp:
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Let the springs soften from the start of the record, in every run."""
-        del scenario, run
+        del run
         if self.softening == 0:
             return NOTHING
-        return Action(elements=(Softening(self.softening, self.time_constant_s),))
+        begin_s = scenario.excitation.before_record_s
+        return Action(elements=(Softening(self.softening, self.time_constant_s, begin_s=begin_s),))

@@ -74,6 +74,11 @@ class Scenario(Table):
         """All shakers, the first one first."""
         return (self.shaker, *self.further_shaker)
 
+    @property
+    def unrecorded_samples(self) -> int:
+        """How many samples the shaker has run for when the record begins."""
+        return round(self.excitation.before_record_s * self.acquisition.sample_rate_hz)
+
     @model_validator(mode="before")
     @classmethod
     def _several_shakers(cls, tables: Any) -> Any:

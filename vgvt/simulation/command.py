@@ -38,7 +38,7 @@ def sample_times_s(scenario: Scenario) -> NDArray[np.float64]:
 
 def unrecorded_samples(scenario: Scenario) -> int:
     """How many samples the shaker has run for when the record begins."""
-    return round(scenario.excitation.before_record_s * scenario.acquisition.sample_rate_hz)
+    return scenario.unrecorded_samples
 
 
 def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64], shaker: int = 0) -> NDArray[np.float64]:

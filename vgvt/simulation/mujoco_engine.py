@@ -53,6 +53,7 @@ def step_runs(
                 exciter_names(layouts[runs[0]]),
                 steps_per_sample,
                 sample_rate_hz,
+                layouts[runs[0]].scenario.excitation.before_record_s,
                 _share(progress, k, len(groups)),
                 threads,
             )
@@ -66,6 +67,7 @@ def _step_together(
     exciters: tuple[str, ...],
     steps_per_sample: int,
     sample_rate_hz: float,
+    before_record_s: float,
     progress: Progress | None,
     threads: int | None,
 ) -> NDArray[np.float64]:
@@ -76,19 +78,20 @@ def _step_together(
     batch.bind("qpos")[:] = np.array([rig.qpos for rig in rigs])
     # The actuator integrates: its control is the command's rate of change, its activation the command itself.
     rate = np.diff(command_v, append=command_v[..., -1:]) * (steps_per_sample * sample_rate_hz)
-    # Effects may have actuators of their own, which hold their command and start from rest.
+    # Effects may have actuators of their own, which start from rest: they are sent 1 while the record runs.
     driving = [rigs[0].model.actuator(name) for name in exciters]
     activation = np.zeros((len(rigs), rigs[0].model.na))
     activation[:, [actuator.actadr[0] for actuator in driving]] = command_v[..., 0]
     batch.bind("act")[:] = activation
     samples = (command_v.shape[2] - 1) // steps_per_sample + 1
     kept = np.empty((len(rigs), samples, rigs[0].model.nsensordata))
-    done = 0
+    begin, done = round(before_record_s * sample_rate_hz) * steps_per_sample, 0
     while done < samples:
         count = min(_CHUNK_SAMPLES, samples - done)
         start = done * steps_per_sample
         driven = rate[..., start : start + count * steps_per_sample].transpose(0, 2, 1)
         chunk = np.zeros((*driven.shape[:2], rigs[0].model.nu))
+        chunk[:, max(begin - start, 0) :] = 1.0
         chunk[..., [actuator.id for actuator in driving]] = driven
         record = batch.rollout(chunk.shape[1], control=chunk, record=("sensordata",))["sensordata"]
         kept[:, done : done + count] = record[:, ::steps_per_sample]

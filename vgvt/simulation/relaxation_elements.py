@@ -65,7 +65,7 @@ def _add_relaxation(spec: mujoco.MjSpec, name: str, element: Relaxation, modes: 
 
 def add_warm_up(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: WarmUp) -> None:
     """Warm every spring of the airframe, and by a note on the model those that come later."""
-    spec.add_numeric(name=f"{name}{_WARMING}", data=[element.softening, element.time_constant_s])
+    spec.add_numeric(name=f"{name}{_WARMING}", data=[element.softening, element.time_constant_s, element.begin_s])
     warm_springs(spec, parts)
 
 
@@ -73,11 +73,11 @@ def warm_springs(spec: mujoco.MjSpec, parts: AirframeParts) -> None:
     """Bring the actuators that soften springs up to date with the airframe's springs; nothing where none warms up.
 
     Each takes a spring's torque away in proportion to how far that is stretched. Its activation is the warmth: a
-    first-order lag of a command that is held at 1, from 0 at the start of the record. (A command's limits hold it:
-    MuJoCo clamps whatever it is sent.)
+    first-order lag of a command that is 1 from the start of the record on, and 0 before. Where that begins at rest the
+    command's limits hold it at 1, as MuJoCo clamps whatever it is sent; else the engine sends it.
     """
     for note in [n for n in spec.numerics if n.name.endswith(_WARMING)]:
-        softening, time_constant_s = (float(v) for v in note.data)
+        softening, time_constant_s, begin_s = (float(v) for v in note.data)
         for spring in _airframe_springs(spec, parts):
             name = f"{note.name.removesuffix(_WARMING)}-{spring.of}{_SIDES[spring.side]}"
             warmth = spec.actuator(name) or spec.add_actuator(name=name, trntype=spring.kind, target=spring.of)
@@ -87,7 +87,7 @@ def warm_springs(spec: mujoco.MjSpec, parts: AirframeParts) -> None:
             warmth.gaintype = mujoco.mjtGain.mjGAIN_AFFINE
             warmth.gainprm[:3] = [-taken * spring.rest_rad, taken, 0.0]
             warmth.ctrllimited = True
-            warmth.ctrlrange = [1.0, 1.0 + 1e-9]
+            warmth.ctrlrange = [0.0, 1.0] if begin_s > 0 else [1.0, 1.0 + 1e-9]
             if spring.side:
                 # Within the gap there is nothing to take: there the torque would have the other sign.
                 warmth.forcelimited = True
