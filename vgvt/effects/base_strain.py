@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import RotationSpring
 from vgvt.effects.equivalent_damper import equivalent_damper
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.effects.stinger_moment import require_body_drive
@@ -53,6 +53,10 @@ class BaseStrain:
     )
     axis: Literal["roll", "pitch"] = dataclasses.field(default="pitch", metadata={"doc": "'roll' or 'pitch'"})
     shaker: int = shaker_choice()
+
+    def __post_init__(self) -> None:
+        """ValueError for a damper at no frequency."""
+        require_above_zero(self, "frequency_hz")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the moment path and let the gauge feel it, in every run; InputError for a drive point on a beam."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import SuspensionFrame
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.scenario.model import Scenario
 
@@ -47,6 +47,10 @@ class FrameResonance:
     damping_ratio: float = parameter(
         "", 0.01, 0.05, "damping ratio of the frame alone", default=0.02, scale="log", least=0.0
     )
+
+    def __post_init__(self) -> None:
+        """ValueError for a frame that is free."""
+        require_above_zero(self, "frequency_hz")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Put the spring's upper end on the frame, in every run."""

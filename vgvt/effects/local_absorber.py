@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import Absorber
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import part_at, surface_height_m
@@ -39,6 +39,10 @@ class LocalAbsorber:
     )
     x_m: float = parameter("m", 0.0, 1.2, "where it sits, aft of the nose", default=0.45)
     y_m: float = parameter("m", -1.5, 1.5, "where it sits, to the right", default=0.0)
+
+    def __post_init__(self) -> None:
+        """ValueError for a mass that nothing holds."""
+        require_above_zero(self, "frequency_hz")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the absorber to the airframe, in every run."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.action import NOTHING, Action, ChannelFilter
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.sensor_choice import chosen_node
 from vgvt.scenario.model import Scenario
@@ -38,6 +38,10 @@ class LooseSensorMount:
     )
     damping_ratio: float = parameter("", 0.02, 0.2, "damping ratio on its mount", default=0.05, scale="log")
     node: int = dataclasses.field(default=0, metadata={"doc": "node of the loose sensor; 0 for the first channel's"})
+
+    def __post_init__(self) -> None:
+        """ValueError for a sensor that rings without end."""
+        require_above_zero(self, "damping_ratio")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Let the one sensor resonate in the runs that use it."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.action import NOTHING, Action, ChannelTransform
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.sensor_choice import CHANNELS, chosen_channels
 from vgvt.scenario.model import Scenario
@@ -38,6 +38,10 @@ class MainsHum:
     second: float = parameter("", 0.0, 0.5, "second harmonic per fundamental", default=0.1)
     third: float = parameter("", 0.0, 1.0, "third harmonic per fundamental", default=0.3)
     channels: str = dataclasses.field(default="all", metadata={"doc": f"'all', 'drive', {CHANNELS}"})
+
+    def __post_init__(self) -> None:
+        """ValueError for a line that does not alternate."""
+        require_above_zero(self, "frequency_hz")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Add the hum at the converter, in every run."""

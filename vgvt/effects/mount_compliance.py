@@ -9,7 +9,7 @@ from vgvt.data import InputError
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
@@ -47,6 +47,10 @@ class MountCompliance:
         "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
     )
     shaker: int = shaker_choice()
+
+    def __post_init__(self) -> None:
+        """ValueError for a damper at no frequency."""
+        require_above_zero(self, "frequency_hz")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Put the mount under the gauge, in every run; InputError where nothing of the gauge rides on it."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.mount_compliance import MountCompliance
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.run_schedule import Shape, check_schedule, progress
 from vgvt.effects.shakers import shaker_choice
@@ -54,6 +54,7 @@ class MountCreep:
     shaker: int = shaker_choice()
 
     def __post_init__(self) -> None:
+        require_above_zero(self, "frequency_hz")
         check_schedule(self.time_constant_runs, self.from_run)
 
     def act(self, scenario: Scenario, run: int) -> Action:

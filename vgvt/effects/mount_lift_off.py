@@ -10,7 +10,7 @@ from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
@@ -61,6 +61,7 @@ class MountLiftOff:
 
     def __post_init__(self) -> None:
         """ValueError for a mount that cannot hold the gauge."""
+        require_above_zero(self, "frequency_hz")
         if not 0 <= self.stiffness_loss < 1:
             raise ValueError("stiffness_loss must be from 0 to below 1")
         # The linear truth is a difference over 20 µm: it must not reach the point where the mount lifts off.

@@ -58,6 +58,16 @@ def parameter(
     return dataclasses.field(default=float(value), metadata=about | {"source": source, "least": least})
 
 
+def require_above_zero(effect: object, *names: str) -> None:
+    """For a constructor: ValueError where one of these parameters is not above 0, as what is divided by must be.
+
+    ``least`` alone would take 0 itself. A fit never gets there: of a positive size it varies the logarithm.
+    """
+    for name in names:
+        if not getattr(effect, name) > 0:
+            raise ValueError(f"{name} must be above 0")
+
+
 def range_fault(p: Parameter) -> str:
     """What keeps a parameter from being fitted, in words; empty where nothing does."""
     # Somebody else's class: nothing keeps it to the types that are asked for.

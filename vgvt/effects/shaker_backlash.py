@@ -10,7 +10,7 @@ from vgvt.effects.acting import Turn
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import MountCompliance as Mount
 from vgvt.effects.equivalent_damper import equivalent_damper
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
@@ -57,6 +57,7 @@ class ShakerBacklash:
 
     def __post_init__(self) -> None:
         """ValueError for a joint that is none."""
+        require_above_zero(self, "frequency_hz")
         if self.gap_m < 0:
             raise ValueError("gap_m cannot be negative")
         # The linear truth is a difference over 20 µm: it must not reach the point where the joint opens.

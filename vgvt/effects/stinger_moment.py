@@ -9,7 +9,7 @@ from vgvt.data import InputError
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import RotationSpring
 from vgvt.effects.equivalent_damper import equivalent_damper
-from vgvt.effects.parameter import parameter
+from vgvt.effects.parameter import parameter, require_above_zero
 from vgvt.effects.protocol import Family
 from vgvt.effects.shakers import chosen_shakers, shaker_choice
 from vgvt.scenario.model import Scenario
@@ -52,6 +52,10 @@ class StingerMoment:
         "Hz", 1.0, 35.0, "where the damper has that loss factor", default=10.0, scale="log", least=0.0
     )
     shaker: int = shaker_choice()
+
+    def __post_init__(self) -> None:
+        """ValueError for a damper at no frequency."""
+        require_above_zero(self, "frequency_hz")
 
     def act(self, scenario: Scenario, run: int) -> Action:
         """Hold roll and pitch of the centre body, in every run; InputError for a drive point on a beam."""

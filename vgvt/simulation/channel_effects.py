@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from vgvt.data import Channel, ChannelRole
+from vgvt.data import Channel, ChannelRole, InputError
 from vgvt.effects.action import ChannelFilter, Stage
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
@@ -25,16 +25,31 @@ _LONGEST = 2**22
 def changed_by_effects(layout: Plan, channel: Channel, run: int, stage: Stage, samples: Array) -> Array:
     """The samples (N,) of a channel after every effect that acts on it at a stage, in the scenario's order."""
     scenario = layout.scenario
-    for stream, action in zip(_streams(scenario), layout.actions, strict=True):
+    for i, (stream, action) in enumerate(zip(_streams(scenario), layout.actions, strict=True)):
         for change in action.channels:
             if change.stage != stage or not selects(change.channels, channel):
                 continue
-            if isinstance(change, ChannelFilter):
-                samples = filtered(samples, scenario.acquisition.sample_rate_hz, change.response)
-            else:
-                whose = () if change.together else (channel.name,)
-                generator = named_stream(scenario.seed, "effect", *stream, run, *whose)
-                samples = change.change(samples, scenario.acquisition.sample_rate_hz, generator)
+            try:
+                if isinstance(change, ChannelFilter):
+                    samples = filtered(samples, scenario.acquisition.sample_rate_hz, change.response)
+                else:
+                    whose = () if change.together else (channel.name,)
+                    generator = named_stream(scenario.seed, "effect", *stream, run, *whose)
+                    samples = _finite(change.change(samples, scenario.acquisition.sample_rate_hz, generator))
+            except FloatingPointError as error:
+                raise InputError(
+                    f"scenario {scenario.name}: effect[{i}] {stream[0]}",
+                    f"what it makes of {channel.name} in run {run + 1} is not finite, first at {error}",
+                    "Write parameters within their plausible ranges: `vgvt list effects` shows them.",
+                ) from error
+    return samples
+
+
+def _finite(samples: Array) -> Array:
+    """The samples (N,); FloatingPointError with the first that is no number."""
+    bad = ~np.isfinite(samples)
+    if bad.any():
+        raise FloatingPointError(f"sample {int(bad.argmax())}")
     return samples
 
 
@@ -57,12 +72,17 @@ def selects(channels: str, channel: Channel) -> bool:
 def filtered(samples: Array, sample_rate_hz: float, response: Callable[[Array], NDArray[np.complex128]]) -> Array:
     """Samples (N,) through a linear response, with silence before and after so that nothing wraps around.
 
-    It is twice as long as they are, or as a slow filter needs to come to rest.
+    It is twice as long as they are, or as a slow filter needs to come to rest. FloatingPointError with the first line
+    at which the response is no number.
     """
     silence = 2 * samples.size
     while True:
         length = next_fast_len(samples.size + silence, real=True)
-        factor = response(np.asarray(np.fft.rfftfreq(length, 1 / sample_rate_hz), dtype=np.float64))
+        lines_hz = np.asarray(np.fft.rfftfreq(length, 1 / sample_rate_hz), dtype=np.float64)
+        factor = response(lines_hz)
+        bad = ~np.isfinite(factor)
+        if bad.any():
+            raise FloatingPointError(f"{lines_hz[bad.argmax()]:g} Hz")
         silence = min(math.ceil(_TIME_CONSTANTS * _memory(factor, length)), _LONGEST)
         if samples.size + silence <= length:
             return np.asarray(irfft(rfft(samples, length) * factor, length)[: samples.size])
@@ -75,6 +95,6 @@ def _memory(factor: NDArray[np.complex128], length: int) -> float:
     largest value. Where lines are too far apart to follow a slope this is about a sixth of ``length``, or more.
     """
     largest = float(np.abs(factor).max())
-    if not 0 < largest < math.inf:  # nothing passes, or what is no number
+    if largest == 0:  # nothing passes
         return 0.0
     return float(np.abs(np.diff(factor)).max()) / largest * length / (2 * np.pi)
