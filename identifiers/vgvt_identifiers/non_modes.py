@@ -100,7 +100,7 @@ def _verdict(
 
 
 def _is_mains(at_hz: float) -> bool:
-    """Within 0.5 % of 50 or 60 Hz (EN 50160) or their second and third harmonics."""
+    """Within 0.5 % of 50 or 60 Hz, half of what EN 50160 allows, or of their second and third harmonics."""
     return any(abs(at_hz / (n * line) - 1) < 0.005 for n in (1, 2, 3) for line in (50.0, 60.0))
 
 

@@ -30,7 +30,7 @@ class ChannelDelay:
     signature: ClassVar[str] = "a phase linear in frequency, the same on all delayed channels; magnitudes untouched"
     confused_with: ClassVar[tuple[str, ...]] = ("high-pass-mismatch",)
     separating_test: ClassVar[str] = "feed one signal into a delayed and a prompt channel at the same time"
-    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed., section 9.1 (time delay and phase)"
+    reference: ClassVar[str] = "Bendat and Piersol, Random Data, 4th ed., chapter 5 (time delay and phase)"
 
     delay_s: float = parameter(
         "s", 1e-6, 2e-3, "delay of the response channels against the force", neutral=0.0, scale="log"

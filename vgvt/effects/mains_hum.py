@@ -29,11 +29,16 @@ class MainsHum:
     signature: ClassVar[str] = "lines fixed at 50 or 60 Hz and multiples, there before the sweep and after it"
     confused_with: ClassVar[tuple[str, ...]] = ("local-absorber",)
     separating_test: ClassVar[str] = "record with the amplifier off; power the conditioner from a battery"
-    reference: ClassVar[str] = "Morrison, Grounding and Shielding, 6th ed.; EN 50160 (line frequency)"
+    reference: ClassVar[str] = "Morrison, Grounding and Shielding, 6th ed.; EN 50160 (line frequency: 50 Hz within 1 %)"
 
     amplitude_v: float = parameter("V", 1e-4, 1e-2, "amplitude of the fundamental", neutral=0.0, scale="log")
     frequency_hz: float = parameter(
-        "Hz", 49.8, 60.2, "line frequency: 50 or 60 Hz within 0.2 Hz", default=50.0, source="EN 50160"
+        "Hz",
+        49.5,
+        60.6,
+        "line frequency: within 1 % of 50 or of 60 Hz, and nothing between them",
+        default=50.0,
+        source="EN 50160 of 50 Hz; of 60 Hz a guess",
     )
     second: float = parameter("", 0.0, 0.5, "second harmonic per fundamental", default=0.1)
     third: float = parameter("", 0.0, 1.0, "third harmonic per fundamental", default=0.3)

@@ -27,7 +27,7 @@ class NonproportionalDamper:
         "phase resonance with two shakers: shapes stay complex; a delay turns every mode alike"
     )
     reference: ClassVar[str] = (
-        "Caughey and O'Kelly, Classical normal modes in damped linear systems, J. Appl. Mech. 32, 1965"
+        "Caughey and O'Kelly, Classical normal modes in damped linear dynamic systems, J. Appl. Mech. 32, 1965"
     )
 
     damping_n_s_per_m: float = parameter("N s/m", 0.01, 5.0, "dashpot", neutral=0.0, scale="log")

@@ -23,7 +23,9 @@ class PendulumLength:
     signature: ClassVar[str] = "the sideways swings below 1 Hz move, and the tilt that accelerometers feel there"
     confused_with: ClassVar[tuple[str, ...]] = ("hook-offset",)
     separating_test: ClassVar[str] = "measure the cord, or time ten swings by hand"
-    reference: ClassVar[str] = "Goldstein, Classical Mechanics, 3rd ed., section 6.4 (the double pendulum)"
+    reference: ClassVar[str] = (
+        "Landau and Lifshitz, Mechanics, 3rd ed., section 5, problem 1, and section 23, problem 2 (the double pendulum)"
+    )
 
     length_change_m: float = parameter("m", -0.4, 1.0, "change of the unloaded length", neutral=0.0)
 

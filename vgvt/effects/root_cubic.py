@@ -24,8 +24,9 @@ class CubicRootStiffness:
     turn: ClassVar[Turn] = Turn.IN_JOINTS
     linear: ClassVar[bool] = False
     signature: ClassVar[str] = (
-        "natural frequencies of the modes that turn the root rise with level, peaks lean right; third harmonics, "
-        "and second ones where gravity preloads the joint"
+        "natural frequencies of the modes that turn the root rise with level, peaks lean right; where the weight "
+        "preloads the joint (bending) they may fall first, and rise when the motion is larger than the sag; third "
+        "harmonics, and second ones with a preload"
     )
     confused_with: ClassVar[tuple[str, ...]] = ("root-compliance", "root-friction", "root-freeplay")
     separating_test: ClassVar[str] = "sweep at two or three force levels, and up and down"

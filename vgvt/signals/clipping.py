@@ -18,7 +18,7 @@ def clipped_share(samples: NDArray[np.floating]) -> float:
 
     Clipped samples repeat the extreme value exactly and are reached in one jump; the top of a smooth signal, however
     coarse its steps, is reached one step at a time. A flat side near zero is rest, and sines without noise may
-    touch one value with single samples. Bendat and Piersol, Random Data, 4th ed., section 10.2.
+    touch one value with single samples. Bendat and Piersol, Random Data, 4th ed., section 10.3.
     """
     return sum(_flat(side) for side in (samples, -samples)) / max(samples.size, 1)
 
