@@ -173,7 +173,7 @@ def settle(model: mujoco.MjModel, tolerance_n: float = 1e-9, iterations: int = 5
             # A joint with play, within its gap: the weight moves it to one of its stops.
             held = _HARDLY_HELD * float(np.abs(np.diag(stiffness)).max())
             step = np.linalg.solve(stiffness + held * np.eye(model.nv), force)
-        qpos = qpos + _cut(step)
+        qpos = qpos + _cut(np.asarray(step, dtype=np.float64))
     return _settle_downhill(model, data, tolerance_n)
 
 
