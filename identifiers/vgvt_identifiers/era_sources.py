@@ -120,7 +120,8 @@ def sources_by_run(
         roots = {n: m.roots() for n, m in models.items()}
         rungs = [PolesAtOrder(n, impulse.structure_poles(r.values), models[n].shapes(r)) for n, r in roots.items()]
         resolution = 2 * np.pi / (impulse.values.shape[1] * impulse.step_s) * 0.1
-        stable = stabilise(rungs, Criteria(resolution_rad_s=resolution))
+        criteria = Criteria(resolution_rad_s=resolution, added_decay_rad_per_s=spectra.added_decay_rad_per_s)
+        stable = stabilise(rungs, criteria)
         for order, wanted, spread in _chosen(stable, roots):
             part = _some(roots[order], wanted)
             found.append(_source(index, order, models[order], part, impulse, run.variance, spread))

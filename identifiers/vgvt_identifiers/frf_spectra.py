@@ -113,4 +113,4 @@ def frf_spectra(frf: FrequencyResponseSet, band_hz: tuple[float, float]) -> Camp
         own, noise = values[rows], np.asarray(variance[rows])
         names = tuple(part.responses[i] for i in rows)
         runs.append(RunSpectra(run, part.references[0], names, force, own, noise, own, noise))
-    return CampaignSpectra(part.frequency_hz, tuple(runs), part.remarks)
+    return CampaignSpectra(part.frequency_hz, tuple(runs), part.remarks, part.added_decay_rad_per_s)

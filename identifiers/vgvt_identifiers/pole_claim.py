@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, InputError, ModalModel, Outcome
-from vgvt.signals import estimate_frf
+from vgvt.signals import estimate_frf, without_window_damping
 from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.frf_spectra import frf_spectra
 from vgvt_identifiers.merged_claim import merged_claim
@@ -115,7 +115,7 @@ def claim_of_patterns(
     if not patterns:
         why = f"no pole in {band_hz[0]:g} to {band_hz[1]:g} Hz is one that the responses need"
         empty = ModalModel.empty(Outcome.NOTHING_FOUND, (*spectra.remarks, why), dofs=spectra.responses)
-        return replace(empty, candidates=candidates)
+        return _without_window(replace(empty, candidates=candidates), spectra, band_hz)
     poles = np.array([p.pole_rad_s for p in patterns])
     std = np.array([(p.pole.natural_frequency_std_hz, p.pole.damping_ratio_std) for p in patterns]).T
     runs = tuple(
@@ -123,11 +123,33 @@ def claim_of_patterns(
         for r, fit in zip(spectra.runs, fits, strict=True)
     )
     flags = tuple(_flags(p, len(found.sources)) for p in patterns)
-    model = merged_claim(runs, poles="common", flags=flags, advice=spectra.remarks).band(*band_hz)
+    model = merged_claim(runs, poles="common", flags=flags, advice=spectra.remarks)
+    model = _without_window(replace(model, candidates=candidates), spectra, band_hz)
     if not len(model):
         why = f"no pole that the responses need lies in {band_hz[0]:g} to {band_hz[1]:g} Hz"
-        model = ModalModel.empty(Outcome.NOTHING_FOUND, (*spectra.remarks, why), dofs=spectra.responses)
-    return replace(model, candidates=candidates)
+        empty = ModalModel.empty(Outcome.NOTHING_FOUND, (*spectra.remarks, why), dofs=spectra.responses)
+        return replace(empty, candidates=model.candidates)
+    return model
+
+
+def _without_window(model: ModalModel, spectra: CampaignSpectra, band_hz: tuple[float, float]) -> ModalModel:
+    """The modes inside ``band_hz`` without the damping that an exponential window has added, and advice that says so.
+
+    This comes after residues: these belong to the spectra, window and all.
+    """
+    added = spectra.added_decay_rad_per_s
+    if added == 0:
+        return model.band(*band_hz)
+    again = without_window_damping(model, added).band(*band_hz)
+    if not len(again):
+        return again
+    said = [f"the {added:.4g} rad/s that the exponential window adds are taken off every decay rate claimed"]
+    still = [f"{f:.3f}" for f in again.natural_frequency_hz[again.damping_ratio == 0]]
+    if still:
+        said.append(
+            f"no damping is left without the window at {', '.join(still)} Hz: noise, a tone, or a record cut off"
+        )
+    return replace(again, advice=(*again.advice, *said))
 
 
 def residues_of_runs(

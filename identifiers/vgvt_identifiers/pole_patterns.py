@@ -102,7 +102,7 @@ class Patterns:
 
 def find_patterns(sources: tuple[SourcePoles, ...], spectra: CampaignSpectra, options: PatternOptions) -> Patterns:
     """Groups the poles of all sources by distance, at most one of a source in a pattern."""
-    refused = tuple(_refusals(s, options) for s in sources)
+    refused = tuple(_refusals(s, options, spectra.added_decay_rad_per_s) for s in sources)
     sound = [np.flatnonzero(r == "") for r in refused]
     modes = tuple(_as_modes(s, keep, spectra) for s, keep in zip(sources, sound, strict=True))
     if not any(m.poles.size for m in modes):
@@ -131,7 +131,7 @@ def _groups(modes: tuple[RunModes, ...], tolerance: float) -> NDArray[np.intp]:
     return table
 
 
-def _refusals(source: SourcePoles, options: PatternOptions) -> NDArray[np.object_]:
+def _refusals(source: SourcePoles, options: PatternOptions, added_decay_rad_per_s: float) -> NDArray[np.object_]:
     """Why a pole is out of the question (n,), empty texts for the others."""
     size = np.abs(source.poles)
     ratio = -source.poles.real / size
@@ -140,7 +140,10 @@ def _refusals(source: SourcePoles, options: PatternOptions) -> NDArray[np.object
     texts[source.frequency_std_hz * 2 * np.pi > options.largest_frequency_std * size] = "its frequency is not known"
     few = f"amplitude coherence below {options.least_quality:g}: it does not decay as its root says"
     texts[source.quality < options.least_quality] = few
-    texts[ratio > options.largest_damping_ratio] = f"damping ratio above {options.largest_damping_ratio:g}"
+    # A window's damping is none of the structure's.
+    own = source.poles + added_decay_rad_per_s
+    heavy = -own.real > options.largest_damping_ratio * np.abs(own)
+    texts[heavy] = f"damping ratio above {options.largest_damping_ratio:g}"
     texts[ratio <= 0] = "unstable: negative damping"
     return texts
 

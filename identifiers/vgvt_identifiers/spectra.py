@@ -51,11 +51,15 @@ class RunSpectra:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CampaignSpectra:
-    """The usable runs on a common frequency axis (K,), and remarks on what was left out."""
+    """The usable runs on a common frequency axis (K,), and remarks on what was left out.
+
+    ``added_decay_rad_per_s`` is what an exponential window has added to every decay rate.
+    """
 
     frequency_hz: NDArray[np.float64]
     runs: tuple[RunSpectra, ...]
     remarks: tuple[str, ...]
+    added_decay_rad_per_s: float = 0.0
 
     @property
     def power(self) -> NDArray[np.float64]:

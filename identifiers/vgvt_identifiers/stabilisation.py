@@ -43,7 +43,8 @@ class Criteria:
     poles plus ``resolution_rad_s``, below which records cannot tell frequencies
     apart. A cluster is a mode when it holds poles of ``least_share`` of all
     orders, of ``least_presence`` of the orders since its first, and when
-    ``least_stable`` of them are stable.
+    ``least_stable`` of them are stable. ``largest_damping_ratio`` is judged without ``added_decay_rad_per_s``, the
+    damping of an exponential window.
     """
 
     frequency_change: float = 0.01
@@ -55,6 +56,7 @@ class Criteria:
     least_share: float = 0.35
     least_presence: float = 0.7
     least_stable: float = 0.4
+    added_decay_rad_per_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,10 +169,11 @@ def _floor(row: PolesAtOrder, resolution: float) -> NDArray[np.float64]:
 
 def _refused(poles: NDArray[np.complex128], limits: Criteria) -> list[str]:
     """Reasons that need no other order."""
-    damping = -poles.real / np.abs(poles)
     texts = np.full(poles.size, "", dtype=object)
-    texts[damping > limits.largest_damping_ratio] = f"damping ratio above {limits.largest_damping_ratio:g}"
-    texts[damping <= 0] = "unstable: negative damping"
+    own = poles + limits.added_decay_rad_per_s
+    heavy = -own.real > limits.largest_damping_ratio * np.abs(own)
+    texts[heavy] = f"damping ratio above {limits.largest_damping_ratio:g}"
+    texts[poles.real >= 0] = "unstable: negative damping"
     return [str(t) for t in texts]
 
 

@@ -23,7 +23,8 @@ def validate(
     response gets two real terms more, fitted to the measured one: a mass line for the modes below
     and one that grows with s² for those above (Ewins, Modal Testing, 2nd ed., 2000,
     section 4.4). For the ν-gap accelerances are in g/N, as in the paper; it is 1 where the band breaks
-    the winding condition. InputError when the
+    the winding condition. Responses measured through an exponential window are compared with the claim's as that
+    window shows them. InputError when the
     claim has no residues, or shares no response or reference with what was measured.
     """
     if claim.residues is None or not len(claim):
@@ -43,7 +44,8 @@ def validate(
     if int(alive.sum()) < 2:
         raise InputError("validation", "fewer than two finite lines in the band", "widen the band")
     y, frequency = y[:, :, alive], frf.frequency_hz[alive]
-    model = synthesise(claim.at(responses), frequency).values[:, [driven.index(r) for r in references]]
+    seen = synthesise(claim.at(responses), frequency, added_decay_rad_per_s=frf.added_decay_rad_per_s)
+    model = seen.values[:, [driven.index(r) for r in references]]
     if residual_terms:
         model = model + fitted_residual_terms(y - model, frequency)
     return FrfFit(responses, references, fit_percent(y, model), frequency, nu_gap_of_accelerances(y, model))

@@ -35,6 +35,15 @@ def test_a_claim_that_says_what_was_measured_fits_perfectly() -> None:
     assert len(said["nrmse"]) == 3
 
 
+def test_a_claim_is_compared_with_what_a_window_shows_of_it() -> None:
+    """A hammer's exponential window damps what was measured; a claim states the structure's damping."""
+    seen = synthesise(model(), LINES, added_decay_rad_per_s=2.0)
+    fit = validate(seen, model(), BAND)
+    assert fit.fit_percent == pytest.approx(100, abs=1e-6)
+    assert fit.nu_gap.max() < 1e-6
+    assert validate(replace(seen, added_decay_rad_per_s=0.0), model(), BAND).fit_percent.max() < 80
+
+
 def test_the_gap_of_a_wrong_gain_is_the_chordal_distance() -> None:
     """For parallel columns a and g a the graphs span one plane: the gap is |g - 1| |a| / sqrt((1 + a²)(1 + g² a²))."""
     gain = 1.3

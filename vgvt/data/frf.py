@@ -22,6 +22,8 @@ class FrequencyResponseSet:
     Both are None where the estimator cannot tell. ``runs`` gives the run each
     response was first measured in, shape (responses,): responses of different
     runs were never measured together. ``remarks`` name what was left out, and why.
+    ``added_decay_rad_per_s`` is what an exponential window has added to every decay
+    rate: values are then those along s = added + iω, at which ``synthesise`` gives them too.
     """
 
     responses: tuple[Dof, ...]
@@ -33,6 +35,7 @@ class FrequencyResponseSet:
     variance: NDArray[np.float64] | None = None
     coherence: NDArray[np.float64] | None = None
     remarks: tuple[str, ...] = ()
+    added_decay_rad_per_s: float = 0.0
 
     def __post_init__(self) -> None:
         shape = (len(self.responses), len(self.references), self.frequency_hz.size)

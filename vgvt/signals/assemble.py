@@ -73,6 +73,7 @@ def assemble(
             *(f"{dof} left out: not measured with every reference" for dof in rows if dof not in complete),
             *([f"{blank} frequency lines without any force hold NaN"] if blank else []),
         ),
+        added_decay_rad_per_s=plan.added_decay_rad_per_s,
     )
 
 

@@ -143,7 +143,8 @@ def without_window_damping(
 
     Through the window an accelerance s² H is known along s + 1/τ. A method that takes it for s² H finds at
     μ = λ - 1/τ the residue R λ²/μ² instead of the receptance's R: this is taken back, and so is R λ/μ of
-    velocities. Modal masses follow as those of modes whose shapes are real without the window.
+    velocities. Modal masses follow as those of modes whose shapes are real without the window. Standard deviations
+    stay those of the pole itself, in rad/s: a damping ratio of a tenth of what was seen is ten times less well known.
     """
     if measured not in _POWERS:
         known = ", ".join(q.name.lower() for q in _POWERS)
@@ -155,10 +156,13 @@ def without_window_damping(
     seen, true = modes.poles[order], true[order]
     change = np.divide(seen, true, out=np.ones_like(true), where=true != 0) ** _POWERS[measured]
     mass, residues = again.modal_mass_kg, again.residues
+    std_hz, ratio_std = _std_without(seen, true, again.natural_frequency_std_hz, again.damping_ratio_std)
     return replace(
         again,
         natural_frequency_hz=np.abs(true) / (2 * np.pi),
         damping_ratio=_damping_ratio(true),
+        natural_frequency_std_hz=std_hz,
+        damping_ratio_std=ratio_std,
         residues=None if residues is None else residues * change[:, None, None],
         modal_mass_kg=None if mass is None else np.where(change.real > 0, mass / change.real, np.nan),
         candidates=tuple(_candidate_without(c, added_decay_rad_per_s) for c in modes.candidates),
@@ -172,6 +176,27 @@ def _without(poles: NDArray[np.complex128], added_decay_rad_per_s: float) -> NDA
 def _damping_ratio(poles: NDArray[np.complex128]) -> Array:
     size = np.abs(poles)
     return np.asarray(np.divide(-poles.real, size, out=np.zeros_like(size), where=size > 0))
+
+
+def _std_without(
+    seen: NDArray[np.complex128], true: NDArray[np.complex128], std_hz: Array | None, ratio_std: Array | None
+) -> tuple[Array | None, Array | None]:
+    """Standard deviations (M,) of frequency and damping ratio at poles ``true`` (M,) from those at ``seen`` (M,).
+
+    They are those of the pole along its own direction and across it, which turns; unchanged where one is not known.
+    """
+    if std_hz is None or ratio_std is None:
+        return std_hz, ratio_std
+    root = np.sqrt(np.maximum(1 - np.array([_damping_ratio(seen), _damping_ratio(true)]) ** 2, 0.0))
+    known = np.isfinite(std_hz) & np.isfinite(ratio_std) & (root > 0).all(axis=0) & (true != 0)
+    along, before, after = 2 * np.pi * std_hz[known], root[0, known], root[1, known]
+    across = ratio_std[known] / before * np.abs(seen[known])
+    angle = np.angle(true[known] / seen[known])
+    turned_hz, turned_ratio = std_hz.copy(), ratio_std.copy()
+    turned_hz[known] = np.hypot(np.cos(angle) * along, np.sin(angle) * across) / (2 * np.pi)
+    turned = np.hypot(np.sin(angle) * along, np.cos(angle) * across)
+    turned_ratio[known] = turned * after / np.abs(true[known])
+    return turned_hz, turned_ratio
 
 
 def _candidate_without(candidate: PoleCandidate, added_decay_rad_per_s: float) -> PoleCandidate:

@@ -25,6 +25,7 @@ class Plan:
 
     ``frequency_hz`` are all lines of the spectra, ``lines`` the indices of those
     asked for. ``labels`` gives the first-seen label of each unsigned DOF.
+    ``added_decay_rad_per_s`` is what an exponential window adds to every decay rate.
     """
 
     cuts: dict[int, Cut]
@@ -32,6 +33,7 @@ class Plan:
     lines: NDArray[np.intp]
     quantity: Quantity
     labels: dict[Dof, Dof]
+    added_decay_rad_per_s: float = 0.0
 
     def spectrum(self, run: int, channel: Channel, samples: NDArray[np.floating]) -> NDArray[np.complex128]:
         """Spectra (segments, all lines) of a channel along its labelled direction, responses in ``quantity``."""
@@ -40,7 +42,8 @@ class Plan:
             spectrum *= -1
         if channel.quantity in _TIME_DERIVATIVES and channel.quantity is not self.quantity:
             steps = _TIME_DERIVATIVES[self.quantity] - _TIME_DERIVATIVES[channel.quantity]
-            spectrum *= (2j * np.pi * self.frequency_hz) ** steps
+            # Through exp(-t/τ) a derivative is s = 1/τ + iω, not iω.
+            spectrum *= (self.added_decay_rad_per_s + 2j * np.pi * self.frequency_hz) ** steps
         return spectrum
 
     def forces(self, run: UsableRun) -> tuple[tuple[Dof, ...], NDArray[np.complex128]]:
@@ -89,7 +92,8 @@ def make_plan(
     labels: dict[Dof, Dof] = {}
     for channel in (c for run in runs for c in (*run.references, *run.responses)):
         labels.setdefault(dof_of(channel).unsigned, dof_of(channel))
-    return Plan(cuts, frequency, lines, quantity, labels), (*special_remarks, *remarks)
+    added = special.added_decay_rad_per_s if isinstance(special, ImpactWindows) else 0.0
+    return Plan(cuts, frequency, lines, quantity, labels, added), (*special_remarks, *remarks)
 
 
 def dof_of(channel: Channel) -> Dof:

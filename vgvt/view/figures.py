@@ -259,12 +259,15 @@ def _as_judged(model: ModalModel, grid_hz: NDArray[np.float64], frf: FrequencyRe
     """The FRFs of a model over a grid, of accelerances with the residual terms that the fit in per cent is of."""
     from dataclasses import replace
 
-    drawn = synthesise(model, grid_hz, frf.quantity)
+    # Through an exponential window, if there is one, as the measured responses are.
+    added = frf.added_decay_rad_per_s
+    drawn = synthesise(model, grid_hz, frf.quantity, added_decay_rad_per_s=added)
     if frf.quantity is not Quantity.ACCELERATION:
         return drawn
     rows = [frf.responses.index(d) for d in model.dofs]
     columns = [frf.references.index(d) for d in model.references]
-    rest = frf.values[np.ix_(rows, columns)] - synthesise(model, frf.frequency_hz).values
+    seen = synthesise(model, frf.frequency_hz, added_decay_rad_per_s=added)
+    rest = frf.values[np.ix_(rows, columns)] - seen.values
     alive = np.isfinite(rest).all(axis=(0, 1))
     if int(alive.sum()) < 2:
         return drawn
