@@ -182,7 +182,9 @@ def _resolve(total: CrossSpectra, estimator: str) -> ResponseEstimate:
     values = {"h2": total.h2, "hv": total.hv}.get(estimator, total.h1)()
     # With less than half an average to spare the scatter says nothing.
     spare = np.max(total.averages) - total.reference.shape[0] >= 0.5
-    variance = total.variance(values) if spare else None
+    variance = None
+    if spare:
+        variance = total.hv_variance() if estimator == "hv" else total.variance(values)
     if total.noise is not None:
         power = total.reference[0, 0].real
         blank = np.full_like(power, np.nan)
@@ -203,14 +205,23 @@ def _local_estimates(runs: tuple[UsableRun, ...], plan: Plan, local: tuple[int, 
             spectrum = plan.spectrum(run.run, channel, samples)
             fit = local_polynomial_fit(spectrum, full[:, 0], plan.lines, *local)
             fits.setdefault((plan.label(channel), references), []).append((run.run, fit))
-    return {key: _combined(parts) for key, parts in fits.items()}
+    order, half_width = local
+    spare = {key: 2 * half_width + 1 - (len(key[1]) + 1) * (order + 1) for key in fits}
+    return {key: _combined(parts, spare[key]) for key, parts in fits.items()}
 
 
-def _combined(parts: list[tuple[int, LocalFit]]) -> ResponseEstimate:
+def _combined(parts: list[tuple[int, LocalFit]], spare: int) -> ResponseEstimate:
+    """The mean of fits, weighted by the inverse of their variance, each told from ``spare`` complex residuals.
+
+    Weights that are estimates make it worse than known ones would, and seem better than it is: to first order the
+    variance is 1/W (1 + 4 Σ w/W (1 - w/W) / ν), ν two for each residual; Meier, Variance of a weighted mean,
+    Biometrics 9(1), 1953.
+    """
     weights = [1 / np.maximum(fit.variance[0], np.finfo(float).tiny) for _, fit in parts]
     total = np.sum(weights, axis=0)
     values = np.sum([w * fit.values[0] for w, (_, fit) in zip(weights, parts, strict=True)], axis=0) / total
-    return ResponseEstimate(parts[0][0], values, np.asarray(1 / total), None)
+    uncertain = 4 / (2 * spare) * np.sum([w / total * (1 - w / total) for w in weights], axis=0)
+    return ResponseEstimate(parts[0][0], values, np.asarray((1 + uncertain) / total), None)
 
 
 def _check_averages(where: str, total: CrossSpectra, estimator: str) -> None:
