@@ -36,6 +36,17 @@ def test_a_claim_is_drawn_with_the_residual_terms_that_it_is_judged_with(example
     assert sigma.y == pytest.approx(np.interp(sigma.x, measured.frequency_hz, measured.sigma()), rel=0.05)
 
 
+def test_a_claim_is_drawn_as_a_window_shows_it(example) -> None:
+    """What a hammer's exponential window adds is in the measured curve, not in the claim."""
+    claim = example.truth.as_tested[0].at(example.campaign.response_dofs)
+    measured = synthesise(claim, example.frf.frequency_hz, added_decay_rad_per_s=2.0)
+    response = measured.responses[0]
+    figure = frf_figure(measured, {"modes": claim}, response, band_hz=BAND_HZ)
+    curve = next(trace for trace in figure.data if trace.name == "modes")
+    exact = synthesise(claim.at((response,)), curve.x.astype(float), added_decay_rad_per_s=2.0).values[0, 0]
+    assert curve.y == pytest.approx(np.abs(exact), rel=2e-3)
+
+
 def test_lines_without_a_value_and_other_quantities_do_not_stop_the_drawing(example) -> None:
     measured, claim = loaded(example)
     response = measured.responses[0]
