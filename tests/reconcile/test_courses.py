@@ -106,6 +106,19 @@ def test_courses_that_fitted_data_cannot_tell_are_one_rival(remounted: Problem) 
     assert others == [elsewhere]
 
 
+def test_a_size_that_was_left_out_leaves_the_courses_as_they_are(remounted: Problem) -> None:
+    """They are those of the variants that have it, without it; a fit that has it is another thing to begin with."""
+    every = candidates(remounted, {"drive-remount": REMOUNT})
+    later = claimed(remounted, REMOUNT, SHIFT, from_run=4)
+    null = replace(claimed(remounted, REMOUNT, {**SHIFT, "shift_y_m": 0.0}, from_run=2), hypotheses=())
+    lean = claimed(remounted, REMOUNT, {"shift_y_m": SHIFT["shift_y_m"]}, from_run=4, shift_x_m=0.0)
+    chosen = best_course(lean, every)
+    assert dict(chosen.hypotheses[-1].settings) == {"from_run": 3, "shift_x_m": 0.0}
+    ahead = replace(lean, evidence_nats=later.evidence_nats + 1)
+    found = in_other_courses(null, [later, ahead], every, silent)
+    assert [dict(f.hypotheses[-1].settings) for f in found] == [{"from_run": 2, "shift_x_m": 0.0}]
+
+
 def test_what_has_no_course_is_left_alone(remounted: Problem) -> None:
     gain = available_effects()["channel-gain"]
     found = claimed(remounted, gain, {"gain_error": 0.1}, channels="response")

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vgvt.data import InputError, PluginError
 from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action, ChannelFilter
+from vgvt.effects.parameter import parameters_of
 from vgvt.reconcile.fitting.fit import NEAR, Fit, cost_at, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -68,7 +69,8 @@ def in_other_courses(
         return []
     problem, own = best.problem, best.hypotheses[-1]
     scores = best.e[best.e.size - len(own.parameters) :]
-    fitted = [f.hypotheses[-1] for f in changes if f.hypotheses[-1].cls is own.cls]
+    # With a size more, or one less, it is another thing to begin with.
+    fitted = [f.hypotheses[-1] for f in changes if _sized_alike(f.hypotheses[-1], own)]
     done = [_done(problem, h, scores) for h in fitted]
     others = [
         h for h in _other_courses(problem, hypotheses, own)
@@ -96,8 +98,10 @@ def _other_courses(problem: Problem, hypotheses: Sequence[Hypothesis], own: Hypo
     """
     found: dict[str, Hypothesis] = {}
     rest = {k: v for k, v in own.settings.items() if k not in _COURSE}
+    # A size that was left out is a setting of this one alone.
+    chosen = rest.keys() - {p.name for p in parameters_of(own.cls) if p.neutral is not None}
     for h in hypotheses:
-        if h.cls is not own.cls or any(h.settings.get(k) != v for k, v in rest.items()):
+        if h.cls is not own.cls or any(h.settings.get(k) != rest[k] for k in chosen):
             continue
         course = {k: v for k, v in h.settings.items() if k in _COURSE}
         runs = range(2, len(problem.measured.runs) + 1) if "from_run" in course else ()
@@ -105,6 +109,11 @@ def _other_courses(problem: Problem, hypotheses: Sequence[Hypothesis], own: Hypo
             if settings != own.settings:
                 found[repr(sorted(settings.items()))] = replace(own, settings=settings)
     return list(found.values())
+
+
+def _sized_alike(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two variants of one effect have the same parameters to fit."""
+    return one.cls is other.cls and [p.name for p in one.parameters] == [p.name for p in other.parameters]
 
 
 def _done(problem: Problem, hypothesis: Hypothesis, scores: Array) -> tuple[Action, ...] | None:
