@@ -59,17 +59,17 @@ def shortened(
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
 
-    Where nothing is in sight of what all tolerances together lean on, a calibration that may not bend is asked.
+    Where all tolerances together lean on something, a calibration that may not bend is asked, too.
     Asked ``again`` in a round, it leaves out the look that does not hang on where the calibration stands.
     """
     if not swallowed(current, before):
         found = screen(current, left, part(tell, 0.0, 0.6), least_nats=_OPEN * needed, team=team)
         listed = short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
-        if listed or again or current.hypotheses or before.strain_sd <= before.limits.strain_sd:
+        if again or current.hypotheses or before.strain_sd <= before.limits.strain_sd:
             return listed
-        # Tolerances lean on something, and from where they lean nothing is in sight.
+        # Tolerances lean on something: from where they lean it is hidden, and what is in sight is what they make of it.
         behind = _upright(current, None, left, part(tell, 0.6, 1.0))
-        return short_list(behind, _SHORT_LIST // 2, forgiving=True)
+        return (*listed, *short_list(behind, _SHORT_LIST // 2, forgiving=True))
     straight, others = _asked(current, left, left, part(tell, 0.0, 0.2), team)
     # Where the data are met what stands where the unknowns are bent is as good as hidden. Where they are not, what
     # bends unknowns before anything has a name may still be what they imitate worst.
