@@ -95,3 +95,21 @@ def test_a_model_that_changes_between_runs_is_held_against_one_that_does_not(bea
         assert row.mac == pytest.approx(1.0)
         assert row.after_hz == pytest.approx(row.before_hz)
     assert model_modes(drift).shapes.shape == model_modes(later).shapes.shape
+
+
+def test_the_own_gain_of_a_held_out_channel_is_left_open_as_on_the_rest_of_the_page(beam: Fit) -> None:
+    """No other record tells it: 0.6 % within its tolerance is no error of the model, and none of the table."""
+    problem = beam.problem
+    alone = np.array([n.rows.sum() == 1 for n in problem.nuisances])
+    assert problem.split.held.any() and alone.any()
+    gains = np.where(problem.split.held, 1.006, 1.0)[:, None]
+    measured = replace(problem.measured, values=beam.predicted * gains)
+    read = replace(beam, problem=replace(problem, measured=measured))
+    assert 3 * min(n.sd for n, own in zip(problem.nuisances, alone, strict=True) if own) > 0.006
+    told = mode_rows(read, replace(read))
+    known = mode_rows(*[replace(read, predicted=read.foretold)] * 2)
+    for row, other in zip(told, known, strict=True):
+        assert row.held_out_percent is not None and other.held_out_percent is not None
+        assert row.held_out_percent == pytest.approx(other.held_out_percent, abs=0.01)
+        assert row.held_out_percent[1] < 0.1
+        assert row.train_percent == pytest.approx((0.0, 0.0), abs=1e-9)

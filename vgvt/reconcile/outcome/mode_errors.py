@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.mechanics.response import poles_of
 from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.problem import Problem
 from vgvt.view.reconcile_account import ModeRow
 
 Array = NDArray[np.float64]
@@ -56,11 +57,13 @@ def mode_rows(before: Fit, after: Fit) -> tuple[ModeRow, ...]:
     first = model_modes(before)
     second = first if after is before else model_modes(after)
     pairs = _pairs(first, second)
+    # As on the rest of a page: the own gain of a held-out channel is no error of either model.
+    foretold = (before.foretold, after.foretold)
     rows = []
     for i, j in pairs:
         f = second.frequency_hz[j] if j is not None else first.frequency_hz[i]
         damping = second.damping_ratio[j] if j is not None else first.damping_ratio[i]
-        errors = _errors(before, after, float(f), float(damping))
+        errors = _errors(before.problem, foretold, float(f), float(damping))
         mac = None if i is None or j is None else float(_mac(first.shapes[i], second.shapes[j]))
         rows.append(
             ModeRow(
@@ -100,16 +103,19 @@ def _mac(a: ComplexArray, b: ComplexArray) -> float:
 
 
 def _errors(
-    before: Fit, after: Fit, frequency_hz: float, damping_ratio: float
+    problem: Problem, foretold: tuple[ComplexArray, ComplexArray], frequency_hz: float, damping_ratio: float
 ) -> tuple[tuple[float, float], tuple[float, float] | None]:
-    """Median error, per cent of the responses' size in the window, on train and on held-out channels."""
-    measured, split = before.problem.measured, before.problem.split
+    """Median error, per cent of the responses' size in the window, on train and on held-out channels.
+
+    ``foretold`` are A/F (C, L) of the model before and after.
+    """
+    measured, split = problem.measured, problem.split
     half = frequency_hz * max(_SHARE, _WIDTHS * damping_ratio)
     away = np.abs(measured.frequency_hz - frequency_hz)
     lines = away <= max(half, np.sort(away)[min(_FEWEST_LINES, away.size) - 1])
     values = measured.values[:, lines]
     size = np.where(measured.used, np.linalg.norm(values, axis=1), 1.0)
-    share = [100 * np.linalg.norm(fit.predicted[:, lines] - values, axis=1) / size for fit in (before, after)]
+    share = [100 * np.linalg.norm(model[:, lines] - values, axis=1) / size for model in foretold]
 
     def middle(rows: NDArray[np.bool_]) -> tuple[float, float]:
         return float(np.median(share[0][rows])), float(np.median(share[1][rows]))
