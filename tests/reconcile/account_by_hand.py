@@ -54,7 +54,9 @@ def account(kind: str = "ambiguous", named: bool = True) -> Account:
     z = 300.0 - (2 * np.pi * FREQUENCY) ** 2 * 0.05 + 0j
     places = (
         PlaceRow("force at 8+Z", "structure", (0.8, 1.1, 0.0), 0.81, "mass", 0.05, "kg", z),
-        PlaceRow("bending at the root of wing-right", "structure", (0.4, 0.2, 0.0), 0.2, "unclear", 0.0, "", z),
+        PlaceRow(
+            "bending at the root of wing-right", "structure", (0.4, 0.2, 0.0), 0.2, "unclear", 0.0, "", z, turns=True
+        ),
         PlaceRow("run 1, 2+Z", "sensor", None, 0.1, "", 0.0, "", None),
     )
     effect = EffectRow(

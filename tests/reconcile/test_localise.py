@@ -7,10 +7,11 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from reconciled_case import roving_scenario, without_instrument_noise
+import pytest
+from reconciled_case import claimed, problem, roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.evidence.localise import Localisation, interface_type, localise
 from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.mechanics.response import accelerances
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -53,3 +54,51 @@ def test_a_force_is_found_where_it_acts_though_runs_have_different_joints(tmp_pa
     often = replace(missed, measured=replace(missed.measured, channels=again))
     asked = SimpleNamespace(problem=often, chi2_per_dof=1.0)
     assert localise(asked).places == ()  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def soft_root(tmp_path_factory: pytest.TempPathFactory) -> Localisation:
+    """Where the stated scenario misses an aircraft whose right root gives way."""
+    case = problem(tmp_path_factory.mktemp("root"), 1)
+    values = claimed(case, "root-compliance", {"bending": 0.1, "torsion": 0.0001}, side="right").predicted
+    missed = replace(case, measured=replace(case.measured, values=values))
+    return localise(fit(missed, (), np.zeros(case.size), np.zeros(0), ()))
+
+
+def test_what_turns_has_a_moment_an_angle_and_their_units(soft_root: Localisation) -> None:
+    """A root whose stiffness was "-981 N/m"."""
+    turning = {p.label: p for p in soft_root.places if p.turns}
+    assert {"bending at the root of wing-right", "torsion at the root of wing-left"} <= set(turning)
+    assert {"pitch moment on the centre body", "roll moment on the centre body"} <= set(turning)
+    assert soft_root.places[0].label == "bending at the root of wing-right"
+    for place in soft_root.places:
+        told = {"stiffness": "N/m", "mass": "kg", "damper": "N s/m"}
+        if place.turns:
+            told = {"stiffness": "N m/rad", "mass": "kg m^2", "damper": "N m s/rad"}
+        assert place.unit == (told | {"resonant": "Hz"}).get(place.type, "")
+    # What makes it softer is a spring of less than nothing beside it.
+    assert soft_root.places[0].type == "stiffness" and soft_root.places[0].size < 0
+
+
+OMEGA = 2 * np.pi * np.linspace(3.0, 35.0, 160)
+
+
+def swinging(frequency_hz: float, ratio: float) -> np.ndarray:
+    """-z of an absorber of 1 kg."""
+    own = 2 * np.pi * frequency_hz
+    pole = own**2 + 2j * ratio * own * OMEGA
+    return np.asarray(OMEGA**2 * pole / (pole - OMEGA**2))
+
+
+@pytest.mark.parametrize("frequency_hz", [3.2, 8.04, 20.0, 34.0])
+@pytest.mark.parametrize("ratio", [0.005, 0.03, 0.08])
+def test_a_mass_but_for_a_trace_is_a_mass_and_what_swings_is_found(frequency_hz: float, ratio: float) -> None:
+    """3 in 10 000 of the force's power a pole's: data are good enough to fit it, and it is still a mass."""
+    first = 2 * np.pi * 15.0
+    motion = 1 / (first**2 - OMEGA**2 + 0.04j * first * OMEGA)
+    mass, pole = 0.05 * OMEGA**2 * motion, swinging(frequency_hz, ratio) * motion
+    trace = np.sqrt(3e-4) * np.linalg.norm(mass) / np.linalg.norm(pole)
+    told = interface_type(OMEGA, mass + trace * pole, motion, np.ones_like(OMEGA))
+    assert told[0] == "mass" and told[1] == pytest.approx(0.05, rel=0.05) and told[2] == "kg"
+    kind, size, unit = interface_type(OMEGA, 0.05 * pole, motion, np.ones_like(OMEGA))
+    assert (kind, unit) == ("resonant", "Hz") and size == pytest.approx(frequency_hz, rel=0.02)

@@ -168,6 +168,15 @@ def test_a_place_with_a_law_gets_the_law_drawn_beside_it() -> None:
     assert stiffness_figure(told.places[2], FREQUENCY) is None
 
 
+def test_a_moment_stands_over_an_angle_and_a_force_over_a_way() -> None:
+    """A force at a hook that lies nowhere, beside a moment: of no place, and each in its own unit."""
+    places = account().places
+    for place in (places[0], replace(places[0], position_m=None), places[1], replace(places[1], label="roll")):
+        figure = stiffness_figure(place, FREQUENCY)
+        assert figure is not None
+        assert figure.layout.yaxis.title.text == f"|z|, {'N m/rad' if place.turns else 'N/m'}"
+
+
 def test_a_disc_has_the_area_of_its_share() -> None:
     told = account()
     small = replace(told.places[0], label="force at 3+Z", position_m=(0.5, -0.9, 0.0), explained=0.0)

@@ -44,8 +44,9 @@ class ModelState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceRow:
-    """A place and the share of the residual that a free force there explains; ``stiffness`` (L,) is its z(ω).
+    """A place and the share of the residual that a free force there explains; ``stiffness`` (L,) is its z(ω) in N/m.
 
+    Where something ``turns`` it is a free moment's, in N m/rad.
     What chance explains is taken off: where a place does no better the share is a little below 0.
     """
 
@@ -57,6 +58,7 @@ class PlaceRow:
     size: float
     unit: str
     stiffness: ComplexArray | None = None
+    turns: bool = False
 
 
 @dataclass(frozen=True, slots=True)

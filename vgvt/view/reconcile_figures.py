@@ -163,8 +163,7 @@ def stiffness_figure(place: PlaceRow, frequency_hz: NDArray[np.float64]) -> Figu
         _curves(figure, frequency_hz, law, f"{place.type} of {place.size:.3g} {place.unit}", POSITIVE_COLOUR, "dash")
     elif place.type == "resonant":
         figure.add_vline(x=place.size, line={"color": POSITIVE_COLOUR, "dash": "dash", "width": 1.5})
-    moment = place.position_m is None or "root" in place.label
-    unit = "N m/rad" if moment else "N/m"
+    unit = "N m/rad" if place.turns else "N/m"
     figure.update_yaxes(
         row=1,
         col=1,

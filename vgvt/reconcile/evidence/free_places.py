@@ -24,7 +24,8 @@ EVERY_RUN = " in every run"
 class FreePlace:
     """A place: rows (n,) over the coordinates of each group of runs, which differ, or a mask (C,) of channels.
 
-    ``kind`` is 'structure', 'drive' or 'sensor'.
+    ``kind`` is 'structure', 'drive' or 'sensor'. What acts where something ``turns`` is a moment in N m over an angle
+    in rad, and elsewhere a force in N over a way in m.
     """
 
     label: str
@@ -32,6 +33,7 @@ class FreePlace:
     position_m: tuple[float, float, float] | None
     rows: tuple[Array, ...] | None
     mask: NDArray[np.bool_] | None
+    turns: bool = False
 
 
 def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[FreePlace]:
@@ -49,14 +51,15 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
     # The first six coordinates: translation, then rotation about the body's own x, y and z.
     for axis, name in ((4, "pitch"), (3, "roll")):
         rows = tuple(_unit(g.structure.drive.size, axis) for g in groups)
-        found.append(FreePlace(f"{name} moment on the centre body", "structure", None, rows, None))
+        found.append(FreePlace(f"{name} moment on the centre body", "structure", None, rows, None, turns=True))
     for beam, chain in plan.parts.chains.items():
         for kind in ("bending", "torsion"):
             first = [k for g in groups if (k := _first_joint(g, beam, kind)) is not None]
             if len(first) == len(groups):
                 rows = tuple(_unit(g.structure.drive.size, k) for g, k in zip(groups, first, strict=True))
                 x, y, z = (float(v) for v in chain.table.point_m(0.0))
-                found.append(FreePlace(f"{kind} at the root of {beam}", "structure", (x, y, z), rows, None))
+                label = f"{kind} at the root of {beam}"
+                found.append(FreePlace(label, "structure", (x, y, z), rows, None, turns=True))
     channels = problem.measured.channels
     everything = np.ones(len(channels), dtype=bool)
     found.append(FreePlace("force channel", "drive", None, None, everything))

@@ -27,6 +27,9 @@ _TYPED = 8
 HARDLY = 0.05
 """A place that explains less of the residual is not worth the telling."""
 _POLES, _RATIOS = 240, (0.003, 0.01, 0.03, 0.08)
+# Of the force's power: with so little left by the simple laws nothing swings there, however well data show the rest.
+_TRACE = 0.02
+_UNITS = {False: ("N/m", "kg", "N s/m"), True: ("N m/rad", "kg m^2", "N m s/rad")}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +39,7 @@ class Place:
     What chance explains is taken off: a place that does no better is a little below 0.
 
     ``kind`` is 'structure', 'drive' or 'sensor'; ``type`` what z(ω) (L,) looks like and ``size`` with its unit
-    for a place on the structure.
+    for a place on the structure. Where something ``turns`` z is a moment over an angle, in N m/rad, and else in N/m.
     """
 
     label: str
@@ -47,6 +50,7 @@ class Place:
     size: float
     unit: str
     dynamic_stiffness: ComplexArray | None
+    turns: bool = False
 
 
 def words_of_place(best: Place) -> str:
@@ -114,8 +118,8 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
             z = _stiffness(problem, here, c.rows[0], rho, scaled)
             ratio = -z[0] / z[1]
             if k < _TYPED:
-                kind, size, unit = interface_type(2 * np.pi * measured.frequency_hz, *z)
-        ranked.append(Place(c.label, c.kind, c.position_m, explained, kind, size, unit, ratio))
+                kind, size, unit = interface_type(2 * np.pi * measured.frequency_hz, *z, turns=c.turns)
+        ranked.append(Place(c.label, c.kind, c.position_m, explained, kind, size, unit, ratio, c.turns))
     return Localisation(tuple(ranked), measured.frequency_hz, null.chi2_per_dof)
 
 
@@ -145,14 +149,19 @@ def _stiffness(
     return force, by_drive + by_itself * force, power
 
 
-def interface_type(omega: Array, force: ComplexArray, motion: ComplexArray, weight: Array) -> tuple[str, float, str]:
-    """The simplest law force = -z motion that fits best: its name, its size and unit (translation: N/m, kg, N s/m).
+def interface_type(
+    omega: Array, force: ComplexArray, motion: ComplexArray, weight: Array, *, turns: bool = False
+) -> tuple[str, float, str]:
+    """The simplest law force = -z motion that fits best: its name, its size and its unit.
+
+    N/m, kg or N s/m; for a moment over an angle, where something ``turns``, N m/rad, kg m^2 or N m s/rad.
 
     ``omega`` (L,) rad/s, ``force``, ``motion``, ``weight`` (L,). 'resonant' where a pole in z with what the
-    calibration may have put beside it, a stiffness, mass and damper, does much better than these three alone;
-    then the size is the pole's frequency. 'unclear' where half of the force is left by each law.
+    calibration may have put beside it, a stiffness, mass and damper, does much better than these three alone, and
+    these leave more than a trace; then the size is the pole's frequency in Hz. 'unclear' where half of the force is
+    left by each law.
     """
-    names = (("stiffness", "N/m"), ("mass", "kg"), ("damper", "N s/m"))
+    names = zip(("stiffness", "mass", "damper"), _UNITS[turns], strict=True)
     laws = np.stack([np.ones_like(omega), -(omega**2), 1j * omega], axis=1)
     scale = np.sqrt(weight)
     target = _parts(scale * force)
@@ -163,7 +172,10 @@ def interface_type(omega: Array, force: ComplexArray, motion: ComplexArray, weig
         if (left < least and size[0] > 0) or left < 0.9 * least:
             best, least = (name, float(size[0]), unit), left
     plain = _parts(-laws * motion[:, None] * scale[:, None])
-    enough = 0.4 * min(_least(plain, target)[1], total)
+    without = _least(plain, target)[1]
+    if without < _TRACE * total:
+        return best
+    enough = 0.4 * min(without, total)
     for frequency in np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), _POLES)):
         for ratio in _RATIOS:
             pole = frequency**2 + 2j * ratio * frequency * omega

@@ -85,7 +85,7 @@ def account_of(
         leads=_effects(verdict.leads, found.leads),
         candidates=_candidates(found, limits),
         places=tuple(
-            PlaceRow(p.label, p.kind, p.position_m, p.explained, p.type, p.size, p.unit, p.dynamic_stiffness)
+            PlaceRow(p.label, p.kind, p.position_m, p.explained, p.type, p.size, p.unit, p.dynamic_stiffness, p.turns)
             for p in places
         ),
         located="the calibrated scenario" if at_null else "the scenario with what was named",
