@@ -19,6 +19,7 @@ from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.outcome.account import account_of
+from vgvt.reconcile.outcome.cells import at_whole_cells
 from vgvt.reconcile.outcome.instruments import gain_tables
 from vgvt.reconcile.question.problem import Problem
 from vgvt.scenario import load_scenario
@@ -83,7 +84,7 @@ def test_it_has_its_account_its_page_and_its_scenario(
     assert found.kind is not Kind.ADEQUATE
     assert [e.name for e in found.effects] == [name]
     written = load_scenario(folder / "reconciled.toml")
-    gains = len(gain_tables(written, found.attribution.final))
+    gains = len(gain_tables(written, at_whole_cells(found.attribution.final)))
     assert [t.name for t in written.effect[: len(written.effect) - gains]] == [name]
     again = found.resimulated
     assert again.comparison is not None or again.remark

@@ -120,9 +120,11 @@ def test_what_is_hardly_placed_is_stated_where_it_may_be(tmp_path: Path) -> None
     found = fit(case, (mass,), np.zeros(case.size), mass.scores(values), ())
     assert found.values(0)["x_m"][1] > 0.15
     stated = augment(scenario, SimpleNamespace(final=found))  # type: ignore[arg-type]
-    (table,) = stated.effect
+    # Beside whole cells all else has moved a little, gains of nothing too.
+    table, *gains = stated.effect
+    assert {t.name for t in gains} <= {"channel-gain"}
     at = table.model_dump()
-    assert at["mass_kg"] == pytest.approx(0.005)
+    assert at["mass_kg"] == pytest.approx(0.005, rel=0.02)
     assert (at["x_m"], at["y_m"]) != pytest.approx((0.05, 1.1))
     assert implausible(found) == ()
     require_on_aircraft(stated)

@@ -13,6 +13,7 @@ from vgvt.effects import Effect, available_effects
 from vgvt.reconcile import Kind, Verdict, loop, reconcile
 from vgvt.reconcile.decision.leads import demoted
 from vgvt.reconcile.outcome.account import account_of
+from vgvt.reconcile.outcome.cells import at_whole_cells
 from vgvt.reconcile.outcome.instruments import gain_tables
 from vgvt.scenario import load_scenario
 
@@ -55,7 +56,7 @@ def test_a_wrong_sensitivity_is_named_and_written_back(folder: Path) -> None:
     # Without the name the channel's own gain takes the error, far out of its tolerance: the data are met either way.
     assert found.after.train.chi2_per_dof < 1.01 * found.before.train.chi2_per_dof
     again = load_scenario(folder / "reconciled.toml")
-    gains = gain_tables(again, found.attribution.final)
+    gains = gain_tables(again, at_whole_cells(found.attribution.final))
     assert [t.name for t in again.effect[: -len(gains)]] == ["channel-gain"]
     assert again.effect[-len(gains) :] == gains
     assert f"# The last {len(gains)} [[effect]] tables are no findings" in text_of(folder)
@@ -96,7 +97,7 @@ def test_a_lead_is_told_and_neither_named_nor_switched_on(folder: Path, monkeypa
     assert [e.name for e in told.leads] == ["channel-gain"]
     assert [c.standing for c in told.candidates].count("lead") == 1
     written = load_scenario(folder / "reconciled.toml")
-    assert written.effect == gain_tables(written, found.attribution.final)
+    assert written.effect == gain_tables(written, at_whole_cells(found.attribution.final))
     assert "a lead, not switched on here: channel-gain" in text_of(folder)
 
 

@@ -13,13 +13,17 @@ from reconciled_case import campaign_of, roving_scenario, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.beams import with_beams
+from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
 from vgvt.reconcile.outcome.augment import augment
+from vgvt.reconcile.outcome.cells import at_whole_cells
 from vgvt.reconcile.outcome.instruments import gain_tables
 from vgvt.reconcile.outcome.resimulate import resimulated
 from vgvt.reconcile.prediction.chain import high_pass
+from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, make_problem
+from vgvt.reconcile.question.thresholds import noise_share, stored_thresholds
 from vgvt.reconcile.search.candidates import candidates
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.write import to_toml
@@ -107,6 +111,30 @@ def test_an_aircraft_has_no_cells_and_its_file_has_more(cache: Path, tmp_path: P
     assert again.comparison is not None and before.comparison is not None
     assert again.comparison.train.chi2_per_dof < 0.2 * before.comparison.train.chi2_per_dof
     assert before.remark.startswith("The simulation of reconciled.toml is")
+
+
+def test_what_goes_with_a_tenth_of_a_cell_is_not_written_beside_whole_ones(cache: Path, tmp_path: Path) -> None:
+    """Data of the stated chain, whose end no score reaches: stiffness, masses and gains had taken up the rest of it."""
+    scenario = small_scenario()
+    found = calibrate(make_problem(campaign_of(scenario, 1), scenario, lines=150, cache=cache))
+    score = found.u[found.problem.names.index(CELLS.name)]
+    assert -5 < score < -3
+    again = resimulated(augmented(scenario, found, tmp_path), found)
+    limits = stored_thresholds().at(noise_share(found.problem.measured, found.problem.split.train))
+    own = residual(found, limits).limits
+    assert again.comparison is not None and again.comparison.held_out is not None
+    assert found.chi2_per_dof < own.chi2_per_dof
+    assert again.comparison.train.chi2_per_dof < own.chi2_per_dof
+    assert again.comparison.held_out.chi2_per_dof < own.held_out_per_dof
+    # By the fit's own model nothing is lost, and of what no data say nothing has moved.
+    written = at_whole_cells(found)
+    beside = anchor(found.problem, written.u, slopes=False).predict(written.u, written.e)
+    assert written.u[found.problem.names.index(CELLS.name)] < -10
+    assert replace(found, predicted=beside).chi2_per_dof < 1.01 * found.chi2_per_dof
+    others = [k for k, name in enumerate(found.problem.names) if name != CELLS.name]
+    assert 0.05 < np.abs((written.u - found.u)[others]).max() < 0.5
+    far = replace(found, u=np.where(found.u == score, -100.0, found.u))
+    assert at_whole_cells(far) is far
 
 
 def test_records_of_another_length_and_rate_are_read_at_the_same_lines(cache: Path) -> None:

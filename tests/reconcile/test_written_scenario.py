@@ -17,6 +17,7 @@ def test_a_name_with_a_line_s_end_stays_a_comment(tmp_path: Path, monkeypatch: p
     """A sidecar may call its campaign anything."""
     monkeypatch.setattr(augment, "posterior_of", lambda fit: [])
     monkeypatch.setattr(augment, "gain_tables", lambda scenario, fit: ())
+    monkeypatch.setattr(augment, "at_whole_cells", lambda fit: fit)
     monkeypatch.setattr(augment, "unwritten", lambda fit: ())
     verdict: Any = SimpleNamespace(
         kind=SimpleNamespace(value="unknown"), reasons=("what\nis left",), effects=(), leads=(),

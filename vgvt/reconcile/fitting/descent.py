@@ -6,6 +6,7 @@ wrong by a tenth leads up its side at every step.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.local_slopes import Origin, from_elsewhere
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -103,7 +106,7 @@ def taken(
         if slopes is None:
             return None
         move = slopes.move(damping)
-        reached = _reached(here, _moved(here, u, e, move), sigma)
+        reached = _reached(here, moved(here.problem, here.hypotheses, u, e, move), sigma)
         if reached is not None and reached.cost < cost:
             kept = (cost - reached.cost) / slopes.promised(move)
             if kept > _KEEPS_MOST:
@@ -180,13 +183,16 @@ def solved(normal: Array, right: Array) -> Array:
         return np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0], dtype=np.float64)
 
 
-def _moved(here: Anchor, u: Array, e: Array, move: Array) -> Scores:
-    """Scores after a step that is straight in amounts, as the valley is where an effect and an unknown trade places."""
+def moved(problem: Problem, hypotheses: Sequence[Hypothesis], u: Array, e: Array, move: Array) -> Scores:
+    """Scores after a step that is straight in amounts, as the valley is where an effect and an unknown trade places.
+
+    From u (scores of the problem,) and e (of the hypotheses,) by ``move`` (both together,).
+    """
     new_u, new_e = u + move[: u.size], e + move[u.size :]
-    for k, unknown in enumerate(here.problem.unknowns):
+    for k, unknown in enumerate(problem.unknowns):
         new_u[k] = unknown.moved(float(u[k]), float(move[k]), float(u[k]))
     start = 0
-    for hypothesis in here.hypotheses:
+    for hypothesis in hypotheses:
         stop = start + len(hypothesis.parameters)
         new_e[start:stop] = hypothesis.moved(e[start:stop], move[u.size + start : u.size + stop])
         start = stop

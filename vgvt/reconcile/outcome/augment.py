@@ -14,7 +14,7 @@ from vgvt.reconcile.evidence.plausible import PLACES, placed
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.shared_roots import agreed
 from vgvt.reconcile.fitting.fit import Fit
-from vgvt.reconcile.outcome.cells import with_cells
+from vgvt.reconcile.outcome.cells import at_whole_cells, with_cells
 from vgvt.reconcile.outcome.instruments import gain_tables, unwritten, with_instruments
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.effect import EffectTable
@@ -26,10 +26,10 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
     """The scenario with its unknowns at their posterior means and the effects of the final fit switched on.
 
     A place off the aircraft is stated where it is likeliest on it, and a root that several effects give laws with the
-    stiffness that it has: no scenario may say two. Beams have the cells that they need to do what was fitted, and what
-    the instruments turned out to be comes last.
+    stiffness that it has: no scenario may say two. Beams have the cells that they need to do what was fitted, all
+    else is where it is likeliest beside these, and what the instruments turned out to be comes last.
     """
-    final = found.final
+    final = at_whole_cells(found.final)
     problem = final.problem
     known = problem.unknowns
     calibrated = edited(scenario, known, final.u[: len(known)])
@@ -123,7 +123,10 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
     lines += [
         f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}" for r in posterior_of(verdict.attribution.final)
     ]
-    gains = len(gain_tables(verdict.scenario, verdict.attribution.final))
+    lines.append(
+        "# Below stands what is likeliest beside whole cells, which may differ by a part of a deviation."
+    )
+    gains = len(gain_tables(verdict.scenario, at_whole_cells(verdict.attribution.final)))
     if gains:
         lines += ["#", f"# The last {gains} [[effect]] tables are no findings: they are the gains above."]
     lines += [
