@@ -18,9 +18,10 @@ from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
 from vgvt.reconcile.outcome.augment import augment
 from vgvt.reconcile.outcome.cells import at_whole_cells
 from vgvt.reconcile.outcome.instruments import gain_tables
-from vgvt.reconcile.outcome.resimulate import resimulated
+from vgvt.reconcile.outcome.resimulate import beyond_limits, resimulated
 from vgvt.reconcile.prediction.chain import high_pass
 from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, make_problem
 from vgvt.reconcile.question.thresholds import noise_share, stored_thresholds
@@ -119,13 +120,19 @@ def test_what_goes_with_a_tenth_of_a_cell_is_not_written_beside_whole_ones(cache
     found = calibrate(make_problem(campaign_of(scenario, 1), scenario, lines=150, cache=cache))
     score = found.u[found.problem.names.index(CELLS.name)]
     assert -5 < score < -3
-    again = resimulated(augmented(scenario, found, tmp_path), found)
     limits = stored_thresholds().at(noise_share(found.problem.measured, found.problem.split.train))
     own = residual(found, limits).limits
+    again = resimulated(augmented(scenario, found, tmp_path), found, limits)
     assert again.comparison is not None and again.comparison.held_out is not None
     assert found.chi2_per_dof < own.chi2_per_dof
     assert again.comparison.train.chi2_per_dof < own.chi2_per_dof
     assert again.comparison.held_out.chi2_per_dof < own.held_out_per_dof
+    assert "misses" not in again.remark
+    fitted = compare(found.foretold, found.problem.measured, found.problem.split)
+    strict = replace(own, held_out_per_dof=0.6)
+    (said,) = beyond_limits(again.comparison, fitted, strict)
+    assert "misses the held-out data by 0.7" in said and said.endswith("and 0.60 is the limit")
+    assert beyond_limits(again.comparison, again.comparison, strict) == []
     # By the fit's own model nothing is lost, and of what no data say nothing has moved.
     written = at_whole_cells(found)
     beside = anchor(found.problem, written.u, slopes=False).predict(written.u, written.e)

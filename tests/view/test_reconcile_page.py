@@ -101,6 +101,18 @@ def test_what_is_refuted_names_the_separating_test_and_the_limit() -> None:
     assert f"{LIMITS['held_out_chi2_per_dof']:.2f} per degree of freedom" in said
 
 
+def test_what_the_file_foretells_is_quoted_of_the_file_and_not_of_the_fit() -> None:
+    told = account()
+    merit = {**(told.after.merits["held_out"] or {}), "chi2_per_dof": 1.43}
+    sets = {"train": merit, "held_out": merit, "held_runs": merit, "held_channels": None}
+    assert "2.00 per degree of freedom (here 1.00)" in " ".join(disproofs(told))
+    assert "2.00 per degree of freedom (here 1.43)" in " ".join(disproofs(replace(told, resimulated=sets)))
+    worse = {**sets, "held_out": merit | {"chi2_per_dof": 2.31}}
+    assert "(here 2.31, more than that already)" in " ".join(disproofs(replace(told, resimulated=worse)))
+    without = {**sets, "held_out": None}
+    assert "per degree of freedom." in " ".join(disproofs(replace(told, resimulated=without)))
+
+
 def test_a_warning_for_what_is_further_than_three_standard_deviations(page) -> None:
     assert warnings_of(account()) == ("EI of the wing needs -4.2 stated standard deviations (× 0.66 ± 0.02)",)
     assert "EI of the wing needs -4.2" in page

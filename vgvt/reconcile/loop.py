@@ -123,7 +123,7 @@ def reconcile(
         found.final_residual.reasons,
         compare(found.null.foretold, measured, parts),
         compare(found.final.foretold, measured, parts),
-        tests, found, places, limits, augmented, resimulated(augmented, found.final),
+        tests, found, places, limits, augmented, resimulated(augmented, found.final, limits),
     )  # fmt: skip
     if folder is not None:
         write_reconciled(folder / "reconciled.toml", verdict, origin)

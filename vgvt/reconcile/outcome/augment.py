@@ -123,9 +123,7 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
     lines += [
         f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}" for r in posterior_of(verdict.attribution.final)
     ]
-    lines.append(
-        "# Below stands what is likeliest beside whole cells, which may differ by a part of a deviation."
-    )
+    lines.append("# Below stands what is likeliest beside whole cells, which may differ by a part of a deviation.")
     gains = len(gain_tables(verdict.scenario, at_whole_cells(verdict.attribution.final)))
     if gains:
         lines += ["#", f"# The last {gains} [[effect]] tables are no findings: they are the gains above."]

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from vgvt.data import InputError
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.data import Measured
-from vgvt.reconcile.question.figures_of_merit import Resimulation, compare
+from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation, compare
 from vgvt.reconcile.question.spectra import OwnSpectra, spectra_of
-from vgvt.reconcile.question.thresholds import noise_share
+from vgvt.reconcile.question.thresholds import Limits, Thresholds, limits_for, noise_share
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.signals.usable import usable_runs
@@ -33,8 +33,11 @@ _WEAK_FORCE, _LOUD, _UNEXCITED = 0.03, 0.9, 0.05
 _MOST_SAMPLES = 1e8
 
 
-def resimulated(scenario: Scenario, found: Fit) -> Resimulation:
-    """Simulate a scenario as the campaign of a fit was made, without noise; why not, where that cannot be done."""
+def resimulated(scenario: Scenario, found: Fit, thresholds: Thresholds | None = None) -> Resimulation:
+    """Simulate a scenario as the campaign of a fit was made, without noise; why not, where that cannot be done.
+
+    Where it misses more than the ``thresholds`` let, and the fit does not, the remark says so.
+    """
     problem = found.problem
     nonlinear = [h.name for h in found.hypotheses if not getattr(h.cls, "linear", True)]
     if nonlinear:
@@ -59,13 +62,34 @@ def resimulated(scenario: Scenario, found: Fit) -> Resimulation:
     scale = size**2 + np.median(size, axis=1, keepdims=True) ** 2
     apart = float(np.sqrt(np.mean(np.abs(again - fitted)[used] ** 2 / scale)))
     floor = noise_share(measured, problem.split.train).floor
-    said = ""
+    said = []
     if apart > floor:
-        said = (
+        said.append(
             f"The simulation of reconciled.toml is {100 * apart:.2g} % from what was fitted, more than the model_form "
             f"of {100 * floor:.2g} %: trust the file no further than that"
         )
-    return Resimulation(compare(again, measured, problem.split), apart, floor, said)
+    there = compare(again, measured, problem.split)
+    if thresholds is not None:
+        limits = limits_for(thresholds, measured, problem.split)
+        said += beyond_limits(there, compare(fitted, measured, problem.split), limits)
+    return Resimulation(there, apart, floor, "; ".join(said))
+
+
+def beyond_limits(again: Comparison, fitted: Comparison, limits: Limits) -> list[str]:
+    """What a simulation misses by more than a limit that its fit keeps, in words.
+
+    A quarter of the floor, at sharp peaks, is no distance and may be as much χ² again.
+    """
+    pairs = (
+        ("fitted", again.train, fitted.train, limits.chi2_per_dof),
+        ("held-out", again.held_out, fitted.held_out, limits.held_out_per_dof),
+    )
+    return [
+        f"The simulation of reconciled.toml misses the {what} data by {there.chi2_per_dof:.2f} per degree of freedom, "
+        f"where the fit has {here.chi2_per_dof:.2f} and {limit:.2f} is the limit"
+        for what, there, here, limit in pairs
+        if there is not None and here is not None and here.chi2_per_dof <= limit < there.chi2_per_dof
+    ]
 
 
 def quiet(scenario: Scenario) -> Scenario:
