@@ -140,6 +140,42 @@ def test_slopes_that_promise_what_is_not_there_are_not_believed() -> None:
     )
 
 
+def test_a_fit_that_was_broken_off_promises_no_less_than_nothing() -> None:
+    """A square sum of -7756: what a fit still has to gain was taken off what another measure sees of its misfit."""
+    generator = np.random.default_rng(7)
+    of = case(generator, 3, 40, 0.0)
+    values = of.measured.values[of.split.train]
+    turned = values / np.abs(values)
+    slopes = np.concatenate([turned.real.ravel(), turned.imag.ravel()])[:, None]
+    misfit, scores = 3.0 * slopes[:, 0], np.zeros(1)
+    white = lasting(of, slopes)
+    whole = np.vstack([white, np.eye(1)])
+    aside = np.append(3.0 * white[:, 0], 0.0)
+    left = aside - whole @ np.linalg.lstsq(whole, aside)[0]
+    occam = 0.5 * np.linalg.slogdet(whole.T @ whole)[1]
+    assert lasting_evidence(of, misfit, slopes, scores, 0.0, arrived=False) == pytest.approx(
+        -0.5 * float(left @ left) - occam, abs=1e-9
+    )
+    assert lasting_evidence(of, misfit, slopes, scores, 0.0) == pytest.approx(-occam)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.4, 1.0])
+def test_at_the_bottom_of_a_fit_it_is_all_one_whether_it_says_so(noise: float) -> None:
+    """Names rest on this figure: of fits that have ended it is what it has always been."""
+    generator = np.random.default_rng(8)
+    of = case(generator, 3, 12, noise)
+    slopes, apart = generator.standard_normal((48, 3)), generator.standard_normal(48)
+    bottom = -np.linalg.solve(slopes.T @ slopes + np.eye(3), slopes.T @ apart)
+    left = apart + slopes @ bottom
+    judged = lasting(of, np.column_stack([left, slopes]))
+    downhill = judged[:, 1:].T @ judged[:, 0] + bottom
+    precision = judged[:, 1:].T @ judged[:, 1:] + np.eye(3)
+    cost = judged[:, 0] @ judged[:, 0] + bottom @ bottom - downhill @ np.linalg.solve(precision, downhill)
+    always = -0.5 * (cost + np.linalg.slogdet(precision)[1])
+    for arrived in (True, False):
+        assert lasting_evidence(of, left, slopes, bottom, 0.0, arrived=arrived) == pytest.approx(always, rel=1e-12)
+
+
 def test_what_the_unknowns_imitate_shows_no_deviation() -> None:
     generator = np.random.default_rng(3)
     of = case(generator, 3, 20, 0.2)

@@ -95,3 +95,13 @@ def test_the_number_of_a_bar_stands_clear_of_its_mark_and_of_the_limit() -> None
     numbers = {note.y: (note.text, note.x) for note in figure.layout.annotations}
     assert numbers[LONG] == ("179363", np.log10(1 + 179363.0))
     assert numbers["added-mass &lt;x&gt;"] == ("4.0", np.log10(1 + NEEDED))
+
+
+def test_a_fit_that_had_not_ended_has_no_mark_where_errors_last() -> None:
+    broken_off = CandidateRow(1, "root-freeplay", 2.0, 3.0, -7756.0, 12.0, 13.0, "its fit had not ended", "", False)
+    figure = evidence_figure((*ROWS, broken_off), NEEDED)
+    assert figure is not None
+    (marks,) = (trace for trace in figure.data if trace.name == "where errors of the model last")
+    assert len(marks.y) == len(ROWS) and "root-freeplay" not in marks.y
+    assert any(trace.name == "its fit had not ended" for trace in figure.data)
+    assert figure.layout.xaxis.range[0] > -1

@@ -16,7 +16,14 @@ ComplexArray = NDArray[np.complex128]
 
 Held = Literal["", "channel", "run"]
 Standing = Literal[
-    "named", "lead", "equivalent", "beaten", "refused by held-out data", "no plausible thing", "too little evidence"
+    "named",
+    "lead",
+    "equivalent",
+    "beaten",
+    "refused by held-out data",
+    "no plausible thing",
+    "too little evidence",
+    "its fit had not ended",
 ]
 
 
@@ -65,7 +72,8 @@ class PlaceRow:
 class CandidateRow:
     """A fitted candidate: evidence, held-out χ² per degree of freedom before and after, and what became of it.
 
-    Evidence is tempered, untempered, and where an error of the model's form lasts from line to line.
+    Evidence is tempered, untempered, and where an error of the model's form lasts from line to line, which is a bound
+    and no figure of a fit that has not ``converged``.
     """
 
     round: int
@@ -77,6 +85,7 @@ class CandidateRow:
     held_out_after: float | None
     standing: Standing
     fitted: str = ""
+    converged: bool = True
 
 
 @dataclass(frozen=True, slots=True)

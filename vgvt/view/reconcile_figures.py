@@ -35,6 +35,7 @@ _STANDING = {
     ),
     "beaten": (MEASURED_COLOUR, "beaten"),
     "too little evidence": ("#c3c8cf", "too little evidence"),
+    "its fit had not ended": ("#e4e7eb", "its fit had not ended"),
 }
 _DECADES: dict[str, Any] = {"dtick": 1, "tickformat": "~g", "minor": {"showgrid": False, "ticks": "outside"}}
 
@@ -113,11 +114,13 @@ def evidence_figure(rows: tuple[CandidateRow, ...], needed_nats: float, most: in
                 marker={"color": colour}, text=[f"{shown[k].gain_nats:.1f}" for k in mine], textposition="none",
                 hovertemplate="%{y}: %{text} nats<extra></extra>",
             )  # fmt: skip
-    marks = [np.sign(r.lasting_nats) * np.log10(1 + abs(r.lasting_nats)) for r in shown]
+    marks = [np.sign(r.lasting_nats) * np.log10(1 + abs(r.lasting_nats)) if r.converged else 0.0 for r in shown]
+    # What a fit that was broken off comes to by this measure is a bound, and none that it could have reached.
+    ended = [k for k, r in enumerate(shown) if r.converged]
     figure.add_scatter(
-        y=names, x=marks, mode="markers", name="where errors of the model last",
+        y=[names[k] for k in ended], x=[marks[k] for k in ended], mode="markers", name="where errors of the model last",
         marker={"symbol": "diamond", "size": 10, "color": "#ffffff", "line": {"color": _OVER_BARS, "width": 1.6}},
-        text=[f"{r.lasting_nats:.1f}" for r in shown], hovertemplate="%{y}: %{text} nats<extra></extra>",
+        text=[f"{shown[k].lasting_nats:.1f}" for k in ended], hovertemplate="%{y}: %{text} nats<extra></extra>",
     )  # fmt: skip
     needed = float(np.log10(1 + needed_nats))
     for name, row, end in zip(names, shown, np.maximum(length, marks), strict=True):

@@ -197,8 +197,8 @@ def candidates_table(account: Account, rows: Sequence[CandidateRow]) -> str:
     cells = [
         (
             escaped(r.label), escaped(r.fitted), f"{r.gain_nats:.1f}", f"{r.raw_nats:.1f}",
-            f"{r.lasting_nats:.1f}", _number(r.held_out_before, ".2f"), _number(r.held_out_after, ".2f"),
-            escaped(r.standing),
+            _number(r.lasting_nats if r.converged else None, ".1f"), _number(r.held_out_before, ".2f"),
+            _number(r.held_out_after, ".2f"), escaped(r.standing),
         )
         for r in sorted(rows, key=lambda r: -r.gain_nats)
     ]  # fmt: skip

@@ -87,6 +87,7 @@ class Verdict:
                     "raw_nats": r.raw_nats,
                     "lasting_nats": r.lasting_nats,
                     "held_out": r.held_out,
+                    "converged": r.fit.converged,
                 }
                 for r in (rounds[0].rivals if rounds else self.attribution.last_rivals)
             ],

@@ -37,6 +37,8 @@ SHARE = 0.5
 """The part of a floor's variance that lasts: the channels of those campaigns left 0.06 to 0.48 floors of it."""
 # Standard deviations, no further at once than the linearised matrices carry.
 _LONGEST = 20.0
+# Nats that a free step promises at the bottom of a fit, if any.
+_PROMISED = 0.5
 
 
 @lru_cache(maxsize=32)
@@ -49,16 +51,22 @@ def lasting_nats(found: Fit) -> float:
         return found.evidence_nats
     share = sum(float(np.log(h.share)) for h in found.hypotheses)
     misfit = data_misfit(found.problem, found.predicted)
-    return lasting_evidence(found.problem, misfit, found.tangent, found.scores, share)
+    gradient = found.tangent.T @ misfit + found.scores
+    arrived = found.converged or 0.5 * float(gradient @ found.covariance @ gradient) < _PROMISED
+    return lasting_evidence(found.problem, misfit, found.tangent, found.scores, share, arrived=arrived)
 
 
-def lasting_evidence(problem: Problem, misfit: Array, tangent: Array, scores: Array, log_share: float) -> float:
+def lasting_evidence(
+    problem: Problem, misfit: Array, tangent: Array, scores: Array, log_share: float, *, arrived: bool = True
+) -> float:
     """Laplace's log evidence, nats, of a fit with misfit (2 N,), its derivatives (2 N, scores) and ``scores`` (scores,)
     where the model's error lasts; ``log_share`` is the prior's of its variants.
 
     The fit is the best by another measure: what is left to gain by this one is taken from the linearised model. Slopes
     that promise more by the fit's own measure, at whose bottom it stands, promise what is not there, as beside a joint
-    that is marched: that much of them is not believed, nor a longer step than they carry.
+    that is marched: that much of them is not believed, nor a longer step than they carry. Of a fit that has not
+    ``arrived`` they do promise what is there, and taking it off from what this measure sees would leave less than any
+    scores do: no more is gained than to the linearised model's own bottom.
     """
     judged = lasting(problem, np.column_stack([misfit, tangent]))
     left, slopes = judged[:, 0], judged[:, 1:]
@@ -66,7 +74,13 @@ def lasting_evidence(problem: Problem, misfit: Array, tangent: Array, scores: Ar
     downhill = slopes.T @ left - tangent.T @ misfit
     step = solved(precision, downhill)
     part = min(1.0, _LONGEST / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-    cost = float(left @ left + scores @ scores) - part * (2 - part) * float(downhill @ step)
+    here = float(left @ left + scores @ scores)
+    cost, least = here - part * (2 - part) * float(downhill @ step), 0.0
+    if not arrived:
+        # Half the gradient by this measure: |W (m + J d)|² + |s + d|² is least, and no less, where P d = -gradient.
+        gradient = slopes.T @ left + scores
+        least = here - float(gradient @ solved(precision, gradient))
+    cost = max(cost, least)
     return -0.5 * (cost + float(np.linalg.slogdet(precision)[1])) + log_share
 
 

@@ -160,7 +160,7 @@ def _candidate(k: int, rival: Rival, before: float | None, standing: Standing) -
     fitted = ", ".join(f"{name} {value:.4g} {unit}".rstrip() for name, (value, _, unit) in values.items())
     label = rival.hypothesis.label
     nats = (rival.gain_nats, rival.raw_nats, rival.lasting_nats)
-    return CandidateRow(k, label, *nats, before, rival.held_out, standing, fitted)
+    return CandidateRow(k, label, *nats, before, rival.held_out, standing, fitted, rival.fit.converged)
 
 
 def _standing(
@@ -173,6 +173,8 @@ def _standing(
     refused = any(rival is r for r in found.vetoed)
     if refused and implausible(rival.fit):
         return "no plausible thing"
+    if not refused and not rival.fit.converged:
+        return "its fit had not ended"
     if not rival.convinces(limits):
         return "too little evidence"
     return "refused by held-out data" if refused else "beaten"
