@@ -43,7 +43,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
     calls: list[dict[str, Any]] = []
 
     def close(campaign: Any, scenario: Any, *, folder: Path, **options: Any) -> SimpleNamespace:
-        calls.append({"found": sorted(p.name for p in folder.glob("*")), **options})
+        calls.append({"found": sorted(p.name for p in folder.glob("*") if p.name != "lock"), **options})
         about = SimpleNamespace(
             scenario=scenario,
             measured=SimpleNamespace(runs=scenario.acquisition.run_nodes),

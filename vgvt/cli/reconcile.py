@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vgvt.cli.console import log, progress, show
-from vgvt.cli.document import document_text, write_document
+from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption, LeaveOutFaultyOption
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def reconcile(
                 "CAMPAIGN", "is missing", "name what was measured, or add --power to ask what a test could see"
             )
         return power_before_the_test(believed, effects, out, band, lines, as_json)
+    from vgvt.cli.folder_lock import alone_in
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
     from vgvt.cli.soundness import sound_campaign
     from vgvt.reconcile.question.suitable import banded, check_suitable
@@ -90,13 +91,17 @@ def reconcile(
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
     folder.prepare()
     fingerprint = fingerprint_of(measured, believed, effects, {"lines": lines, "power": power})
-    if force:
-        folder.forget()
-    document = None if force else folder.answer(fingerprint)
-    if document is None:
-        document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(workers))
-    else:
-        log(f"took the verdict that {folder.path} already holds; --force does it again")
+    with alone_in(folder.path, folder.lock, "vgvt reconcile"):
+        folder.sweep()
+        if force:
+            folder.forget()
+        document = None if force else folder.answer(fingerprint)
+        if document is None:
+            document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(workers))
+        else:
+            log(f"took the verdict that {folder.path} already holds; --force does it again")
+            if document["reconciled_edited"]:
+                log(f"{folder.scenario} was edited since: the verdict speaks of what it said before")
     if as_json:
         write_document(document)
         return 0
@@ -153,8 +158,8 @@ def _reconciled(
     fingerprint: str,
     workers: int,
 ) -> dict[str, Any]:
-    """Reconcile and write the three files; the verdict, which makes the folder an answer, last."""
-    from vgvt.files.atomically import replacing
+    """Reconcile and write the three files."""
+    from vgvt.files.manifest import file_sha256
     from vgvt.reconcile.loop import reconcile as close_the_loop
     from vgvt.reconcile.outcome.account import account_of
     from vgvt.view.reconcile_page import write_reconcile_page
@@ -178,7 +183,7 @@ def _reconciled(
             facts=_facts(campaign, scenario, tried, spent),
             power=seen,
         )
-        page = write_reconcile_page(folder.cache / folder.report.name, account)
+        write_reconcile_page(folder.cache / folder.report.name, account)
     document: dict[str, Any] = {
         **verdict.document(),
         "sentence": verdict_sentence(account),
@@ -187,18 +192,15 @@ def _reconciled(
         "warnings": warnings_of(account),
         "power": [p.document() for p in seen],
         "campaign": campaign.name,
-        "folder": folder.path,
-        "report": folder.report,
-        "reconciled": folder.scenario,
+        **folder.places,
+        "reconciled_sha256": file_sha256(folder.cache / folder.scenario.name),
+        "reconciled_edited": False,
         "timing_s": spent,
         "fingerprint": fingerprint,
     }
-    # From here on only files change places: a call that is stopped before leaves the former answer whole.
-    folder.verdict.unlink(missing_ok=True)
-    (folder.cache / folder.scenario.name).replace(folder.scenario)
-    page.replace(folder.report)
-    with replacing(folder.verdict) as temporary:
-        temporary.write_text(document_text(document), encoding="utf-8")
+    kept = folder.publish(document)
+    if kept is not None:
+        log(f"{folder.scenario} was edited since it was written: what it said is kept as {kept}")
     return document
 
 
@@ -249,7 +251,8 @@ def _kept_on_interrupt(folder: ReconcileFolder) -> Iterator[None]:
     try:
         yield
     except (KeyboardInterrupt, SystemExit):
-        log(f"kept in {folder.path}: the derivatives computed so far; the same command goes on from them")
+        what = "the rounds and derivatives" if any(folder.rounds) else "the derivatives"
+        log(f"kept in {folder.path}: {what} computed so far; the same command goes on from them")
         raise
 
 
