@@ -16,6 +16,7 @@ from vgvt.effects import Effect, available_effects, make_effect
 from vgvt.reconcile import Verdict, loop, reconcile
 from vgvt.reconcile.decision.leads import demoted
 from vgvt.reconcile.decision.turned import counts_instead, missed_channels, turned
+from vgvt.reconcile.outcome.account import account_of
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
 
@@ -59,6 +60,7 @@ def test_every_draw_holds_out_as_much_and_no_two_are_alike() -> None:
     assert len({d.held.tobytes() for d in draws}) == 6
     assert len({int(d.held.sum()) for d in draws}) == 1
     assert (drawn(2).held == draws[2].held).all()
+    assert [d.turn for d in draws] == list(range(6))
 
 
 @pytest.mark.slow
@@ -72,6 +74,7 @@ def test_a_held_out_channel_that_reads_too_much_has_a_name(loud: tuple[Verdict, 
     problem = verdict.attribution.final.problem
     labels = np.array([str(c.dof) for c in problem.measured.channels])
     assert problem.split.train[labels == held_out_label()].all() and problem.split.held.any()
+    assert account_of(verdict, title="loud").turned
     assert verdict.reasons[0].startswith("Of the data held out at first")
     assert held_out_label() in verdict.reasons[0].split("were missed")[0]
 

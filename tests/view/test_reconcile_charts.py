@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+from account_by_hand import account
 
 from vgvt.view.reconcile_account import CandidateRow
 from vgvt.view.reconcile_figures import evidence_figure, residual_map_figure
@@ -19,38 +18,8 @@ ROWS = (
 NEEDED = 6.0
 
 
-@dataclass(frozen=True)
-class _State:
-    predicted: np.ndarray
-
-
-@dataclass(frozen=True)
-class _Channel:
-    label: str
-    held: str = ""
-
-
-@dataclass(frozen=True)
-class _Account:
-    """What the map reads of an account."""
-
-    frequency_hz: np.ndarray
-    measured: np.ndarray
-    sigma: np.ndarray
-    before: _State
-    after: _State
-    channels: tuple[_Channel, ...]
-    changed: bool
-
-
 def map_of(changed: bool):
-    measured = np.ones((2, 40), dtype=complex)
-    return residual_map_figure(
-        _Account(
-            np.linspace(3.0, 35.0, 40), measured, np.full((2, 40), 0.1), _State(1.5 * measured), _State(measured),
-            (_Channel("run 1, 1+Z"), _Channel("run 1, 2+Z")), changed,
-        )
-    )  # fmt: skip
+    return residual_map_figure(account(named=changed))
 
 
 def test_words_over_the_maps_fit_over_a_hundred_pixels_and_the_axis_is_named_once() -> None:
@@ -58,7 +27,7 @@ def test_words_over_the_maps_fit_over_a_hundred_pixels_and_the_axis_is_named_onc
     for changed in (True, False):
         figure = map_of(changed)
         texts = [note.text for note in figure.layout.annotations]
-        assert texts == ["before", *(["after"] if changed else []), "frequency, Hz"]
+        assert texts == [*(["before", "after"] if changed else ["calibrated"]), "frequency, Hz"]
         assert not any(figure.layout[axis].title.text for axis in ("xaxis", "xaxis2") if axis in figure.layout)
 
 

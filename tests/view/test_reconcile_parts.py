@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import pytest
 from account_by_hand import account
 
 from vgvt.view.reconcile_account import PosteriorRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
-from vgvt.view.reconcile_figures import posterior_figure
+from vgvt.view.reconcile_figures import overlay_figure, posterior_figure, residual_map_figure
 from vgvt.view.reconcile_page import render_reconcile_page
-from vgvt.view.reconcile_wording import next_steps, verdict_sentence
+from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence
 
 
 def static(page: str) -> str:
@@ -80,3 +81,56 @@ def test_what_makes_a_bar_longer_than_its_tolerance_is_said() -> None:
     assert figure is not None
     assert [trace.error_x.array for trace in figure.data] == [(0.7,), (1.18,)]
     assert figure.data[0].error_x.thickness > figure.data[1].error_x.thickness
+
+
+def test_a_hold_out_that_was_chosen_afterwards_is_not_said_to_come_first() -> None:
+    body, turned = (static(render_reconcile_page(replace(account(), turned=t))) for t in (False, True))
+    assert "seed before the first one: whole runs" in body
+    assert "before the first one" not in turned
+    assert "another hold-out than the first one, chosen as data held out at first were missed: whole runs" in turned
+
+
+def test_what_sigma_is_made_up_of_is_said_where_the_disproof_points() -> None:
+    told = replace(account("unknown", named=False), noise_per_dof=0.55, model_form=0.01)
+    body = static(render_reconcile_page(told))
+    assert any("how sigma is made up, under the table" in line for line in disproofs(told))
+    assert "How sigma is made up: its median is 2.00 % of the response" in body
+    assert "1 % of the response and as much of its median" in body
+    assert "Noise is 0.55 of each 1 on fitted data" in body
+    assert body.index("how far all tolerances") < body.index("How sigma is made up") < body.index("Square error over")
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_nothing_is_called_before_where_nothing_comes_after(named: bool) -> None:
+    told = account("explained" if named else "adequate", named)
+    names = ["before", "after"] if named else ["calibrated"]
+    assert [a.text for a in residual_map_figure(told).layout.annotations[: len(names)]] == names
+    assert list(dict.fromkeys(t.name for t in overlay_figure(told, 0).data)) == ["measured", *names]
+    body = static(render_reconcile_page(told))
+    assert ("before an effect is added and after" in body) == named
+    assert f"Measured, {' and '.join(names)}; the lowest panel" in body
+    assert "1 is what noise and the model&#x27;s floor explain" in body
+    assert "no line of the data falls" in body
+
+
+def test_every_row_of_the_residual_says_of_which_data_it_is() -> None:
+    body = static(render_reconcile_page(account()))
+    rows = ("fitted data", "sums over neighbouring lines, fitted data", "held-out data", "lines beyond 3 sd, all data")
+    found = [body.index(f"{words}</td>") for words in rows]
+    assert found == sorted(found)
+    # Of 120 lines: neither is 0 by chance, nor 0.27 %.
+    assert "channels a correlation of 0.08" in body and "puts 0.0001 of lines beyond 3 sd" in body
+
+
+@pytest.mark.parametrize(
+    ("label", "kind", "words"),
+    [
+        ("force at 8+Z", "structure", "points at force at 8+Z: on the aircraft that is where to knock"),
+        ("force channel", "drive", "points at the force channel: look at the force cell"),
+        ("run 4, 12+Z", "sensor", "points at run 4, 12+Z: look at that sensor"),
+    ],
+)
+def test_where_to_look_is_said_in_the_step_itself(label: str, kind: str, words: str) -> None:
+    told = replace(account("unknown", named=False), tests=())
+    (step, *_) = next_steps(replace(told, places=(replace(told.places[0], label=label, kind=kind),)))
+    assert words in step and "below" not in step

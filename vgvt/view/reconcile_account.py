@@ -210,6 +210,8 @@ class Account:
     ``located`` says at which model the places were found; ``leads`` come nearest where nothing has a name.
     ``resimulated`` are the merits {set of data: {figure: value}} of the augmented scenario's simulation, None where
     there was none; ``resimulation_remark`` is what the reader must know of it.
+    ``turned`` says that the hold-out is another one than that of the first fits. ``noise_per_dof`` is what noise alone
+    leaves of fitted data, ``model_form`` the relative error of the model's form in ``sigma``; None where not known.
     """
 
     title: str
@@ -239,11 +241,21 @@ class Account:
     remarks: tuple[str, ...] = field(default=())
     resimulated: dict[str, dict[str, float] | None] | None = None
     resimulation_remark: str = ""
+    turned: bool = False
+    noise_per_dof: float | None = None
+    model_form: float | None = None
 
     @property
     def changed(self) -> bool:
         """Whether the model after is another one than before."""
         return bool(self.effects)
+
+    @property
+    def states(self) -> tuple[tuple[str, ModelState], ...]:
+        """The models that are shown, each with what it is called: without an effect there is no before and after."""
+        if not self.changed:
+            return (("calibrated", self.before),)
+        return ("before", self.before), ("after", self.after)
 
     @property
     def pointed_at(self) -> PlaceRow | None:

@@ -41,13 +41,11 @@ _DECADES: dict[str, Any] = {"dtick": 1, "tickformat": "~g", "minor": {"showgrid"
 
 
 def residual_map_figure(account: Account) -> Figure:
-    """χ² per degree of freedom over frequency and channels, before and (where an effect was named) after."""
+    """χ² per degree of freedom over frequency and channels: before and after, or calibrated alone."""
     from plotly.subplots import make_subplots
 
     # Words that fit over a map of a hundred pixels, as beside each other on a telephone.
-    states = [("before", account.before)]
-    if account.changed:
-        states.append(("after", account.after))
+    states = account.states
     figure = make_subplots(
         rows=1,
         cols=len(states),
@@ -186,16 +184,14 @@ def _law(place: PlaceRow, omega: NDArray[np.float64]) -> NDArray[np.complex128] 
 
 
 def overlay_figure(account: Account, channel: int) -> Figure:
-    """Magnitude, phase and distance in standard deviations of one response: measured, before, after."""
+    """Magnitude, phase and distance in standard deviations of one response: measured and models."""
     from plotly.subplots import make_subplots
 
     figure = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.03, row_heights=[0.52, 0.24, 0.24])
     f, measured = account.frequency_hz, account.measured[channel]
     _curves(figure, f, measured, "measured", MEASURED_COLOUR, "solid", width=2.4)
-    models = [("before", account.before, POSITIVE_COLOUR, "dash")]
-    if account.changed:
-        models.append(("after", account.after, NEGATIVE_COLOUR, "solid"))
-    for name, state, colour, dash in models:
+    styles = ((POSITIVE_COLOUR, "dash"), (NEGATIVE_COLOUR, "solid"))
+    for (name, state), (colour, dash) in zip(account.states, styles, strict=False):
         _curves(figure, f, state.predicted[channel], name, colour, dash)
         away = np.abs(state.predicted[channel] - measured) / account.sigma[channel]
         figure.add_scatter(

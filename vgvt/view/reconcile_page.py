@@ -12,10 +12,11 @@ from vgvt.view import reconcile_sections as parts
 from vgvt.view.html_page import escaped, figure_data, figure_element, html_page
 from vgvt.view.reconcile_account import Account, PowerRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
+from vgvt.view.reconcile_residual import held_out_note, residual_table
 
 _MAP = (
-    "Square error over its variance, averaged in each cell, of the calibrated scenario before an effect is added and "
-    "after: 1 (pale) is what noise and the model's floor explain. "
+    "Square error over its variance, averaged in each cell, of the calibrated scenario{before_after}: 1 (pale) is what "
+    "noise and the model's floor explain; where a column is blank no line of the data falls. "
     "A stripe down all channels is a mode that is missing or misplaced; a row is one sensor; a block of rows one run."
 )
 _PLACES = (
@@ -40,7 +41,10 @@ _POSTERIOR = (
     "stiffness and mass between the stations that the tolerances know. No tolerance bounds that: a bar may be longer "
     "than the band."
 )
-_OVERLAY = "Measured, before and after; the lowest panel is the error in standard deviations, 1 is what noise explains."
+_OVERLAY = (
+    "Measured, {models}; the lowest panel is the error in standard deviations, 1 is what noise and the model's floor "
+    "explain."
+)
 
 
 def write_reconcile_page(path: Path, account: Account) -> Path:
@@ -89,7 +93,8 @@ def _residual(account: Account, data: dict[str, Any]) -> str:
     data["map-data"] = figure_data(figures_of.residual_map_figure(account))
     drawn = figure_element("map-data", "Residual over frequency, channels and runs")
     remarks = "".join(f'<p class="note">{escaped(remark)}.</p>' for remark in account.remarks)
-    return parts.residual_table(account) + _note(_MAP) + drawn + parts.held_out_note(account) + remarks
+    note = _note(_MAP.format(before_after=" before an effect is added and after" if account.changed else ""))
+    return residual_table(account) + note + drawn + held_out_note(account) + remarks
 
 
 def _places(account: Account, data: dict[str, Any]) -> str:
@@ -137,7 +142,8 @@ def _responses(account: Account, data: dict[str, Any]) -> str:
     )
     chooser = f'<div class="controls"><label>Response <select id="frf-select">{options}</select></label></div>'
     place = '<div id="frf-figure" class="figure" role="figure" aria-label="Response, measured and predicted"></div>'
-    return _note(_OVERLAY) + chooser + place
+    models = " and ".join(name for name, _ in account.states)
+    return _note(_OVERLAY.format(models=models)) + chooser + place
 
 
 def _calibration(account: Account, data: dict[str, Any]) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from vgvt.view.html_page import escaped
-from vgvt.view.reconcile_account import Account, CandidateRow, ModelState, PowerRow
+from vgvt.view.reconcile_account import Account, CandidateRow, PowerRow
+from vgvt.view.reconcile_markup import improvement, listed, number, percent, table
 from vgvt.view.reconcile_wording import (
     DATA_SETS,
     KINDS,
@@ -18,15 +19,6 @@ from vgvt.view.reconcile_wording import (
     warnings_of,
 )
 
-_FIGURES = (
-    ("chi2_per_dof", "χ² per degree of freedom, fitted data"),
-    ("held_out_chi2_per_dof", "χ² per degree of freedom, held-out data"),
-    ("smooth_per_dof", "the same of sums over neighbouring lines"),
-    ("lag_one", "correlation of neighbouring lines"),
-    ("between_channels", "correlation between channels of a run"),
-    ("share_beyond_three", "share of lines beyond 3 sd"),
-    ("strain_sd", "how far all tolerances are leant on together, sd"),
-)
 _MERITS = (
     ("chi2_per_dof", "χ² per dof", ".2f"),
     ("nrmse_percent", "NRMSE fit, %", ".2f"),
@@ -43,7 +35,7 @@ def verdict_section(account: Account) -> str:
     return (
         f'<p class="verdict verdict-{account.kind.replace("_", "-")}"><b>{escaped(KINDS[account.kind])}.</b> '
         f"{escaped(verdict_sentence(account))}</p>"
-        f"<h3>Why</h3>{_list(account.reasons)}<h3>What to do</h3>{_list(next_steps(account))}"
+        f"<h3>Why</h3>{listed(account.reasons)}<h3>What to do</h3>{listed(next_steps(account))}"
         f'<dl class="facts">{facts}</dl>'
     )
 
@@ -57,7 +49,7 @@ def named_section(account: Account) -> str:
     rows = [
         (
             f"<b>{escaped(e.name)}</b><br>{escaped(e.summary)}", escaped(parameter_text(e)), f"{e.evidence_nats:.1f}",
-            _number(e.held_out_before, ".2f"), _number(e.held_out_after, ".2f"),
+            number(e.held_out_before, ".2f"), number(e.held_out_after, ".2f"),
             escaped(", ".join(e.equivalent) or "nothing else that was tried"),
         )
         for e in found
@@ -71,47 +63,7 @@ def named_section(account: Account) -> str:
             "No names: held-out data confirm them, but they take less than half, each, of what is too much, or are no "
             "plausible thing: the reasons say which. Nothing else on this page includes them. " + note
         )
-    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 1, 5))}'
-
-
-def residual_table(account: Account) -> str:
-    """The residual in single numbers, before and after, with the limits."""
-    states = _states(account)
-    heads = ("", *(name for name, _ in states), "at most, without a missing effect")
-    rows = []
-    for key, words in _FIGURES:
-        values = [state.figures.get(key) for _, state in states]
-        limit = account.limits.get(key)
-        cells = [_judged(value, limit) for value in values]
-        rows.append((escaped(words), *cells, "" if limit is None else f"{limit:.2f}"))
-    note = (
-        "1 is what noise and the model's floor explain; the limits are what campaigns in which nothing is missing stay "
-        f"within. {len(account.frequency_hz)} lines, {len(account.channels)} channels; median sigma "
-        f"{100 * float(np.median(account.sigma / np.abs(account.measured))):.2f} % of the response."
-    )
-    source = f'<p class="note">{escaped(account.provenance)}.</p>'
-    fold = f"<details><summary>Where the limits come from</summary>{source}</details>"
-    return _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note)}</p>{fold}'
-
-
-def held_out_note(account: Account) -> str:
-    """Which data no fit has seen."""
-    runs: dict[str, list[str]] = {}
-    for c in account.channels:
-        if c.held == "run":
-            run, _, dof = c.label.partition(", ")
-            runs.setdefault(run, []).append(dof)
-    alone = [c.label for c in account.channels if c.held == "channel"]
-    if not runs and not alone:
-        return '<p class="note">The campaign is too small to hold anything out: no effect can be named from it.</p>'
-    said = []
-    if runs:
-        whole = ", ".join(f"{run} ({', '.join(dofs)})" for run, dofs in runs.items())
-        said.append(f"whole runs (◆): {whole}")
-    if alone:
-        said.append(f"single channels (◇): {' and '.join(alone)}")
-    text = f"Held out of every fit, fixed by the scenario's seed before the first one: {'; '.join(said)}."
-    return f'<p class="note">{escaped(text)}</p>'
+    return f'<p class="note">{escaped(note)}</p>{table(heads, rows, words=(0, 1, 5))}'
 
 
 def error_section(account: Account) -> str:
@@ -119,7 +71,7 @@ def error_section(account: Account) -> str:
     heads = ["data", *(name for _, name, _ in _MERITS)]
     rows = []
     for key, words in DATA_SETS.items():
-        for name, state in _states(account):
+        for name, state in account.states:
             merit = state.merits.get(key)
             if merit is not None:
                 rows.append((f"{escaped(words)}, {name}", *_merit_cells(merit)))
@@ -138,7 +90,7 @@ def error_section(account: Account) -> str:
         )
     remark = account.resimulation_remark
     warned = f"<p>{escaped(remark)}.</p>" if remark else ""
-    return warned + _table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note.strip())}</p>'
+    return warned + table(heads, rows, words=(0,)) + f'<p class="note">{escaped(note.strip())}</p>'
 
 
 def _merit_cells(merit: Mapping[str, float]) -> list[str]:
@@ -158,21 +110,21 @@ def modes_section(account: Account) -> str:
     rows: list[tuple[str, ...]] = []
     for m in account.modes:
         if pair:
-            held = "" if m.held_out_percent is None else _change(m.held_out_percent)
+            held = "" if m.held_out_percent is None else improvement(m.held_out_percent)
             rows.append(
-                (_number(m.before_hz, ".3f"), _number(m.after_hz, ".3f"), _percent(m.before_damping_ratio),
-                 _percent(m.after_damping_ratio), _number(m.mac, ".3f"), _change(m.train_percent), held)
+                (number(m.before_hz, ".3f"), number(m.after_hz, ".3f"), percent(m.before_damping_ratio),
+                 percent(m.after_damping_ratio), number(m.mac, ".3f"), improvement(m.train_percent), held)
             )  # fmt: skip
         else:
             held = "" if m.held_out_percent is None else f"{m.held_out_percent[0]:.1f}"
             rows.append(
-                (_number(m.before_hz, ".3f"), _percent(m.before_damping_ratio), f"{m.train_percent[0]:.1f}", held)
+                (number(m.before_hz, ".3f"), percent(m.before_damping_ratio), f"{m.train_percent[0]:.1f}", held)
             )
     note = (
         "Modes of the models in their first run, paired by shape (MAC between the two). Errors: median over channels "
         "of |predicted - measured| relative to |measured|, in a window of three half-power widths around the mode."
     )
-    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows)}'
+    return f'<p class="note">{escaped(note)}</p>{table(heads, rows)}'
 
 
 def places_table(account: Account, count: int = 10) -> str:
@@ -185,7 +137,7 @@ def places_table(account: Account, count: int = 10) -> str:
     heads = ("place", "explained", "looks like", "size")
     # Nothing on the structure has a size where no simple law fits.
     used = 4 if any(row[3] for row in rows) else 3
-    return _table(heads[:used], [row[:used] for row in rows], words=(0, 2)) if rows else ""
+    return table(heads[:used], [row[:used] for row in rows], words=(0, 2)) if rows else ""
 
 
 def candidates_table(account: Account, rows: Sequence[CandidateRow]) -> str:
@@ -197,12 +149,12 @@ def candidates_table(account: Account, rows: Sequence[CandidateRow]) -> str:
     cells = [
         (
             escaped(r.label), escaped(r.fitted), f"{r.gain_nats:.1f}", f"{r.raw_nats:.1f}",
-            _number(r.lasting_nats if r.converged else None, ".1f"), _number(r.held_out_before, ".2f"),
-            _number(r.held_out_after, ".2f"), escaped(r.standing),
+            number(r.lasting_nats if r.converged else None, ".1f"), number(r.held_out_before, ".2f"),
+            number(r.held_out_after, ".2f"), escaped(r.standing),
         )
         for r in sorted(rows, key=lambda r: -r.gain_nats)
     ]  # fmt: skip
-    return _table(heads, cells, words=(0, 1, 7))
+    return table(heads, cells, words=(0, 1, 7))
 
 
 def power_section(power: Sequence[PowerRow]) -> str:
@@ -231,7 +183,7 @@ def power_section(power: Sequence[PowerRow]) -> str:
         "not foretold: what it does hangs on the level of force, and not on its size alone. Hard to tell from: cosine "
         "of the two signatures."
     )
-    return f'<p class="note">{escaped(note)}</p>{_table(heads, rows, words=(0, 7))}'
+    return f'<p class="note">{escaped(note)}</p>{table(heads, rows, words=(0, 7))}'
 
 
 def _with_unit(size: str, unit: str) -> str:
@@ -249,7 +201,7 @@ def tests_section(account: Account) -> str:
         return ""
     heads = ("change of procedure", "tells apart", "expected nats", "minutes", "nats a minute")
     note = "Simulated under both explanations; five nats are enough to choose."
-    return f'<p class="note">{note}</p>{_table(heads, rows, words=(0, 1))}'
+    return f'<p class="note">{note}</p>{table(heads, rows, words=(0, 1))}'
 
 
 def unexplained_section(account: Account) -> str:
@@ -266,17 +218,17 @@ def unexplained_section(account: Account) -> str:
         low, high = account.bands_hz[b], account.bands_hz[b + 1]
         held = {"": "fitted", "run": "held-out run", "channel": "held-out channel"}[account.channels[c].held]
         rows.append((escaped(account.channels[c].label), held, f"{low:.2f} to {high:.2f}", f"{value:.1f}"))
-    intro = _list(account.unexplained) if account.unexplained else (
+    intro = listed(account.unexplained) if account.unexplained else (
         "<p>Nothing beyond what campaigns without a missing effect leave.</p>"
     )  # fmt: skip
-    table = _table(("channel", "data", "band, Hz", "χ² per dof"), rows, words=(0, 1)) if rows else ""
+    cells_table = table(("channel", "data", "band, Hz", "χ² per dof"), rows, words=(0, 1)) if rows else ""
     heading = "<h3>Where most is left</h3>" if rows else ""
-    return intro + heading + table
+    return intro + heading + cells_table
 
 
 def disproof_section(account: Account) -> str:
     """What would show that the verdict is wrong."""
-    return _list(disproofs(account))
+    return listed(disproofs(account))
 
 
 def posterior_table(account: Account) -> str:
@@ -284,7 +236,7 @@ def posterior_table(account: Account) -> str:
     warned = warnings_of(account)
     words = (
         f"<p><b>Beyond three stated standard deviations</b>: the scenario or its tolerances are wrong there, or the "
-        f"calibration bends them to imitate what is missing.</p>{_list(warned)}"
+        f"calibration bends them to imitate what is missing.</p>{listed(warned)}"
         if warned
         else "<p>No calibrated quantity is further than three standard deviations from what the scenario states.</p>"
     )
@@ -299,50 +251,9 @@ def posterior_table(account: Account) -> str:
         for r in account.posterior
     ]
     heads = ("quantity", "stated", "change", "calibrated", "score, stated sd")
-    table = _table(heads, rows, words=(0,))
+    everything = table(heads, rows, words=(0,))
     return (
-        f"{words}<details><summary>All {len(rows)} calibrated quantities</summary>{table}</details>" if rows else words
+        f"{words}<details><summary>All {len(rows)} calibrated quantities</summary>{everything}</details>"
+        if rows
+        else words
     )
-
-
-def _states(account: Account) -> list[tuple[str, ModelState]]:
-    return (
-        [("before", account.before), ("after", account.after)] if account.changed else [("calibrated", account.before)]
-    )
-
-
-def _judged(value: float | None, limit: float | None) -> str:
-    if value is None:
-        return ""
-    text = f"{value:.2f}" if abs(value) >= 0.1 or value == 0 else f"{value:.4f}"
-    if limit is None:
-        return text
-    return f'<span class="{"missed" if value > limit else "found"}">{text} {"✕" if value > limit else "✓"}</span>'
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
-    """Cells are HTML already; columns in ``words`` are text, and fold."""
-    kinds = ["remark ink" if k in words else "" for k in range(len(heads))]
-    head = "".join(f'<th class="{kind}">{escaped(text)}</th>' for kind, text in zip(kinds, heads, strict=True))
-    body = "".join(
-        "<tr>" + "".join(f'<td class="{kind}">{cell}</td>' for kind, cell in zip(kinds, row, strict=True)) + "</tr>"
-        for row in rows
-    )
-    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
-def _list(lines: Iterable[str]) -> str:
-    return '<ul class="plain">' + "".join(f"<li>{escaped(line)}</li>" for line in lines) + "</ul>"
-
-
-def _number(value: float | None, form: str) -> str:
-    return "" if value is None or not np.isfinite(value) else format(value, form)
-
-
-def _percent(value: float | None) -> str:
-    return "" if value is None else f"{100 * value:.2f}"
-
-
-def _change(pair: tuple[float, float]) -> str:
-    kind = "found" if pair[1] < pair[0] - 0.05 else "missed" if pair[1] > pair[0] + 0.05 else ""
-    return f'<span class="{kind}">{pair[0]:.1f} → {pair[1]:.1f}</span>'

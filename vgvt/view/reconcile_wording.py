@@ -14,7 +14,12 @@ KINDS = {
     "partly_explained": "Partly explained",
     "unknown": "Not explained by the catalogue",
 }
-_LOOK = "Look at the place and the type of the interface below; on the aircraft that is where to knock and listen."
+_LOOK = {
+    "structure": "The residual points at {place}: on the aircraft that is where to knock and listen.",
+    "drive": "The residual points at the {place}: look at the force cell, how it is mounted, its cable and its gain.",
+    "sensor": "The residual points at {place}: look at that sensor, how it is mounted, its cable and its gain.",
+}
+"""Where to look, by the kind of the place that explains most."""
 _NEXT = {
     "adequate": (
         "Use the calibrated scenario; the table of detectability says how large each effect could be, unseen.",
@@ -35,10 +40,7 @@ _NEXT = {
         "Look where the residual is left, mend or describe what is there, and reconcile again.",
         "Take it out of reconciled.toml, which holds it, unless its separating test confirms it.",
     ),
-    "unknown": (
-        _LOOK,
-        "An effect of your own, written for it, can be tried with the same command.",
-    ),
+    "unknown": ("An effect of your own, written for it, can be tried with the same command.",),
 }
 DATA_SETS = {
     "train": "fitted",
@@ -69,7 +71,10 @@ def verdict_sentence(account: Account) -> str:
 
 def next_steps(account: Account) -> tuple[str, ...]:
     """What to do with the verdict."""
-    steps = [step for step in _NEXT[account.kind] if step != _LOOK or account.pointed_at is not None]
+    steps = list(_NEXT[account.kind])
+    place = account.pointed_at
+    if account.kind == "unknown" and place is not None:
+        steps.insert(0, _LOOK[place.kind].format(place=place.label))
     if account.tests:
         best = account.tests[0]
         words = (
@@ -103,7 +108,8 @@ def disproofs(account: Account) -> tuple[str, ...]:
             "lowers the held-out error."
         )
         found.append(
-            "Noise or a model-form error larger than was assumed: see how sigma is made up below the residual maps."
+            "Noise or a model-form error larger than was assumed: the page says how sigma is made up, under the table "
+            "of what the model leaves."
         )
     return tuple(found)
 

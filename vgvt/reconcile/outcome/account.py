@@ -21,7 +21,7 @@ from vgvt.reconcile.outcome.augment import posterior_of
 from vgvt.reconcile.outcome.mode_errors import mode_rows
 from vgvt.reconcile.question.figures_of_merit import Comparison
 from vgvt.reconcile.question.problem import CELLS
-from vgvt.reconcile.question.thresholds import Thresholds
+from vgvt.reconcile.question.thresholds import Thresholds, noise_share
 from vgvt.scenario.planform import outlines_m
 from vgvt.view.reconcile_account import (
     Account,
@@ -96,6 +96,9 @@ def account_of(
         remarks=measured.remarks,
         resimulated=None if verdict.resimulated.comparison is None else _merits(verdict.resimulated.comparison),
         resimulation_remark=verdict.resimulated.remark,
+        turned=split.turn > 0,
+        noise_per_dof=found.null_residual.noise_per_dof,
+        model_form=noise_share(measured, split.train).floor,
     )
 
 

@@ -17,11 +17,15 @@ _FEWEST_RUNS, _FEWEST_CHANNELS = 4, 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """Masks over the channels of a campaign, (C,): to fit, held out with their whole run, held out alone."""
+    """Masks over the channels of a campaign, (C,): to fit, held out with their whole run, held out alone.
+
+    ``turn`` counts the draws before it: one after the first is chosen by what the first has shown.
+    """
 
     train: NDArray[np.bool_]
     held_runs: NDArray[np.bool_]
     held_channels: NDArray[np.bool_]
+    turn: int = 0
 
     @property
     def held(self) -> NDArray[np.bool_]:
@@ -52,4 +56,4 @@ def split(scenario: Scenario, measured: Measured, turn: int = 0) -> Split:
             alone = (run[left] == run[i]).sum() - held_channels[run == run[i]].sum() < 2
             if not alone and held_channels.sum() < wanted:
                 held_channels[i] = True
-    return Split(used & ~(held_runs | held_channels), used & held_runs, held_channels)
+    return Split(used & ~(held_runs | held_channels), used & held_runs, held_channels, turn)
