@@ -193,6 +193,33 @@ def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     assert any("needs a second level" in words for words in said)
 
 
+@pytest.mark.parametrize(
+    ("kind", "named", "words"),
+    [
+        (Kind.EXPLAINED, True, "Without what was named, a free force at 6+Z would explain 40 % of the residual"),
+        (Kind.PARTLY_EXPLAINED, True, "With what was named, a free force at 6+Z would explain 40 % of the residual"),
+        (Kind.UNKNOWN, False, "A free force at 6+Z would explain 40 % of the residual"),
+    ],
+)
+def test_a_place_is_told_with_the_model_that_leaves_what_it_explains(
+    monkeypatch: pytest.MonkeyPatch, kind: Kind, named: bool, words: str
+) -> None:
+    for name in ("_of_what_is_left", "_of_a_name", "doubts", "_of_the_unknown", "_of_the_implausible"):
+        monkeypatch.setattr(reasons, name, lambda *_: [])
+    for name in ("rests_on_one_level", "_lasting_alone"):
+        monkeypatch.setattr(reasons, name, lambda *_: [])
+    monkeypatch.setattr(reasons, "strained_too_much", lambda fit: False)
+    monkeypatch.setattr(reasons, "several_levels", lambda problem: True)
+    place = SimpleNamespace(label="force at 6+Z", kind="structure", explained=0.4, type="unclear")
+    problem = SimpleNamespace(measured=SimpleNamespace(harmonics=()))
+    found: Any = SimpleNamespace(
+        null=SimpleNamespace(problem=problem), rounds=("a name",) if named else (),
+        final_residual=SimpleNamespace(reasons=()),
+    )  # fmt: skip
+    said = reasons.reasons_of(kind, found, SimpleNamespace(), SimpleNamespace(places=(place,)))  # type: ignore[arg-type]
+    assert said == (words,)
+
+
 def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reasons, "implausible", lambda fit: ())
     monkeypatch.setattr(reasons, "why_no_name", lambda found: "too little")

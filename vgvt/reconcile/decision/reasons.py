@@ -53,7 +53,12 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if bent is not None:
         said.append(bent)
     if places is not None and places.places:
-        said.append(words_of_place(places.places[0]))
+        told = words_of_place(places.places[0])
+        if found.rounds:
+            # Of an explained residual nothing is left to be placed: it is the one that there was before.
+            model = "Without" if kind is Kind.EXPLAINED else "With"
+            told = f"{model} what was named, {told[0].lower()}{told[1:]}"
+        said.append(told)
     return tuple(said)
 
 
