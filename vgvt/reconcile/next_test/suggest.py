@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from vgvt.reconcile.next_test.with_reading import followed_nats
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.shared_noise import in_phase
+from vgvt.reconcile.question.thresholds import noise_share
 from vgvt.reconcile.work.one_thread import one_thread
 
 Array = NDArray[np.float64]
@@ -194,16 +196,23 @@ def found_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
     return 0.5 * (ended.cost - own)
 
 
+@lru_cache(maxsize=8)
 def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
-    """A problem whose data are what a fit foretells, without noise but judged by it, and the fit's own penalty."""
-    u = known_in(problem, true)
-    values = anchor(problem, u, true.hypotheses, true.e, slopes=False).predict(u, true.e)
-    measured = problem.measured
-    relative = np.median(measured.sigma[measured.used] / np.abs(measured.values[measured.used]))
-    sigma = relative * (np.abs(values) + np.median(np.abs(values), axis=1, keepdims=True))
-    # How much of such a sigma is the force's noise nobody knows.
-    told = replace(problem, measured=replace(measured, values=values, sigma=sigma, of_force=None))
-    return told, float(u @ u + true.e @ true.e)
+    """A problem whose data are what a fit foretells, and what the fit itself would then cost.
+
+    The data have no noise but are judged by it, as measured ones are: by the noise of A/F that instruments add and the
+    floor beside it. The fit gives way to its own priors as any other may, to first order.
+    """
+    u, measured = known_in(problem, true), problem.measured
+    here = anchor(problem, u, true.hypotheses, true.e)
+    values = here.predict(u, true.e)
+    of_force = None if measured.of_force is None else in_phase(np.abs(measured.of_force) ** 2, values)
+    judged = replace(measured, values=values, of_force=of_force)
+    told = replace(problem, measured=judged.with_floor(noise_share(measured, measured.used).floor))
+    scores = np.concatenate([u, true.e])
+    tangent = jacobian(replace(here, problem=told), u, true.e, values)
+    taken = float(scores @ solved(tangent.T @ tangent + np.eye(scores.size), scores))
+    return told, float(scores @ scores) - taken
 
 
 def known_in(problem: Problem, fit: Fit) -> Array:

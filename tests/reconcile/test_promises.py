@@ -1,0 +1,104 @@
+"""What a test promises, against what making it would come to: by the same noise, and with the same freedom."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from added_noise import Noise
+from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario, without_instrument_noise
+
+from vgvt.data import Campaign
+from vgvt.effects import Effect, available_effects
+from vgvt.effects.conformance import table_of
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.next_test.procedures import changed, procedures
+from vgvt.reconcile.next_test.suggest import expected_nats, foretold_by, found_nats, known_in
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.scenario import Scenario
+from vgvt.simulation import simulated_campaign
+
+DELAY = {"delay_s": 4e-5}
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A campaign of four runs with five roving sensors."""
+    scenario = roving_scenario()
+    return make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path_factory.mktemp("cache"))
+
+
+def test_a_foretold_campaign_is_judged_as_the_measured_one(case: Problem) -> None:
+    """Where an explanation foretells what was measured: noise that is the same at peaks and between, and the floor."""
+    plain = claimed(case, "channel-gain", {"gain_error": 0.0})
+    noise = np.full_like(case.measured.noise, np.median(np.abs(plain.predicted)) ** 2 * 1e-4)
+    share = np.sqrt(0.5) * np.exp(1j * np.angle(plain.predicted))
+    measured = replace(case.measured, values=plain.predicted, noise=noise, of_force=share).with_floor(0.004)
+    told, _ = foretold_by(plain, replace(case, measured=measured))
+    assert np.allclose(told.measured.sigma, measured.sigma, rtol=0.2)
+    # What the force adds is seen once, however many channels share it, and turns with what is foretold.
+    assert told.measured.of_force is not None
+    assert np.allclose(told.measured.of_force, share)
+    late = claimed(case, "channel-delay", {"delay_s": 1e-3})
+    turned, _ = foretold_by(late, replace(case, measured=measured))
+    assert turned.measured.of_force is not None
+    assert np.allclose(turned.measured.of_force * np.exp(-1j * np.angle(late.predicted)), np.sqrt(0.5))
+    # A channel without data is asked nothing.
+    lost = np.arange(len(case.measured.channels)) == 3
+    without = replace(measured, sigma=np.where(lost[:, None], np.inf, measured.sigma), lost=lost)
+    judged = foretold_by(plain, replace(case, measured=without))[0].measured.sigma
+    assert np.isinf(judged[lost]).all() and np.isfinite(judged[~lost]).all()
+
+
+def test_an_explanation_is_not_told_from_itself(case: Problem) -> None:
+    """Whatever its unknowns cost it: fitted again, either of the two gives way alike."""
+    hypothesis = Hypothesis(available_effects()["channel-delay"])
+    u = np.random.default_rng(1).standard_normal(case.size)
+    found = fit(case, (hypothesis,), u, hypothesis.scores(DELAY), ())
+    assert expected_nats(found, found, case) == pytest.approx(0.0, abs=0.01)
+    # Half of |u|² is 30 and more; what is left is how straight the way is.
+    assert found_nats(found, found, case) == pytest.approx(0.0, abs=1.5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "sizes", "settings", "words"),
+    [
+        ("channel-delay", DELAY, {}, "half as stiff"),
+        ("added-mass", {"mass_kg": 0.004}, {"x_m": 0.9, "y_m": 1.1}, "mirror image"),
+    ],
+)
+def test_a_campaign_brings_the_nats_that_were_promised(
+    tmp_path: Path, name: str, sizes: dict[str, float], settings: dict[str, float], words: str
+) -> None:
+    stated, effect = small_scenario(), available_effects()[name](**sizes, **settings)
+    case = make_problem(_recorded(stated, 1, effect), stated, lines=200, cache=tmp_path)
+    gain = Hypothesis(available_effects()["channel-gain"])
+    pair = ((Hypothesis(available_effects()[name], dict(settings)), sizes), (gain, {"gain_error": 0.0}))
+    one, other = (_as_stated(case, h, values) for h, values in pair)
+    (procedure,) = (p for p in procedures(case) if words in p.words)
+    promised = expected_nats(one, other, changed(case, procedure))
+    edited = procedure.edit(stated)
+    brought = []
+    for seed in (2, 3, 4):
+        again = make_problem(_recorded(edited, seed, effect), edited, lines=200, cache=tmp_path)
+        ends = [fit(again, f.hypotheses, known_in(again, f), f.e, TO_THE_END).cost for f in (one, other)]
+        brought.append(0.5 * (ends[1] - ends[0]))
+    assert promised is not None
+    assert np.mean(brought) / 1.5 < promised < np.mean(brought) * 1.5
+
+
+def _recorded(scenario: Scenario, seed: int, effect: Effect) -> Campaign:
+    """One per cent of noise on what the aircraft as stated does with an effect."""
+    true = without_instrument_noise(scenario).model_copy(update={"effect": (table_of(effect),)})
+    return Noise(0.01, False).on(simulated_campaign(true, engine="linear"), np.random.default_rng(seed))
+
+
+def _as_stated(case: Problem, hypothesis: Hypothesis, values: dict[str, float]) -> Fit:
+    """An effect of a given size beside the stated values, the chain as coarse as the scenario says."""
+    u = np.zeros(case.size)
+    u[len(case.unknowns) - 1] = -6.0
+    return fit(case, (hypothesis,), u, hypothesis.scores(values), ())
