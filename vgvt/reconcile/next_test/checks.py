@@ -80,7 +80,7 @@ def checks(problem: Problem) -> tuple[Check, ...]:
     band = np.geomspace(lowest, highest, _FREQUENCIES)
     wide = np.geomspace(lowest, _HIGHEST_HZ, _FREQUENCIES)
     found = [
-        Check("measure with a tape where the hook is", 5.0, lambda r: np.array(r[0].scenario.suspension.hook_m),
+        Check("measure with a tape where the hook is", 5.0, lambda r: np.array(r[-1].scenario.suspension.hook_m),
               _alike(_TAPE_M)),
         Check("measure with a tape where every sensor sits", float(points), _sensor_places, _alike(_TAPE_M)),
         Check("hold a level to every sensor", float(points), _sensor_leans, _alike(_LEVEL_RAD)),
@@ -89,7 +89,7 @@ def checks(problem: Problem) -> tuple[Check, ...]:
         Check("weigh the aircraft before and after", 30.0,
               lambda r: np.array([_aircraft_kg(r[0]), _aircraft_kg(r[-1])]), _alike(_SCALE_KG)),
         Check("weigh an accelerometer with what moves of its cable", 10.0,
-              lambda r: np.array([r[0].scenario.accelerometers.mass_kg]), _alike(_BALANCE_KG)),
+              lambda r: np.array([r[-1].scenario.accelerometers.mass_kg]), _alike(_BALANCE_KG)),
         Check("split one noise signal between all channels, up to 5 kHz", 15.0,
               lambda r: _filters(r, wide, (Family.ACQUISITION,), force=True), _calibrated(_SPLIT, gains)),
         Check("put a reference accelerometer beside every sensor and compare the two in the band", 2.0 * points,
@@ -101,17 +101,17 @@ def checks(problem: Problem) -> tuple[Check, ...]:
     if scenario.hammer is None:
         found += [
             Check("measure with a tape where the shaker pushes", 5.0,
-                  lambda r: np.array([v for s in r[0].scenario.shakers for v in s.position_m[:2]]), _alike(_TAPE_M)),
+                  lambda r: np.array([v for s in r[-1].scenario.shakers for v in s.position_m[:2]]), _alike(_TAPE_M)),
             Check("hold a level to the stinger", 5.0, _push_leans, _alike(_LEVEL_RAD)),
             Check("weigh the force transducer with its mount", 15.0,
-                  lambda r: np.array([r[0].scenario.transducer.end_mass_kg]), _alike(_BALANCE_KG)),
+                  lambda r: np.array([r[-1].scenario.transducer.end_mass_kg]), _alike(_BALANCE_KG)),
             Check("shake a mass off the force transducer's axis, on all four sides", 30.0,
                   _moments_read, _alike(_MOMENT_PER_M)),
         ]  # fmt: skip
     if scenario.suspension.stiffness_n_per_m > 0:
         found.append(
             Check("hang a known mass on the spring", 10.0,
-                  lambda r: np.array([np.log(r[0].scenario.suspension.stiffness_n_per_m)]), _alike(_SPRING))
+                  lambda r: np.array([np.log(r[-1].scenario.suspension.stiffness_n_per_m)]), _alike(_SPRING))
         )  # fmt: skip
     return tuple(found)
 
@@ -242,15 +242,15 @@ def _cross_sensitivities(runs: Sequence[Seen]) -> Array:
 
 
 def _push_leans(runs: Sequence[Seen]) -> Array:
-    return np.concatenate([_lean(runs[0], shaker.node) for shaker in runs[0].scenario.shakers])
+    return np.concatenate([_lean(runs[-1], shaker.node) for shaker in runs[-1].scenario.shakers])
 
 
 def _moments_read(runs: Sequence[Seen]) -> Array:
     """What the force gauge of every shaker reads of a moment about either axis across it, N per N m."""
-    springs = [e for a in runs[0].actions for e in a.elements if isinstance(e, RotationSpring)]
+    springs = [e for a in runs[-1].actions for e in a.elements if isinstance(e, RotationSpring)]
     return np.array([
         sum(e.gauge_per_m for e in springs if (e.exciter, e.axis) == (k, axis))
-        for k in range(len(runs[0].scenario.shakers)) for axis in ("roll", "pitch")
+        for k in range(len(runs[-1].scenario.shakers)) for axis in ("roll", "pitch")
     ], dtype=np.float64)  # fmt: skip
 
 
