@@ -38,13 +38,23 @@ def action_of(effect: Effect, scenario: Scenario, run: int) -> Action:
     """What an effect does to a run (counted from 0) of a scenario.
 
     PluginError, which names the effect, where one that is not bundled raises anything but InputError, gives no
-    Action, or one that it may not give; functions in its Action raise it, too, where they fail.
+    Action, or one that it may not give; functions in its Action raise it, too, where they fail. The effect is asked
+    for the run that this one counts as (:meth:`~vgvt.scenario.instruments.Acquisition.counted_as`).
     """
+    stated = scenario.acquisition
+    plan, run = stated.as_counted(run)
+    if plan is not stated:
+        scenario = scenario.model_copy(update={"acquisition": plan})
     with whose_fault(effect, f"effect {effect.name!r}", f"act(run {run})"):
         action: object = effect.act(scenario, run)
         if not isinstance(action, Action):
             raise TypeError(f"it gave {type(action).__name__}, not an Action")
-        return action if is_bundled(type(effect).__module__) else held_to_contract(effect, action, scenario, run)
+        if not is_bundled(type(effect).__module__):
+            action = held_to_contract(effect, action, scenario, run)
+    if plan is stated or action.scenario is None:
+        return action
+    made = action.scenario
+    return replace(action, scenario=made.model_copy(update={"acquisition": made.acquisition.with_runs_of(stated)}))
 
 
 def acted(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from vgvt.scenario.base import Finite, MisfitError, Node, NonNegative, Positive, Table, Whole
 
@@ -149,3 +149,33 @@ class Acquisition(Table):
     def run_nodes(self) -> tuple[tuple[int, ...], ...]:
         """The nodes of every run of the campaign, repeats included, in the order of the records."""
         return tuple(nodes for nodes in self.runs for _ in range(self.repeats))
+
+    # No key of a file: a campaign is written down as one that begins with itself.
+    _counted: tuple[int, ...] = PrivateAttr(default=())
+
+    def counted_as(self, runs: tuple[int, ...]) -> Self:
+        """The same plan, its runs counted from 1 as these runs of a campaign that was there before.
+
+        What changes from run to run has come as far in each as in the run that it counts as: a run that is made once
+        more after the last of four counts as the fourth, and so does every run of another campaign after them.
+        """
+        changed = self.model_copy()
+        changed._counted = runs
+        return changed
+
+    def as_counted(self, run: int) -> tuple[Self, int]:
+        """The plan of the campaign that a run (from 0) counts in, the run's own sensors in it, and which it is there.
+
+        The plan itself where runs count as they come.
+        """
+        own, counted = self.run_nodes, self._counted
+        if len(counted) != len(own):
+            return self, run
+        place = counted[run] - 1
+        runs = [own[min(k, len(own) - 1)] for k in range(max(counted))]
+        runs[place] = own[run]
+        return self.model_copy(update={"runs": tuple(runs), "repeats": 1}).counted_as(()), place
+
+    def with_runs_of(self, other: Self) -> Self:
+        """The same converter with another plan's runs, counted as they are there."""
+        return self.model_copy(update={"runs": other.runs, "repeats": other.repeats}).counted_as(other._counted)

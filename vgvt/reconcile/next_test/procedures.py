@@ -28,6 +28,9 @@ _DUMMY_KG = 0.05
 _AVERAGED = (4, 16)
 # To move the sensors and to look at what they read.
 _BETWEEN_RUNS_MIN = 3.0
+# Before the first of the runs: to fix the shaker below another point, to hang up on another spring, to tape a mass on
+# or to set another level and to see that nothing is overloaded.
+_DRIVE_MIN, _SPRING_MIN, _SET_MIN = 20.0, 15.0, 5.0
 
 Array = NDArray[np.float64]
 Runs = tuple[tuple[int, ...], ...]
@@ -35,9 +38,10 @@ Runs = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Procedure:
-    """A change of procedure: in words, as an edit of the scenario, and its lab time beyond the runs themselves.
+    """A change of procedure: in words, as an edit of the scenario, and its lab time in minutes, that of all its runs.
 
     ``force`` multiplies what the shaker pushed with; ``sweeps`` of every run are averaged where there was one.
+    ``again`` is the one run, counted from 0, that alone is made once more; without it they all are made anew.
     """
 
     words: str
@@ -45,21 +49,24 @@ class Procedure:
     minutes: float
     force: float = 1.0
     sweeps: int = 1
+    again: int | None = None
 
 
 def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
     """Sweeps at other levels, where one of the fits holds an effect that depends on it."""
     if all(h.linear for fit in fits for h in fit.hypotheses):
         return ()
+    problem = fits[0].problem
+    minutes = _SET_MIN + _minutes(problem)
     return tuple(
-        Procedure(f"sweep again with {words} the force", lambda s: s, 5.0, factor)
+        Procedure(f"sweep again with {words} the force", lambda s: s, minutes, factor)
         for words, factor in (("twice", 2.0), ("half", 0.5), ("a quarter of", 0.25))
     )
 
 
 def procedures(problem: Problem) -> tuple[Procedure, ...]:
     """What a lab can change within minutes: drive point, dummy mass, suspension, and what is measured when."""
-    scenario = problem.scenario
+    scenario, campaign = problem.scenario, _minutes(problem)
     x, y, z = scenario.shaker.position_m
 
     def sprung(factor: float) -> Callable[[Scenario], Scenario]:
@@ -78,16 +85,16 @@ def procedures(problem: Problem) -> tuple[Procedure, ...]:
     if y != 0:
         points = [("at the mirror image of the drive point", (x, -y, z)), ("on the centre line", (x, 0.0, z)), *points]
     found = [
-        Procedure(f"excite {words}", partial(_driven, at=at), 20.0)
+        Procedure(f"excite {words}", partial(_driven, at=at), _DRIVE_MIN + campaign)
         for words, at in points
         if _on_the_aircraft(_driven(scenario, at), scenario.shaker.attached_to)
     ]
-    found.append(Procedure("hang it on a spring half as stiff", sprung(0.5), 15.0))
-    found.append(Procedure("hang it on a spring twice as stiff", sprung(2.0), 15.0))
+    found.append(Procedure("hang it on a spring half as stiff", sprung(0.5), _SPRING_MIN + campaign))
+    found.append(Procedure("hang it on a spring twice as stiff", sprung(2.0), _SPRING_MIN + campaign))
     for place in places(problem):
         words = f"tape a dummy mass of {1000 * _DUMMY_KG:.0f} g at x = {place[0]:.2f} m, y = {place[1]:.2f} m"
-        found.append(Procedure(words, loaded(place), 5.0))
-    return (*found, *_other_runs(problem.measured.runs), *_averages(problem))
+        found.append(Procedure(words, loaded(place), _SET_MIN + campaign))
+    return (*found, *_other_runs(problem), *_averages(problem))
 
 
 def _driven(scenario: Scenario, at: Point) -> Scenario:
@@ -123,20 +130,23 @@ def _beside_m(airframe: Airframe, part: str, at: Point) -> float:
     return float(np.linalg.norm(arm - along[:, None] * step, axis=1).min())
 
 
+def _minutes(problem: Problem, sweeps: int = 1, runs: int | None = None) -> float:
+    """How long runs of some sweeps take, by default all that the campaign has; nobody sets up a run for nothing."""
+    count = len(problem.measured.runs) if runs is None else runs
+    return count * (_BETWEEN_RUNS_MIN + sweeps * problem.scenario.excitation.whole_s / 60)
+
+
 def _averages(problem: Problem) -> list[Procedure]:
     """What takes noise away where nothing but noise keeps two explanations together."""
-    sweep_min = problem.scenario.excitation.whole_s / 60
     return [
-        Procedure(
-            f"average {count} sweeps in every run", lambda s: s,
-            len(problem.measured.runs) * (_BETWEEN_RUNS_MIN + count * sweep_min), sweeps=count,
-        )
+        Procedure(f"average {count} sweeps in every run", lambda s: s, _minutes(problem, count), sweeps=count)
         for count in _AVERAGED
-    ]  # fmt: skip
+    ]
 
 
-def _other_runs(runs: Runs) -> list[Procedure]:
+def _other_runs(problem: Problem) -> list[Procedure]:
     """What tells an instrument from the point where it sat, and what happened in the meantime from either."""
+    runs = problem.measured.runs
 
     def measured(after: Runs) -> Callable[[Scenario], Scenario]:
         changes = {"runs": after, "repeats": 1}
@@ -144,26 +154,32 @@ def _other_runs(runs: Runs) -> list[Procedure]:
 
     found = []
     if len(runs) > 1:
+        one = _minutes(problem, runs=1)
         found += [
-            Procedure(f"make run {k + 1} once more after the last", measured((*runs, run)), 5.0)
+            Procedure(f"make run {k + 1} once more after the last", measured((*runs, run)), one, again=k)
             for k, run in enumerate(runs)
         ]
     if any(len(run) > 1 for run in runs):
         words = "exchange the sensors: every run again with their places in reverse order"
-        # As long as the campaign was.
-        found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), 5.0 * len(runs)))
+        found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), _minutes(problem)))
     return found
 
 
 def changed(problem: Problem, procedure: Procedure) -> Problem:
-    """The problem of a campaign by a changed procedure, the data of the first standing in for its own."""
-    scenario = procedure.edit(problem.scenario)
+    """The problem of a campaign by a changed procedure, the data of the first standing in for its own.
+
+    It comes after the first: what changed from run to run is as far in it as the last of these had it, and the records
+    of a first campaign that one run is added to stay what they were.
+    """
+    runs, scenario = len(problem.measured.runs), procedure.edit(problem.scenario)
+    made = (runs,) * runs if procedure.again is None else (*range(1, runs + 1), runs)
+    scenario = scenario.model_copy(update={"acquisition": scenario.acquisition.counted_as(made)})
     start = prepared(scenario)
     layouts = Layouts.of(start)
     layout = layouts.plan(start)
     nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
     if scenario.acquisition.runs != problem.scenario.acquisition.runs:
-        problem = _rearranged(problem, scenario)
+        problem = _rearranged(problem, scenario, procedure.again)
     measured = problem.measured
     if procedure.force != 1:
         pushed, force = procedure.force * measured.pushed, procedure.force * measured.force
@@ -191,14 +207,15 @@ def _slopes_of_another_rig(problem: Problem, start: Scenario, nominal: Nominal) 
     return found
 
 
-def _rearranged(problem: Problem, scenario: Scenario) -> Problem:
+def _rearranged(problem: Problem, scenario: Scenario, again: int | None) -> Problem:
     """The problem of other runs over the same points: each point's data as it was first measured, wherever it is now.
 
-    What is measured once more is there to be fitted; of the rest the same channels are held out.
+    A run ``again`` (from 0) is there to be fitted; of the rest the same channels are held out.
     """
     first, runs = problem.measured, scenario.acquisition.runs
     row = {(c.run, c.dof.node): i for i, c in enumerate(first.channels)}
-    came = [k if k < len(first.runs) else first.runs.index(run) for k, run in enumerate(runs)]
+    # By its index: several runs may have the same sensors, at other levels of force.
+    came = [*range(len(first.runs)), *([] if again is None else [again])]
     channels, index = [], []
     for k, run in enumerate(runs):
         for place, node in enumerate(run):
