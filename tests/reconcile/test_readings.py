@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,8 @@ import pytest
 from reconciled_case import campaign_of, claimed, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fitting.fit import TO_THE_END, calibrate, fit
-from vgvt.reconcile.next_test.checks import Check, checks, reading_nats, seen
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.next_test.checks import Check, checks, read_by, reading_nats, seen
 from vgvt.reconcile.next_test.with_reading import followed_nats
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
@@ -51,3 +50,56 @@ def test_a_tape_tells_not_when_a_drive_point_was_moved(case: Problem) -> None:
     tape = check(case, "tape where the shaker")
     for one, other in ((always, later), (later, always)):
         assert reading_nats(one, other, tape) == pytest.approx(0.0, abs=0.5)
+
+
+@pytest.fixture(scope="module")
+def plain(case: Problem) -> Fit:
+    """What a campaign leaves of a gain that is not there, beside everything else."""
+    null, hypothesis = calibrate(case), Hypothesis(available_effects()["channel-gain"])
+    return fit(null.problem, (hypothesis,), null.u, hypothesis.scores({"gain_error": 0.0}), TO_THE_END)
+
+
+def test_a_reading_that_is_followed_is_expected_and_not_only_foretold(case: Problem, plain: Fit) -> None:
+    """Where all laws are straight the two ways are one: readings scatter about their mean in both."""
+    hypothesis = Hypothesis(available_effects()["suspension-stiffness"])
+    stiffer = fit(plain.problem, (hypothesis,), plain.u, hypothesis.scores({"stiffness_change": 0.02}), TO_THE_END)
+    spring = check(case, "known mass on the spring")
+    for true, other in ((stiffer, plain), (plain, stiffer)):
+        straight = reading_nats(true, other, spring)
+        assert straight is not None and straight > 0.3
+        assert followed_nats(true, other, spring) == pytest.approx(straight, abs=0.1)
+
+
+def test_a_gain_that_another_explanation_has_taken_up_is_shown_by_a_reference_sensor_too() -> None:
+    """A sensor 2 % off, as an effect, or 1.5 deviations of that sensor's own tolerance: the reading is foretold alike.
+
+    It roves: what it reads in every run is one thing.
+    """
+    scenario = roving_scenario()
+    made = available_effects()["channel-gain"](gain_error=0.02, channels="sensor-1")
+    case = make_problem(campaign_of(scenario, 1, made), scenario, lines=100)
+    gain = Hypothesis(available_effects()["channel-gain"], {"channels": "sensor-1"})
+    soft = Hypothesis(available_effects()["root-compliance"], {"side": "left", "torsion": 0.0})
+    pair = [
+        fit(case, (h,), np.zeros(case.size), h.scores(values), TO_THE_END)
+        for h, values in ((gain, {"gain_error": 0.02}), (soft, {"bending": 0.003}))
+    ]
+    leans = pair[1].u[case.names.index("gain sensor-1")]
+    assert leans > 1.0
+    reference = check(case, "reference accelerometer")
+    for one, other in (pair, pair[::-1]):
+        nats = reading_nats(one, other, reference)
+        assert nats is not None and nats < 1.0
+
+
+def test_a_reference_sensor_shows_a_fitted_gain_of_every_run_of_its_sensor(case: Problem) -> None:
+    found = claimed(case, "channel-gain", {"gain_error": 0.0})
+    reference, scores = check(case, "reference accelerometer"), np.zeros(case.size + 1)
+    before = read_by(found, scores, reference)
+    scores[case.names.index("gain sensor-2")] = 2.0
+    after = read_by(found, scores, reference)
+    assert before is not None and after is not None
+    shown = (after - before).reshape(-1, 2, 10)
+    second = [c.instrument == 1 for c in case.measured.channels]
+    assert shown[second, 0] == pytest.approx(np.expm1(2 * case.scenario.tolerances.gain))
+    assert not shown[np.logical_not(second)].any() and not shown[:, 1].any()

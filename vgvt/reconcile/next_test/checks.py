@@ -6,8 +6,8 @@ line of code about it here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from vgvt.effects.elements import RotationSpring
 from vgvt.effects.protocol import Effect, Family
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.prediction.grouping import NoStructureError, effects_at, run_actions
-from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.problem import Nuisance, Problem
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.model import Scenario
@@ -47,22 +47,30 @@ _UP = Direction.PLUS_Z
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """A run as it is: the scenario that effects have made of the stated one, and what each of them does."""
+    """A run as it is: the scenario that effects have made of the stated one, and what each of them does.
+
+    ``gains`` are the factors that tolerances have made of its responses' sensitivities, by node; 1 where there is none.
+    """
 
     scenario: Scenario
     run: int
     actions: tuple[Action, ...]
     families: tuple[Family, ...]
+    gains: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Check:
-    """A reading, in words, its lab time, and ``read(runs) -> (K,)``, known to ``covariance(K) -> (K, K)``."""
+    """A reading, in words, its lab time, and ``read(runs) -> (K,)``, known to ``covariance(K) -> (K, K)``.
+
+    ``of_gains`` where it shows what a fit makes of the sensors' gains within their tolerances.
+    """
 
     words: str
     minutes: float
     read: Callable[[Sequence[Seen]], Array]
     covariance: Callable[[int], Array]
+    of_gains: bool = False
 
 
 def seen(scenario: Scenario, effects: Sequence[Effect]) -> tuple[Seen, ...]:
@@ -93,7 +101,7 @@ def checks(problem: Problem) -> tuple[Check, ...]:
         Check("split one noise signal between all channels, up to 5 kHz", 15.0,
               lambda r: _filters(r, wide, (Family.ACQUISITION,), force=True), _calibrated(_SPLIT, gains)),
         Check("put a reference accelerometer beside every sensor and compare the two in the band", 2.0 * points,
-              lambda r: _filters(r, band, tuple(Family), force=False), _calibrated(_REFERENCE, gains)),
+              lambda r: _filters(r, band, tuple(Family), force=False), _beside(_REFERENCE), of_gains=True),
     ]  # fmt: skip
     if runs > 1:
         words = "log the temperature of the structure beside the runs, with a thermistor"
@@ -131,8 +139,10 @@ def slopes_of(fit: Fit, scores: Array, reading: Array, check: Check, moving: Seq
     ``moving`` are the indices of those that move it at all, where that is known.
     """
     slopes = np.zeros((reading.size, scores.size))
-    # What the unknowns of the measuring chain say is in the check's own covariance.
-    every = (*range(len(fit.problem.unknowns)), *range(fit.u.size, scores.size))
+    # What other unknowns of the measuring chain say is in the check's own covariance.
+    known = len(fit.problem.unknowns)
+    gains = [known + k for k, n in enumerate(fit.problem.nuisances) if check.of_gains and _of_sensors(n)]
+    every = (*range(known), *gains, *range(fit.u.size, scores.size))
     for k in moving if moving is not None else every:
         aside = scores.copy()
         aside[k] += _STEP
@@ -171,10 +181,33 @@ def read_by(fit: Fit, scores: Array, check: Check) -> Array | None:
         made = effects_at(problem, fit.hypotheses, e)
         if made is None:
             return None
-        base = edited(problem.scenario, problem.unknowns, u[: len(problem.unknowns)])
-        return check.read(seen(base, made))
+        known = len(problem.unknowns)
+        base = edited(problem.scenario, problem.unknowns, u[:known])
+        found = seen(base, made)
+        if check.of_gains:
+            gains = _gains(problem, u[known:])
+            found = tuple(replace(one, gains=gains[one.run]) for one in found)
+        return check.read(found)
     except (NoStructureError, ValueError):
         return None
+
+
+def _of_sensors(nuisance: Nuisance) -> bool:
+    """Whether it is a gain of responses: no accelerometer beside them shows that of the force."""
+    return nuisance.kind == "gain" and nuisance.name != "gain force"
+
+
+def _gains(problem: Problem, scores: Array) -> list[dict[int, float]]:
+    """What scores of the nuisances (n,) make of the sensitivity of every run's responses, by node."""
+    channels = problem.measured.channels
+    log = np.zeros(len(channels))
+    for nuisance, u in zip(problem.nuisances, scores, strict=True):
+        if _of_sensors(nuisance):
+            log += nuisance.sd * u * nuisance.rows
+    found: list[dict[int, float]] = [{} for _ in problem.measured.runs]
+    for channel, gain in zip(channels, np.exp(log), strict=True):
+        found[channel.run][channel.dof.node] = float(gain)
+    return found
 
 
 def _alike(sd: float) -> Callable[[int], Array]:
@@ -186,6 +219,16 @@ def _calibrated(relative: float, gains: Tolerances) -> Callable[[int], Array]:
     one = np.concatenate([np.ones(_FREQUENCIES), np.zeros(_FREQUENCIES)])
     block = relative**2 * np.eye(one.size) + (gains.gain**2 + gains.channel_gain**2) * np.outer(one, one)
     return lambda count: np.asarray(np.kron(np.eye(count // one.size), block), dtype=np.float64)
+
+
+def _beside(relative: float) -> Callable[[int], Array]:
+    """Of real, then imaginary parts at the frequencies of a channel: read to that, by one reference known as well."""
+
+    def covariance(count: int) -> Array:
+        real = np.tile(np.repeat([1.0, 0.0], _FREQUENCIES), count // (2 * _FREQUENCIES))
+        return relative**2 * (np.eye(count) + np.outer(real, real))
+
+    return covariance
 
 
 def _filters(runs: Sequence[Seen], frequency_hz: Array, families: tuple[Family, ...], *, force: bool) -> Array:
@@ -202,7 +245,8 @@ def _filters(runs: Sequence[Seen], frequency_hz: Array, families: tuple[Family, 
             for node in one.scenario.acquisition.run_nodes[one.run]
         ]
         for channel in (gauge, *responses) if force else responses:
-            factor = np.ones(frequency_hz.size, dtype=complex)
+            gain = 1.0 if channel is gauge else one.gains.get(channel.dof.node, 1.0)
+            factor = np.full(frequency_hz.size, gain, dtype=complex)
             for action, family in zip(one.actions, one.families, strict=True):
                 for change in action.channels if family in families else ():
                     if isinstance(change, ChannelFilter) and selects(change.channels, channel):

@@ -61,7 +61,13 @@ def reading_density(fit: Fit, check: Check, reading: Array) -> float | None:
 
 
 def followed_nats(true: Fit, other: Fit, check: Check) -> float | None:
-    """Nats between two fits by the reading that ``true`` foretells, the other fitted to it and the campaign."""
-    law = foretold(true, check)
+    """Nats that a reading is expected to put between two fits, the other fitted to it and the campaign.
+
+    At the mean that ``true`` foretells; how readings scatter about it is seen by the normal law of either.
+    """
+    law, wide = foretold(true, check), foretold(other, check)
     told = None if law is None else reading_density(other, check, law[0])
-    return None if law is None or told is None else log_density(law[0], *law) - told
+    if law is None or wide is None or told is None:
+        return None
+    scatter = float(np.trace(np.linalg.solve(wide[1], law[1]))) - law[0].size
+    return log_density(law[0], *law) - told + 0.5 * scatter
