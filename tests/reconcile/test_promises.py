@@ -14,8 +14,9 @@ from vgvt.data import Campaign
 from vgvt.effects import Effect, available_effects
 from vgvt.effects.conformance import table_of
 from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
-from vgvt.reconcile.next_test.procedures import changed, procedures
-from vgvt.reconcile.next_test.suggest import expected_nats, foretold_by, found_nats, known_in
+from vgvt.reconcile.next_test import suggest as suggesting
+from vgvt.reconcile.next_test.procedures import Procedure, changed, procedures
+from vgvt.reconcile.next_test.suggest import expected_nats, foretold_by, found_nats, known_in, words_of_none
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.scenario import Scenario
@@ -61,6 +62,30 @@ def test_an_explanation_is_not_told_from_itself(case: Problem) -> None:
     assert expected_nats(found, found, case) == pytest.approx(0.0, abs=0.01)
     # Half of |u|² is 30 and more; what is left is how straight the way is.
     assert found_nats(found, found, case) == pytest.approx(0.0, abs=1.5)
+
+
+@pytest.mark.parametrize(("count", "hollow", "unfollowed"), [(12, 8, 0), (12, 12, 0), (30, 30, 6)])
+def test_promises_are_followed_until_one_holds_and_what_was_not_followed_is_said(
+    case: Problem, monkeypatch: pytest.MonkeyPatch, count: int, hollow: int, unfollowed: int
+) -> None:
+    """The first ones do not hold theirs: that says nothing of those behind them."""
+    tests = tuple(Procedure(f"{k}", lambda s: s, 5.0) for k in range(count))
+    monkeypatch.setattr(suggesting, "checks", lambda problem: ())
+    monkeypatch.setattr(suggesting, "procedures", lambda problem: tests)
+    monkeypatch.setattr(suggesting, "changed", lambda problem, p: int(p.words))
+    monkeypatch.setattr(suggesting, "expected_nats", lambda one, other, problem: 49.0 - problem)
+    monkeypatch.setattr(suggesting, "found_nats", lambda one, other, problem: 1.0 if problem < hollow else 30.0)
+    one = claimed(case, "channel-gain", {"gain_error": 0.05})
+    told = suggesting.suggest([one, one])
+    if hollow < count:
+        assert (told[0].test, told[0].nats) == (f"{hollow}", 30.0)
+        assert not words_of_none(told, 5.0)
+        return
+    assert told[0].unfollowed == unfollowed
+    assert "unfollowed" not in told[0].document()
+    (said,) = words_of_none(told, 5.0)
+    assert said.startswith("None of the tests that were " + ("followed" if unfollowed else "compared"))
+    assert (f"{unfollowed} more promise more" in said) == bool(unfollowed)
 
 
 @pytest.mark.slow

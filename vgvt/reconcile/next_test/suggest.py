@@ -32,22 +32,26 @@ _TELLS = 10.0
 _CERTAIN = 50.0
 # Parameters that say where an effect sits.
 _PLACE = ("x_m", "y_m", "other_x_m", "other_y_m")
-# Tests whose promise is followed to the end by fits; each takes seconds.
-_FOLLOWED = 8
+# Tests whose promise is followed to the end by fits, where one of them holds it and where none does; each takes seconds.
+_FOLLOWED, _AT_MOST = 8, 24
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A test, the nats it is expected to put between ``rivals``, and how long it takes."""
+    """A test, the nats it is expected to put between ``rivals``, and how long it takes.
+
+    ``unfollowed`` is how many others promise more at first sight, and may not hold it.
+    """
 
     test: str
     rivals: tuple[str, str]
     nats: float
     minutes: float
+    unfollowed: int = 0
 
     def document(self) -> dict[str, object]:
-        """Plain values."""
-        return asdict(self)
+        """Plain values of the test itself."""
+        return {name: value for name, value in asdict(self).items() if name != "unfollowed"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +97,7 @@ def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) 
     What tells a pair at all comes before what does not, however quickly; more than 50 nats are no more than 50, and
     where nothing tells, minutes do not count.
     What a changed campaign promises is the linear distance (:func:`expected_nats`); the best of them are followed
-    by fits until the first ``count`` hold what they promise. ``levels_alone`` compares sweeps at other levels of force.
+    by fits until the first ``count`` hold what they promise, on and on where none does. ``levels_alone`` compares sweeps at other levels of force.
     """
     if len(fits) < 2:
         return ()
@@ -101,10 +105,11 @@ def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) 
     ranked = [
         (found, test) for test in _tests(fits, levels_alone) if (found := test.worth(fits, test.promised)) is not None
     ]
-    for _ in range(_FOLLOWED):
+    for done in range(_AT_MOST + 1):
         ranked.sort(key=lambda pair: _order(pair[0]))
         ahead = [(i, test) for i, (_, test) in enumerate(ranked[:count]) if test.followed is not None]
-        if not ahead:
+        holds = any(test.followed is None and found.nats >= _TELLS for found, test in ranked)
+        if not ahead or done >= (_FOLLOWED if holds else _AT_MOST):
             break
         index, test = ahead[0]
         assert test.followed is not None
@@ -114,7 +119,8 @@ def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) 
         else:
             ranked[index] = (found, replace(test, followed=None))
     sure = sorted((found for found, test in ranked if test.followed is None), key=_order)
-    return tuple(sure[:count])
+    hollow = [found.nats for found, test in ranked if test.followed is not None]
+    return tuple(replace(found, unfollowed=sum(nats > found.nats for nats in hollow)) for found in sure[:count])
 
 
 def _order(found: Suggestion) -> tuple[bool, float]:
@@ -159,6 +165,11 @@ def words_of_none(tests: Sequence[Suggestion], needed: float) -> tuple[str, ...]
     if not tests or tests[0].nats >= needed:
         return ()
     one, other = tests[0].rivals
+    if tests[0].unfollowed:
+        return (
+            f"None of the tests that were followed to the end is expected to tell {one} from {other}; at first sight "
+            f"{tests[0].unfollowed} more {'promises' if tests[0].unfollowed == 1 else 'promise'} more than these",
+        )
     return (
         f"None of the tests that were compared is expected to tell {one} from {other}: for all of them they are one",
     )
