@@ -245,7 +245,7 @@ def _filters(runs: Sequence[Seen], frequency_hz: Array, families: tuple[Family, 
             for node in one.scenario.acquisition.run_nodes[one.run]
         ]
         for channel in (gauge, *responses) if force else responses:
-            gain = 1.0 if channel is gauge else one.gains.get(channel.dof.node, 1.0)
+            gain = 1.0 if channel is gauge or channel.dof is None else one.gains.get(channel.dof.node, 1.0)
             factor = np.full(frequency_hz.size, gain, dtype=complex)
             for action, family in zip(one.actions, one.families, strict=True):
                 for change in action.channels if family in families else ():

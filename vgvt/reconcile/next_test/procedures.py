@@ -221,7 +221,7 @@ def _rearranged(problem: Problem, scenario: Scenario, again: int | None) -> Prob
         for place, node in enumerate(run):
             index.append(row[came[k], node])
             channels.append(replace(first.channels[index[-1]], run=k, run_number=k + 1, instrument=place))
-    again = first.used[index] & np.array([c.run >= len(first.runs) for c in channels])
+    extra = first.used[index] & np.array([c.run >= len(first.runs) for c in channels])
     measured = replace(
         first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
         sigma=first.sigma[index], variances={name: v[index] for name, v in first.variances.items()},
@@ -231,5 +231,5 @@ def _rearranged(problem: Problem, scenario: Scenario, again: int | None) -> Prob
         of_force=None if first.of_force is None else first.of_force[index],
     )  # fmt: skip
     parts = problem.split
-    split = Split(parts.train[index] | again, parts.held_runs[index] & ~again, parts.held_channels[index] & ~again)
+    split = Split(parts.train[index] | extra, parts.held_runs[index] & ~extra, parts.held_channels[index] & ~extra)
     return replace(problem, measured=measured, split=split, nuisances=nuisances_of(scenario, measured))

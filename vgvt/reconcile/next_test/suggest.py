@@ -32,7 +32,8 @@ _TELLS = 10.0
 _CERTAIN = 50.0
 # Parameters that say where an effect sits.
 _PLACE = ("x_m", "y_m", "other_x_m", "other_y_m")
-# Tests whose promise is followed to the end by fits, where one of them holds it and where none does; each takes seconds.
+# Tests whose promise is followed to the end by fits, where one of them holds it and where none does; each takes
+# seconds.
 _FOLLOWED, _AT_MOST = 8, 24
 
 
@@ -97,7 +98,8 @@ def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) 
     What tells a pair at all comes before what does not, however quickly; more than 50 nats are no more than 50, and
     where nothing tells, minutes do not count.
     What a changed campaign promises is the linear distance (:func:`expected_nats`); the best of them are followed
-    by fits until the first ``count`` hold what they promise, on and on where none does. ``levels_alone`` compares sweeps at other levels of force.
+    by fits until the first ``count`` hold what they promise, on and on where none does. ``levels_alone`` compares
+    sweeps at other levels of force.
     """
     if len(fits) < 2:
         return ()
