@@ -42,7 +42,7 @@ def along(name: str, roving: bool) -> tuple[Slopes, NDArray[np.complex128], Call
     """One matrix moved in a random direction: slopes that say so, those of the joints, and the response there."""
     matrices, joints, shown, masses = case(roving)
     g = np.random.default_rng(9)
-    parts = {f.name: np.zeros((1, *getattr(matrices, f.name).shape)) for f in fields(matrices) if f.name != "spare"}
+    parts = {f.name: np.zeros((1, *getattr(matrices, f.name).shape)) for f in fields(matrices)}
     heavier, firmer = np.zeros((1, SENSORS)), np.zeros((1, *shown.shape), dtype=complex)
     if name == "masses":
         heavier += g.standard_normal((1, SENSORS))
@@ -60,7 +60,7 @@ def along(name: str, roving: bool) -> tuple[Slopes, NDArray[np.complex128], Call
 
 
 @pytest.mark.parametrize("roving", [True, False])
-@pytest.mark.parametrize("name", ["mass", "damping", "stiffness", "drive", "axis", "tilt", "masses", "joints"])
+@pytest.mark.parametrize("name", ["mass", "damping", "stiffness", "drive", "axis", "tilt", "spare", "masses", "joints"])
 def test_slopes_are_differences_of_the_response(name: str, roving: bool) -> None:
     slopes, firmer, response = along(name, roving)
     matrices, joints, shown, masses = case(roving)

@@ -14,7 +14,7 @@ from vgvt.reconcile.mechanics.response import Matrices, Slopes, accelerances
 COORDINATES, ROWS, LINES, PARAMETERS = 5, 6, 9, 4
 RUNS = (np.array([0, 1, 2]), np.array([3, 4, 5]))
 OMEGA = np.linspace(0.4, 2.0, LINES)
-NAMES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+NAMES = ("mass", "damping", "stiffness", "drive", "axis", "tilt", "spare")
 
 
 def drawn(seed: int, masses: float) -> tuple[Matrices, Slopes, np.ndarray]:

@@ -192,7 +192,7 @@ def accelerance_slopes(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...], slopes: Slopes,
     endings: tuple[Ending, ...] = (), wanted: NDArray[np.bool_] | None = None,
 ) -> ComplexArray:  # fmt: skip
-    """Derivatives (k, C, L) of accelerances, ``spare`` flexibility held, and of what endings add; none: all at rest.
+    """Derivatives (k, C, L) of accelerances, and of what endings add; none: all records end at rest.
 
     Zeros for rows that are not ``wanted`` (C,), by default all are.
     """

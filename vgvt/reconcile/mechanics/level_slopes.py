@@ -26,7 +26,8 @@ def level_accelerance_slopes(
 
     ``stiffness`` (R, J, L) is what the joints show and ``stiffness_slopes`` (k, R, J, L) its derivatives. Where masses
     and joints act on the structure with f = D u, u = a q + S f, the change of a reading b q is
-    p (dh + daᵀ f - dZ q) + E (dD u + D da q) + db q, with p the adjoint of the loaded structure.
+    p (dh + daᵀ f - dZ q) + E (dD u + D da q) + db q, with p the adjoint of the loaded structure. What the coordinates
+    miss between drive and joints is held.
     """
     poles = poles_of(matrices, omega)
     square = (omega**2)[:, None]
@@ -68,5 +69,8 @@ def level_accelerance_slopes(
             changed[:, :, own] += square[:, :, None] * slopes.masses_kg[:, rows] * displaced[:, None, own]
         read = right @ adjoint.transpose(0, 2, 1) + changed @ eased.transpose(0, 2, 1)
         read += np.einsum("lm,kam->lka", q, tilt_slopes, optimize=True) - square[:, :, None] * moved
+        if slopes.spare is not None:
+            read -= square[:, :, None] * slopes.spare[:, rows]
+            read += slopes.spare[:, carried] @ (reading @ felt)[:, :, own].transpose(0, 2, 1)
         out[:, rows] = read.transpose(1, 2, 0)
     return out

@@ -143,12 +143,15 @@ def _of_run(
     given = np.asarray(np.linalg.solve(there.mass, matrices.drive), dtype=np.float64)
     pushes = slopes.drive - slopes.mass @ given - sensors.pulled(given)
     axis, tilt = (parts.of(*reading, left @ matrices.drive, pushes @ left.T) for reading in readings)
-    spare = matrices.spare[rows]
-    if not (mass * spare).any():
+    spare, looser = matrices.spare[rows], np.zeros((slopes.mass.shape[0], rows.size))
+    if slopes.spare is not None:
+        looser = slopes.spare[:, rows]
+        axis = replace(axis, powers=slopes.spare[None][:, :, asked])
+    if not (mass * spare).any() and not (mass * looser).any():
         return RunSlopes(asked, poles, axis, tilt, None)
     late = -sensors.axis.T @ (mass * spare)
     given = np.asarray(np.linalg.solve(there.mass, late), dtype=np.float64)
-    pushes = -sensors.carried(spare) - slopes.mass @ given - sensors.pulled(given)
+    pushes = -sensors.carried(spare) - (mass * looser) @ sensors.axis - slopes.mass @ given - sensors.pulled(given)
     of_late = [parts.of(*reading, left @ late, pushes @ left.T) for reading in readings]
     return RunSlopes(asked, poles, axis, tilt, (of_late[0], of_late[1]))
 

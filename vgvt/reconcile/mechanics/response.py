@@ -122,7 +122,7 @@ def _at_lines(poles: Poles, residues: ComplexArray) -> ComplexArray:
 class Slopes:
     """Derivatives of :class:`Matrices` and of the runs' masses in some parameters, each with a leading axis (k,).
 
-    ``masses_kg`` (k, C) are those of the point masses, by row.
+    ``masses_kg`` (k, C) are those of the point masses, by row; ``spare`` (k, C) is None where that is held.
     """
 
     mass: Array
@@ -132,6 +132,7 @@ class Slopes:
     axis: Array
     tilt: Array
     masses_kg: Array
+    spare: Array | None = None
 
 
 def by_rate(rate: Array, slopes: Array) -> Array:

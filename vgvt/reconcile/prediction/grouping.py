@@ -14,6 +14,7 @@ from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.protocol import Effect
 from vgvt.effects.registry import effects_of
+from vgvt.reconcile.mechanics.refinement import Refinement
 from vgvt.reconcile.question.hypothesis import Hypothesis, refused
 from vgvt.reconcile.question.problem import CELLS, Problem
 from vgvt.reconcile.question.uncertain import edited
@@ -113,10 +114,16 @@ def refined_rows(problem: Problem, cells: float, s: Structure, site: str) -> Arr
 
 def spare_flexibility(problem: Problem, cells: float, s: Structure, rows: NDArray[np.intp]) -> Array:
     """Static flexibility (rows,), m/N, that a structure's highest modes lack of a continuum's."""
-    found = np.zeros(rows.size)
-    for share, part in ((1.0, problem.refinement), (cells, problem.coarseness)):
-        found += share * part.flexibility[[part.places.index(home(s.places[r])) for r in rows]]
-    return found
+    return _of_places(problem.refinement, s, rows) + cells * spare_by_cells(problem, s, rows)
+
+
+def spare_by_cells(problem: Problem, s: Structure, rows: NDArray[np.intp]) -> Array:
+    """What of :func:`spare_flexibility` (rows,), m/N, there is per unit of what leads to the chain as stated."""
+    return _of_places(problem.coarseness, s, rows)
+
+
+def _of_places(part: Refinement, s: Structure, rows: NDArray[np.intp]) -> Array:
+    return part.flexibility[[part.places.index(home(s.places[r])) for r in rows]]
 
 
 def refined(s: Structure, problem: Problem, cells: float) -> Structure:

@@ -30,11 +30,13 @@ from vgvt.reconcile.prediction.grouping import (
     sensor_mass_index,
     spare_flexibility,
 )
+from vgvt.reconcile.prediction.left_out import spare_slopes
 from vgvt.reconcile.prediction.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.prediction.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
+from vgvt.reconcile.prediction.riding import across_by_rows, carried_by, riding
 from vgvt.reconcile.prediction.sides import Side, pulled_by, sides_of, widened
 from vgvt.reconcile.question.hypothesis import Hypothesis
-from vgvt.reconcile.question.problem import MATRICES, Problem
+from vgvt.reconcile.question.problem import CELLS, MATRICES, Problem
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
@@ -142,7 +144,7 @@ class Anchor:
                 mass_slopes[len(known) :] = group.mass_slopes
                 if index is not None:
                     mass_slopes[index] = problem.scenario.accelerometers.mass_kg * rate[index]
-            changes = Slopes(**{n: by_rate(rate, group.slopes[n]) for n in MATRICES}, masses_kg=mass_slopes)
+            changes = Slopes(**{n: by_rate(rate, of) for n, of in group.slopes.items()}, masses_kg=mass_slopes)
             of = (group.matrices, omega, group.runs, masses)
             endings = self._endings(group) if problem.measured.endings else ()
             if group.levels is None:
@@ -240,7 +242,7 @@ def _reduced(
     run_of = np.array([problem.measured.channels[i].run for i in group.channels])
     runs = tuple(np.flatnonzero(run_of == r) for r in np.unique(run_of))
     roving = len({tuple(group.rows[r]) for r in runs}) > 1
-    carried = _carried(s, group.rows, group.masses_kg, runs, roving)
+    carried = carried_by(s, group.rows, group.masses_kg, runs, roving)
     full = replace(s, mass=s.mass + carried)
     limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
     # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt.
@@ -257,7 +259,7 @@ def _reduced(
     count = len(problem.unknowns)
     part = basis[[s.joints.index(j) for j in local.joints]]
     sensor, end = sensor_mass_index(problem), end_mass_index(problem)
-    riding = _riding(s.drive, np.array([joint in local.joints for joint in s.joints]))
+    otherwise = riding(s.drive, np.array([joint in local.joints for joint in s.joints]))
     grid_rows = local.rows([s.places[r] for r in group.rows])
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
@@ -286,16 +288,21 @@ def _reduced(
             rows = values[:, grid_rows] @ part
         if name == "mass" and sensor is not None:
             own = np.full(group.rows.size, problem.scenario.accelerometers.mass_kg)
-            rows[sensor] += basis.T @ _carried(s, group.rows, own, runs, roving) @ basis
+            rows[sensor] += basis.T @ carried_by(s, group.rows, own, runs, roving) @ basis
+        if name == "mass" and roving:
+            cells = problem.unknowns.index(CELLS)
+            moved = local.values["axis"][cells, grid_rows] @ part
+            rows[cells] += across_by_rows(s.axis[group.rows] @ basis, moved, group.masses_kg) / len(runs)
         if name == "mass" and end is not None:
-            rows[end] += problem.scenario.transducer.end_mass_kg * (basis.T @ riding @ basis)
+            rows[end] += problem.scenario.transducer.end_mass_kg * (basis.T @ otherwise @ basis)
         for k, (before, after), step in pulls:
             rows[k] += (getattr(after, name) - getattr(before, name)) / step
         added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])
         if not extra and effects:
             added = np.zeros((effects, *rows.shape[1:]))
         slopes[name] = np.concatenate([rows, added])
-    assert slopes["mass"].shape[0] == count + effects
+    slopes["spare"] = spare_slopes(problem, group, index, basis, local, grid_rows, sides, pulled)
+    assert slopes["mass"].shape[0] == slopes["spare"].shape[0] == count + effects
     sloped = None if levels is None else levels.sloped(beside)
     return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped)
 
@@ -304,32 +311,8 @@ def _loaded(
     group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool, spare: bool = True
 ) -> Matrices:
     """A group in given reduced coordinates, with what its sensors weigh; its ``spare`` flexibility where asked for."""
-    s, carried = group.structure, _carried(group.structure, group.rows, group.masses_kg, runs, roving)
+    s, carried = group.structure, carried_by(group.structure, group.rows, group.masses_kg, runs, roving)
     return _project(replace(s, mass=s.mass + carried), basis, group.rows, spare)
-
-
-def _carried(
-    s: Structure, rows: NDArray[np.intp], masses: Array, runs: tuple[NDArray[np.intp], ...], roving: bool
-) -> Array:
-    """Inertia (n, n) of the sensors: all of it where they stay, the mean across their axes where they rove."""
-    n = s.drive.size
-    total = np.zeros((n, n))
-    for run in runs if roving else runs[:1]:
-        for k in run:
-            moved = s.jacobian[rows[k]]
-            total += masses[k] * moved.T @ moved
-            if roving:
-                total -= masses[k] * np.outer(s.axis[rows[k]], s.axis[rows[k]])
-    return total / len(runs) if roving else total
-
-
-def _riding(drive: Array, known: NDArray[np.bool_]) -> Array:
-    """What a transducer of 1 kg adds to the inertia (n, n) by moving otherwise than the joints that are ``known`` (n,).
-
-    On a mount that gives it goes where the push goes, not where the structure below it does.
-    """
-    bare = np.where(known, drive, 0.0)
-    return np.asarray(np.outer(drive, drive) - np.outer(bare, bare))
 
 
 def _project(s: Structure, basis: Array, rows: NDArray[np.intp], spare: bool = True) -> Matrices:
@@ -346,5 +329,5 @@ def _project(s: Structure, basis: Array, rows: NDArray[np.intp], spare: bool = T
 
 
 def _at(group: Reduced, x: Array) -> Matrices:
-    changed = {name: getattr(group.matrices, name) + np.tensordot(x, group.slopes[name], axes=1) for name in MATRICES}
-    return Matrices(**changed, spare=group.matrices.spare)
+    changed = {name: getattr(group.matrices, name) + np.tensordot(x, by, axes=1) for name, by in group.slopes.items()}
+    return Matrices(**changed)

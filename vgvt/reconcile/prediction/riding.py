@@ -1,0 +1,43 @@
+"""What sensors and the transducer weigh in the coordinates of a structure."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vgvt.simulation.reduced import Structure
+
+Array = NDArray[np.float64]
+
+
+def carried_by(
+    s: Structure, rows: NDArray[np.intp], masses: Array, runs: tuple[NDArray[np.intp], ...], roving: bool
+) -> Array:
+    """Inertia (n, n) of the sensors: all of it where they stay, the mean across their axes where they rove."""
+    n = s.drive.size
+    total = np.zeros((n, n))
+    for run in runs if roving else runs[:1]:
+        for k in run:
+            moved = s.jacobian[rows[k]]
+            total += masses[k] * moved.T @ moved
+            if roving:
+                total -= masses[k] * np.outer(s.axis[rows[k]], s.axis[rows[k]])
+    return total / len(runs) if roving else total
+
+
+def riding(drive: Array, known: NDArray[np.bool_]) -> Array:
+    """What a transducer of 1 kg adds to the inertia (n, n) by moving otherwise than the joints that are ``known`` (n,).
+
+    On a mount that gives it goes where the push goes, not where the structure below it does.
+    """
+    bare = np.where(known, drive, 0.0)
+    return np.asarray(np.outer(drive, drive) - np.outer(bare, bare))
+
+
+def across_by_rows(axis: Array, moved: Array, masses_kg: Array) -> Array:
+    """Change (m, m) of what roving sensors weigh across their axes (C, m) where these alone change by ``moved``.
+
+    What cells lack turns the rows that sensors read, and not the links that carry them.
+    """
+    change = (axis.T * masses_kg) @ moved
+    return np.asarray(-change - change.T)
