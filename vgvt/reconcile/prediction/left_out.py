@@ -49,7 +49,7 @@ class LeftOut:
         return cls(pushed, seen, s.drive if felt.any() else None)
 
     def changes(self, stiffness: Array, drive: Array, axis: Array, at: NDArray[np.intp] | slice = slice(None)) -> Array:
-        """Changes (k, C), m/N, by those of stiffness (k, j, j), drive (k, j), rows (k, C, j) over coordinates ``at``."""
+        """Changes (k, C), m/N, by those of stiffness (k, j, j), drive (k, j), rows (k, C, j) over coordinates."""
         pushed, seen = self.pushed[at], self.seen[:, at]
         pull = stiffness @ pushed
         if self.drive is not None:
