@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.evidence.lasting import Imitated
 from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.search.in_parts import holds, shown_in_parts
 from vgvt.reconcile.search.stand import Stand
 
 Array = NDArray[np.float64]
@@ -24,6 +25,8 @@ Views = tuple[tuple[float, float], ...]
 # Deviations are those that were asked for, to a tenth.
 _KEPT = math.log(1.1)
 _LOOKS, _FARTHEST = 10, 10.0
+# Times what is left of a change that the unknowns make up for: beyond, slopes of either err by as much as is left.
+_MADE_UP = 300.0
 # Between two sizes as near as this deviations jump; a look between two is by so much off either.
 _NEAR, _INSIDE = 1.15, 1.03
 # What hardly falls with its size shows by a thing that is there at any.
@@ -57,19 +60,30 @@ class Sight:
         lasting = self.alike.deviations(change)
         return ((length * math.sqrt(self.worth + (1 - self.worth) * given**2), length), (lasting, lasting))
 
-    def at(self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, wanted: float) -> Views | None:
+    def at(
+        self, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, promised: float | None = None
+    ) -> Views | None:
         """The views of an effect at some values, its size ``p`` among them; None where that is impossible.
 
-        The unknowns follow only where, standing still, they do not leave it the deviations that are ``wanted``.
+        Standing still, the unknowns leave curvature that they share with it. So they follow, unless a slope has
+        ``promised`` so many deviations at this size, and keeps that: then there is no such curvature. Where following
+        leads astray, what they leave standing still is less, and is what counts.
         """
         change = self.stand.change(hypothesis, values)
         if change is None:
             return None
         views = self.views(change, self.stand.projected(change))
-        if kept(views, wanted):
+        if promised is not None and kept(views, promised):
             return views
-        shown = self.stand.shown(hypothesis, values, {p.name: float(p.neutral or 0.0)})
-        return None if shown is None else self.views(shown, shown)
+        neutral = {p.name: float(p.neutral or 0.0)}
+        shown = self.stand.shown(hypothesis, values, neutral)
+        if shown is None:
+            return None
+        made_up = np.linalg.norm(change) > _MADE_UP * np.linalg.norm(shown)
+        if made_up and not holds(self.stand, hypothesis, values, shown):
+            along = shown_in_parts(self.stand, hypothesis, values, p)
+            shown = shown if along is None else min(shown, along, key=lambda left: float(left @ left))
+        return min(self.views(shown, shown), views, key=least)
 
 
 def least(views: Views) -> float:
@@ -84,12 +98,13 @@ def kept(views: Views, wanted: float) -> bool:
 
 
 def size_of(
-    views_at: Callable[[float], Views | None], foretold: float, wanted: float, power: int
+    views_at: Callable[[float], Views | None], foretold: float, wanted: float, power: int, most: float = math.inf
 ) -> tuple[float, Views] | None:
     """The size that shows by the deviations ``wanted``, with its views, in a few looks from the size ``foretold``.
 
     Deviations are taken to grow with its ``power`` until two looks tell. Where they jump past what is wanted, as when a
-    sensor comes to sit on another link, it is the size just beyond. None where no such size is found, as where more
+    sensor comes to sit on another link, it is the size just beyond. Where the ``most`` that is plausible shows by less,
+    it is foretold from there. None where no such size is found, as where more
     show and do not fall with it.
     """
     size, known = foretold, []
@@ -102,6 +117,11 @@ def size_of(
         if kept(views, wanted):
             return size, views
         if least(views) < wanted:
+            if size >= most:
+                times = (wanted / least(views)) ** (1 / power)
+                (shown, raw), (lasting, last) = views
+                grown = times**power
+                return size * times, ((grown * shown, grown * raw), (grown * lasting, grown * last))
             less = max(less, size)
         elif size < more:
             more, beyond = size, (size, views)
@@ -115,7 +135,9 @@ def size_of(
             if rate < _GROWS and not less:
                 return None
         # Too few are there at any size, and grow further up.
+        before = size
         size *= min(max((wanted / least(views)) ** (1 / max(rate, _GROWS)), 1 / _FARTHEST), _FARTHEST)
         if beyond is not None and less and not less * _INSIDE < size < more / _INSIDE:
             size = math.sqrt(less * more)
+        size = min(size, max(most, before))
     return None

@@ -134,14 +134,17 @@ def _looked_at(
         return foretold
     sign = 1.0 if p.high - neutral >= neutral - p.low else -1.0
 
-    def views_at(wanted: float) -> Callable[[float], Views | None]:
-        return lambda size: sight.at(hypothesis, {**values, p.name: neutral + sign * size}, p, wanted)
+    def views_at(size: float, promised: float | None = None) -> Views | None:
+        return sight.at(hypothesis, {**values, p.name: neutral + sign * size}, p, promised)
+
+    def first_by_slope(size: float) -> Views | None:
+        return views_at(size, _SIGMA if size == foretold[0] else None)
 
     if smallest > most:
-        there = views_at(_SIGMA)(most)
+        there = views_at(most, _SIGMA * (most / smallest) ** grows)
         if there is None or least(there) < _SIGMA:
             return foretold
-    found = size_of(views_at(_SIGMA), min(smallest, most), _SIGMA, grows)
+    found = size_of(first_by_slope, min(smallest, most), _SIGMA, grows, most)
     if found is None:
         return float("nan"), float("nan")
     if found[0] == smallest:
@@ -150,7 +153,7 @@ def _looked_at(
     if not np.isfinite(named) or named > most:
         return smallest, named
     deviations = least(found[1]) * (named / smallest) ** grows
-    more = size_of(views_at(deviations), named, deviations, grows)
+    more = size_of(views_at, named, deviations, grows)
     return smallest, float("nan") if more is None else more[0]
 
 

@@ -51,12 +51,17 @@ class Follower:
         still = replace(fit, problem=replace(fit.problem, measured=measured))
         return cls(still, inverse, fit.scores)
 
+    def at(self, tangent: Array, u: Array) -> Follower:
+        """The same by a tangent (2 N, scores) that was taken at unknowns u, with the effect."""
+        inverse = np.linalg.inv(tangent.T @ tangent + np.eye(tangent.shape[1]))
+        return replace(self, fit=replace(self.fit, u=u, tangent=tangent), inverse=inverse)
+
     def follow(self, here: Anchor, along: Callable[[], Array | None]) -> Reached | None:
         """From the fit's scores, at an anchor with the effect; None where there is no response.
 
         ``along`` tells what the effect does to the misfit (2 N,) by its slopes, None where these are not known.
         """
-        null, scores, share = self.fit, self.fit.scores, 1.0
+        null, scores = self.fit, self.fit.scores
         best = self._at(here, scores)
         if not np.isfinite(best.cost):
             return None
@@ -66,9 +71,18 @@ class Follower:
         if change is not None:
             there = self._at(here, self._moved(scores, -self.inverse @ (null.tangent.T @ change)))
             best = there if there.cost < best.cost else best
+        return self._stepped(here, best)
+
+    def follow_on(self, here: Anchor, scores: Array) -> Reached | None:
+        """From scores that it has reached, at an anchor there; None where there is no response."""
+        start = self._at(here, scores)
+        return self._stepped(here, start) if np.isfinite(start.cost) else None
+
+    def _stepped(self, here: Anchor, best: Reached) -> Reached:
+        share = 1.0
         for _ in range(_STEPS):
             scores = best.scores
-            move = -self.inverse @ (null.tangent.T @ best.misfit + scores - self.centre)
+            move = -self.inverse @ (self.fit.tangent.T @ best.misfit + scores - self.centre)
             move *= share * min(1.0, _LONGEST / max(float(np.abs(move).max()), 1e-300))
             there = self._at(here, self._moved(scores, move))
             if there.cost >= best.cost:
