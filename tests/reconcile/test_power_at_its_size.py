@@ -10,16 +10,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from reconciled_case import problem
+from reconciled_case import campaign_of, problem, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.next_test.at_size import Sight, Views, least, size_of
 from vgvt.reconcile.next_test.before_test import expected_fit
+from vgvt.reconcile.next_test.nameable import within_reach
 from vgvt.reconcile.next_test.power import BY_LEVEL, NEVER, NOT_KNOWN, Power, power
-from vgvt.reconcile.next_test.power_rows import power_rows
+from vgvt.reconcile.next_test.power_rows import confusable, power_rows
 from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.question.thresholds import noise_share
+from vgvt.reconcile.search.candidates import candidates
 from vgvt.reconcile.search.scan import start_values
 from vgvt.reconcile.search.stand import Stand
 from vgvt.scenario import load_scenario
@@ -186,3 +189,47 @@ def test_rows_without_any_size_say_why() -> None:
         (row,) = power_rows(places)
         assert (row.reason, row.shows, row.visible) == (reason, shows, False)
         assert row.sizes[0] == reason.partition(":")[0]
+
+
+def test_whatever_variant_looks_alike_is_hard_to_tell_apart() -> None:
+    """The one that shows at the smallest size may be another."""
+    twin = made(2e-3, "19+Z", alike=(("gain-drift", 1.0),), alike_variants=("gain-drift (19+Z)",))
+    near = made(1e-3, "6+Z", alike=(("gain-drift", 0.7), ("added-mass", 0.8)), alike_variants=("a", "b"))
+    (row,) = power_rows([near, twin])
+    assert row.variant == "6+Z"
+    assert row.alike == (("gain-drift", 1.0), ("added-mass", 0.8))
+    first, second = confusable([near, twin])
+    assert first == {
+        "effects": ["gain-drift", "local-absorber"], "variants": ["gain-drift (19+Z)", "19+Z"], "cosine": 1.0
+    }  # fmt: skip
+    assert second["effects"] == ["added-mass", "local-absorber"]
+
+
+def test_a_gain_and_its_drift_are_confused_where_sensors_rove(tmp_path: Path) -> None:
+    scenario, known = roving_scenario(), available_effects()
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path)
+    null = fit(case, (), np.zeros(case.size), np.zeros(0), ())
+    tried = candidates(case, {name: known[name] for name in ("channel-gain", "gain-drift")})
+    pairs = [pair["effects"] for pair in confusable(power(null, tried))]
+    assert ["channel-gain", "gain-drift"] in pairs
+
+
+def test_a_size_that_gets_a_name_is_one_that_a_fit_can_have(stated: Fit) -> None:
+    """An absorber at the tip had its name from 0.26 g on, and no fit has less than 5.2 g."""
+    absorber = Hypothesis(available_effects()["local-absorber"], {"x_m": 0.9, "y_m": 1.1})
+    (mass,) = (p for p in absorber.parameters if p.name == "mass_kg")
+    (found,) = (p for p in power(stated, [absorber]) if p.parameter == "mass_kg")
+    least_kg, most_kg = (absorber.values(s * np.full(len(absorber.parameters), 1e3))["mass_kg"] for s in (-1, 1))
+    assert found.named == pytest.approx(least_kg)
+    assert absorber.values(absorber.scores({"mass_kg": found.named}))["mass_kg"] == pytest.approx(found.named)
+    assert within_reach(absorber, mass, 2 * least_kg) == 2 * least_kg
+    assert within_reach(absorber, mass, 1.01 * most_kg) == math.inf
+    assert math.isnan(within_reach(absorber, mass, math.nan))
+
+
+def test_a_document_says_why_there_is_no_name_and_what_was_held() -> None:
+    document = made(1e-3, "tip", named=math.inf, at=(("frequency_hz", 12.0),)).document()
+    assert (document["named"], document["reason"]) == (None, NEVER)
+    assert document["at"] == {"frequency_hz": 12.0}
+    assert made(1e-3, "tip", named=math.nan).document()["reason"] == NOT_KNOWN
+    assert made(1e-3, "tip").document()["reason"] == ""

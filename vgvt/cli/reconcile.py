@@ -209,17 +209,10 @@ def _tried(verdict: Verdict, effects: Mapping[str, type]) -> tuple[Hypothesis, .
 
     That nothing explains the data is no answer where nothing was asked.
     """
-    from vgvt.data import InputError
+    from vgvt.cli.reconcile_power import some_variant
     from vgvt.reconcile.search.candidates import candidates
 
-    tried = candidates(verdict.attribution.null.problem, effects)
-    if not tried:
-        raise InputError(
-            "--only and --without",
-            f"leave nothing to try: no variant of {', '.join(sorted(effects))} could show in this campaign",
-            "choose another effect",
-        )
-    return tried
+    return some_variant(candidates(verdict.attribution.null.problem, effects), effects)
 
 
 def _power(verdict: Verdict, tried: tuple[Hypothesis, ...], report: Any) -> tuple[Any, ...]:

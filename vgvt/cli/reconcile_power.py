@@ -11,6 +11,7 @@ from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import document_text, write_document
 
 if TYPE_CHECKING:
+    from vgvt.reconcile.question.hypothesis import Hypothesis
     from vgvt.scenario.model import Scenario
     from vgvt.view.reconcile_account import PowerRow
 
@@ -28,7 +29,7 @@ def power_before_the_test(
     """Print the table of detectability; with ``out`` write power.json and power.html there too."""
     from vgvt.reconcile.next_test.before_test import expected_fit
     from vgvt.reconcile.next_test.power import power
-    from vgvt.reconcile.next_test.power_rows import power_rows
+    from vgvt.reconcile.next_test.power_rows import confusable, power_rows
     from vgvt.reconcile.question.suitable import check_excitation, within_excited
     from vgvt.reconcile.search.candidates import candidates
 
@@ -38,7 +39,7 @@ def power_before_the_test(
     with progress(f"power of {scenario.name}") as report:
         fit = expected_fit(scenario, lines=lines, band_hz=band, progress=lambda f, m: report(_SIMULATED * f, m))
         report(_LINED_UP, "derivatives")
-        tried = candidates(fit.problem, effects)
+        tried = some_variant(candidates(fit.problem, effects), effects)
         found = power(fit, tried, lambda f, m: report(_LINED_UP + (1 - _LINED_UP) * f, m))
     rows = power_rows(found)
     document = {
@@ -46,8 +47,8 @@ def power_before_the_test(
         "band_hz": [float(fit.problem.measured.frequency_hz[0]), float(fit.problem.measured.frequency_hz[-1])],
         "power": [p.document() for p in found],
         "places": [_places(r) for r in rows if r.variants > 1],
-        "invisible": sorted({r.effect for r in rows} - {r.effect for r in rows if r.visible}),
-        "confusable": confusable(rows),
+        "invisible": sorted({r.effect for r in rows} - {r.effect for r in rows if r.shows != "no"}),
+        "confusable": confusable(found),
     }
     if out is not None:
         _write(out, scenario, document, rows)
@@ -60,20 +61,23 @@ def power_before_the_test(
     return 0
 
 
+def some_variant(tried: tuple[Hypothesis, ...], effects: Mapping[str, type]) -> tuple[Hypothesis, ...]:
+    """The variants to try; InputError where there are none."""
+    from vgvt.data import InputError
+
+    if not tried:
+        raise InputError(
+            "--only and --without",
+            f"leave nothing to try: no variant of {', '.join(sorted(effects))} could show in this campaign",
+            "choose another effect",
+        )
+    return tried
+
+
 def tell_of_cut(asked: tuple[float, float] | None, used: tuple[float, float], name: str) -> None:
     """Log that a band reaches beyond what is excited, where it does."""
     if asked is not None and asked != used:
         log(f"--band {asked[0]:g} {asked[1]:g} is cut to {used[0]:g} to {used[1]:g} Hz: {name} excites no more")
-
-
-def confusable(rows: Any) -> list[dict[str, object]]:
-    """Pairs of effects of nearly the same signature, the most alike first, each pair once."""
-    best: dict[tuple[str, str], float] = {}
-    for row in rows:
-        for name, cosine in row.alike:
-            pair = (min(row.effect, name), max(row.effect, name))
-            best[pair] = max(best.get(pair, 0.0), cosine)
-    return [{"effects": list(pair), "cosine": cosine} for pair, cosine in sorted(best.items(), key=lambda i: -i[1])]
 
 
 def _places(row: PowerRow) -> dict[str, object]:

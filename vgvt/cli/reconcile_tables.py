@@ -97,6 +97,7 @@ def power_table(rows: Sequence[PowerRow]) -> FittedTable:
             (
                 f"{sum(p.visible for p in rows)} of {len(rows)} show within their plausible range",
                 *(("at worst: just visible at the place, side or channel that shows it least",) if several else ()),
+                "whatever else an effect has (a frequency, an angle) is at its default",
                 *dict.fromkeys(p.reason for p in rows if ":" in p.reason),
             )
         ),

@@ -180,8 +180,9 @@ def power_section(power: Sequence[PowerRow]) -> str:
         "at the median of the variants, and at the worst, it takes what is said there. Named from: where it shows "
         "best, 95 of 100 of such effects get their name, as far as the fitted data decide; of those that are just "
         "visible fewer than half do, as a rule. Never: it leaves the ratio of acceleration to force alone. By level, "
-        "not foretold: what it does hangs on the level of force, and not on its size alone. Hard to tell from: cosine "
-        "of the two signatures."
+        "not foretold: what it does hangs on the level of force, and not on its size alone. Sizes hold at the "
+        "default of whatever else an effect has, as a frequency or an angle. Hard to tell from: cosine of the two "
+        "signatures."
     )
     return f'<p class="note">{escaped(note)}</p>{table(heads, rows, words=(0, 7))}'
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from scipy.optimize import brentq
 
 from vgvt.effects.parameter import Parameter
@@ -18,6 +19,19 @@ from vgvt.reconcile.search.candidates import freed
 _DEVIATE = 1.645
 _LEAST, _MOST = 0.2, 1e3
 _SLIGHTLY = 1e-3
+# A score beyond all that a fit can take.
+_FAR = 1e6
+
+
+def within_reach(hypothesis: Hypothesis, p: Parameter, change: float, sign: float = 1.0) -> float:
+    """A change of a parameter from its neutral value as a fit can have it: no less than the least, infinite beyond all.
+
+    A fit keeps values near what is plausible: what is smaller is fitted as the least there is.
+    """
+    index, neutral = [q.name for q in hypothesis.parameters].index(p.name), float(p.neutral or 0.0)
+    far = _FAR * np.eye(len(hypothesis.parameters))[index]
+    ends = sorted(sign * (hypothesis.values(side)[p.name] - neutral) for side in (-far, far))
+    return math.inf if change > ends[1] else max(change, ends[0])
 
 
 def nameable_ratio(

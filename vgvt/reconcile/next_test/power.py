@@ -13,7 +13,7 @@ import numpy as np
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.at_size import Sight, Views, least, size_of
-from vgvt.reconcile.next_test.nameable import nameable_ratio
+from vgvt.reconcile.next_test.nameable import nameable_ratio, within_reach
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
 from vgvt.reconcile.search.scan import start_values
@@ -34,7 +34,8 @@ class Power:
     """One size parameter of one variant: the smallest size seen at five standard deviations, in ``unit``.
 
     ``named`` is the size that gets its name in 95 of 100 such campaigns; ``low`` and ``high`` bound what is plausible;
-    ``alike`` are variants whose signature, after what the unknowns can imitate, has a cosine above 0.6 with it.
+    ``alike`` are effects with a variant, ``alike_variants``, whose signature has a cosine above 0.6 with it, after what
+    the unknowns can imitate. Sizes hold ``at`` the defaults of whatever has no neutral value: a frequency, an angle.
     ``smallest`` is infinite for what A/F does not show, and ``named`` for what would have to be absurdly large; either
     is not a number where no size keeps what slopes promise: ``by_level`` as an answer may hang on the level of force.
     """
@@ -49,6 +50,8 @@ class Power:
     high: float
     alike: tuple[tuple[str, float], ...]
     by_level: bool = False
+    alike_variants: tuple[str, ...] = ()
+    at: tuple[tuple[str, float], ...] = ()
 
     @property
     def visible(self) -> bool:
@@ -58,15 +61,19 @@ class Power:
     @property
     def reason(self) -> str:
         """Why there is no smallest size; nothing where there is one."""
-        if np.isfinite(self.smallest):
+        return self._why(self.smallest)
+
+    def _why(self, size: float) -> str:
+        if np.isfinite(size):
             return ""
-        return NEVER if np.isinf(self.smallest) else BY_LEVEL if self.by_level else NOT_KNOWN
+        return NEVER if np.isinf(size) else BY_LEVEL if self.by_level else NOT_KNOWN
 
     def document(self) -> dict[str, object]:
-        """Plain values; an infinite size, or one that is not known, is None, and ``reason`` says why."""
-        plain = {k: v for k, v in asdict(self).items() if k != "by_level"}
+        """Plain values; an infinite size, or one that is not known, is None, and ``reason`` says why of the first."""
+        plain = {k: v for k, v in asdict(self).items() if k != "by_level"} | {"at": dict(self.at)}
         sizes = {"smallest": self.smallest, "named": self.named}
-        return plain | {k: v if np.isfinite(v) else None for k, v in sizes.items()} | {"reason": self.reason}
+        why = self.reason or self._why(self.named)
+        return plain | {k: v if np.isfinite(v) else None for k, v in sizes.items()} | {"reason": why}
 
 
 @one_thread
@@ -102,16 +109,28 @@ def power(
                 grows, at = (1, 1.0) if square is None else (2, square[0])
                 smallest, named = _sizes(hypothesis, p, needed, at, grows, sight.views(slope, seen))
                 smallest, named = _looked_at(sight, hypothesis, values, p, needed, grows, (smallest, named))
+                named = within_reach(hypothesis, p, named, _sign(p))
             if not np.isfinite(smallest):
                 seen = None
             rows.append((hypothesis, p, smallest, named))
             signatures.append(None if seen is None or length <= 1e-9 else (seen / length).astype(np.float32))
-    return tuple(
-        Power(
-            h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, _alike(k, rows, signatures), not h.linear
-        )
-        for k, (h, p, smallest, named) in enumerate(rows)
-    )
+    found = []
+    for k, (h, p, smallest, named) in enumerate(rows):
+        alike = _alike(k, rows, signatures)
+        names, variants = tuple((name, cosine) for name, cosine, _ in alike), tuple(label for *_, label in alike)
+        beside = tuple(start_values(h).items())
+        found.append(
+            Power(
+                h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, names, not h.linear, variants, beside
+            )
+        )  # fmt: skip
+    return tuple(found)
+
+
+def _sign(p: Parameter) -> float:
+    """Which way from its neutral value more of a parameter is plausible."""
+    neutral = float(p.neutral or 0.0)
+    return 1.0 if p.high - neutral >= neutral - p.low else -1.0
 
 
 def _looked_at(
@@ -132,7 +151,7 @@ def _looked_at(
     neutral, most = float(p.neutral or 0.0), max(abs(p.low), abs(p.high))
     if not np.isfinite(smallest):
         return foretold
-    sign = 1.0 if p.high - neutral >= neutral - p.low else -1.0
+    sign = _sign(p)
 
     def views_at(size: float, promised: float | None = None) -> Views | None:
         return sight.at(hypothesis, {**values, p.name: neutral + sign * size}, p, promised)
@@ -180,14 +199,16 @@ def _sizes(
 
 def _alike(
     k: int, rows: list[tuple[Hypothesis, Parameter, float, float]], signatures: list[np.ndarray | None]
-) -> tuple[tuple[str, float], ...]:
+) -> list[tuple[str, float, str]]:
+    """Other effects that look alike, the most alike first, by name, cosine and variant."""
     own = signatures[k]
     if own is None:
-        return ()
-    best: dict[str, float] = {}
-    for j, other in enumerate(signatures):
-        name = rows[j][0].name
+        return []
+    best: dict[str, tuple[float, str]] = {}
+    for (hypothesis, *_), other in zip(rows, signatures, strict=True):
+        name = hypothesis.name
         if other is not None and name != rows[k][0].name:
-            best[name] = max(best.get(name, 0.0), abs(float(own @ other)))
-    found = [(name, cosine) for name, cosine in best.items() if cosine > _ALIKE]
-    return tuple(sorted(found, key=lambda pair: -pair[1]))
+            cosine = abs(float(own @ other))
+            if cosine > best.get(name, (_ALIKE, ""))[0]:
+                best[name] = cosine, hypothesis.label
+    return sorted(((name, cosine, label) for name, (cosine, label) in best.items()), key=lambda found: -found[1])

@@ -14,7 +14,8 @@ def power_rows(power: Iterable[Power]) -> tuple[PowerRow, ...]:
     """A row for each effect's parameter, those that show first.
 
     Of its variants (places, sides, channels) the row is of the one that shows at the smallest size, and says what is
-    just visible at the median and the worst of them. Where one is known, those that are not do not count.
+    just visible at the median and the worst of them. Where one is known, those that are not do not count. It is hard to
+    tell from what any of its variants is hard to tell from.
     """
     variants: dict[tuple[str, str], list[Power]] = {}
     for p in power:
@@ -37,10 +38,31 @@ def _row(variants: list[Power]) -> PowerRow:
         best.named,
         best.low,
         best.high,
-        best.alike,
+        _alike(variants),
         variants=len(variants),
         median=median_high(p.smallest for p in ranked),
         worst=worst.smallest,
         worst_variant=worst.label,
         reason=best.reason,
     )
+
+
+def _alike(variants: list[Power]) -> tuple[tuple[str, float], ...]:
+    """What any of them is hard to tell from, the most alike first."""
+    best: dict[str, float] = {}
+    for name, cosine in (pair for p in variants for pair in p.alike):
+        best[name] = max(best.get(name, 0.0), cosine)
+    return tuple(sorted(best.items(), key=lambda pair: -pair[1]))
+
+
+def confusable(power: Iterable[Power]) -> list[dict[str, object]]:
+    """Pairs of effects of nearly the same signature, each pair once, the most alike first, with the variants that are."""
+    found: dict[tuple[str, str], tuple[float, tuple[str, str]]] = {}
+    for p in power:
+        for (name, cosine), other in zip(p.alike, p.alike_variants, strict=True):
+            pair = (min(p.effect, name), max(p.effect, name))
+            if cosine > found.get(pair, (0.0, ("", "")))[0]:
+                labels = (p.label, other) if p.effect == pair[0] else (other, p.label)
+                found[pair] = cosine, labels
+    ranked = sorted(found.items(), key=lambda item: -item[1][0])
+    return [{"effects": list(pair), "variants": list(labels), "cosine": cosine} for pair, (cosine, labels) in ranked]

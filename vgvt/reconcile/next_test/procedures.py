@@ -146,7 +146,7 @@ def _averages(problem: Problem) -> list[Procedure]:
 
 def _other_runs(problem: Problem) -> list[Procedure]:
     """What tells an instrument from the point where it sat, and what happened in the meantime from either."""
-    runs = problem.measured.runs
+    runs, numbers = problem.measured.runs, _numbers(problem)
 
     def measured(after: Runs) -> Callable[[Scenario], Scenario]:
         changes = {"runs": after, "repeats": 1}
@@ -156,13 +156,19 @@ def _other_runs(problem: Problem) -> list[Procedure]:
     if len(runs) > 1:
         one = _minutes(problem, runs=1)
         found += [
-            Procedure(f"make run {k + 1} once more after the last", measured((*runs, run)), one, again=k)
+            Procedure(f"make run {numbers[k]} once more after the last", measured((*runs, run)), one, again=k)
             for k, run in enumerate(runs)
         ]
     if any(len(run) > 1 for run in runs):
         words = "exchange the sensors: every run again with their places in reverse order"
         found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), _minutes(problem)))
     return found
+
+
+def _numbers(problem: Problem) -> list[int]:
+    """What the runs are called by in the campaign."""
+    known = {c.run: c.run_number for c in problem.measured.channels}
+    return [known.get(k, k + 1) for k in range(len(problem.measured.runs))]
 
 
 def changed(problem: Problem, procedure: Procedure) -> Problem:
@@ -216,11 +222,14 @@ def _rearranged(problem: Problem, scenario: Scenario, again: int | None) -> Prob
     row = {(c.run, c.dof.node): i for i, c in enumerate(first.channels)}
     # By its index: several runs may have the same sensors, at other levels of force.
     came = [*range(len(first.runs)), *([] if again is None else [again])]
+    # Unknowns are known by their channels' labels: what was there keeps its number.
+    numbers = _numbers(problem)
+    numbers += [max(numbers) + 1 + k for k in range(len(runs) - len(numbers))]
     channels, index = [], []
     for k, run in enumerate(runs):
         for place, node in enumerate(run):
             index.append(row[came[k], node])
-            channels.append(replace(first.channels[index[-1]], run=k, run_number=k + 1, instrument=place))
+            channels.append(replace(first.channels[index[-1]], run=k, run_number=numbers[k], instrument=place))
     extra = first.used[index] & np.array([c.run >= len(first.runs) for c in channels])
     measured = replace(
         first, channels=tuple(channels), runs=runs, values=first.values[index], noise=first.noise[index],
