@@ -302,6 +302,13 @@ def test_power_before_the_test(vgvt, tmp_path: Path, beam: Path) -> None:
     assert "channel-gain" in vgvt(*arguments).out
 
 
+def test_power_before_the_test_of_what_could_show_nowhere_is_no_table(vgvt, beam: Path) -> None:
+    """A sensor is misplaced along a beam's own points, and a fin's control surface needs one that is there."""
+    ran = vgvt("reconcile", "--power", "--scenario", beam, "--only", "control-surface", "--lines", 60)
+    assert ran.status == 2
+    assert "no variant of control-surface" in ran.err
+
+
 @pytest.mark.slow
 def test_the_whole_loop_on_a_coarse_beam(vgvt, tmp_path: Path, beam: Path) -> None:
     from vgvt.scenario import load_scenario

@@ -150,6 +150,17 @@ def test_what_is_known_of_unknowns_goes_along_by_name(case: Problem) -> None:
 
 
 @pytest.mark.slow
+def test_runs_keep_the_numbers_that_their_gains_are_known_by(case: Problem) -> None:
+    """Of runs 3 to 6 the gain of "run 3" was that of the first, and after a change that of the third."""
+    campaign = campaign_of(roving_scenario(), 1)
+    later = replace(campaign, runs=tuple(replace(run, run=run.run + 2) for run in campaign.runs))
+    there = make_problem(later, roving_scenario(), lines=60)
+    for words, count in (("run 3 once more", 5), ("exchange the sensors", 4)):
+        after = changed(there, procedure(there, words))
+        assert list(dict.fromkeys(c.run_number for c in after.measured.channels)) == [3, 4, 5, 6, 7][:count]
+        assert set(there.names) <= set(after.names)
+
+
 def test_a_gain_that_changed_is_told_from_one_that_was_always_wrong(case: Problem) -> None:
     """In the last run alone the two are one; the sensor goes on to other points, and the point gets another sensor."""
     runs = case.measured.runs

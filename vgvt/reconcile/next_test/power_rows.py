@@ -56,7 +56,7 @@ def _alike(variants: list[Power]) -> tuple[tuple[str, float], ...]:
 
 
 def confusable(power: Iterable[Power]) -> list[dict[str, object]]:
-    """Pairs of effects of nearly the same signature, each pair once, the most alike first, with the variants that are."""
+    """Pairs of effects of nearly the same signature, each once, the most alike first, and which variants they are."""
     found: dict[tuple[str, str], tuple[float, tuple[str, str]]] = {}
     for p in power:
         for (name, cosine), other in zip(p.alike, p.alike_variants, strict=True):
