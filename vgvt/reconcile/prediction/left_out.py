@@ -46,7 +46,9 @@ class LeftOut:
         kept = np.linalg.solve(inside.T, basis.T @ axis.T)
         seen = np.linalg.solve(whole.T, axis.T).T - (basis @ kept).T
         felt = (s.stiffness - s.stiffness.T) @ s.drive
-        return cls(pushed, seen, s.drive if felt.any() else None)
+        return cls(
+            np.asarray(pushed, dtype=np.float64), np.asarray(seen, dtype=np.float64), s.drive if felt.any() else None
+        )
 
     def changes(self, stiffness: Array, drive: Array, axis: Array, at: NDArray[np.intp] | slice = slice(None)) -> Array:
         """Changes (k, C), m/N, by those of stiffness (k, j, j), drive (k, j), rows (k, C, j) over coordinates."""
@@ -78,5 +80,5 @@ def spare_slopes(
         if here is not there:
             a, b = here.structure, there.structure
             moved = b.stiffness - a.stiffness, b.drive - a.drive, b.axis[there.rows] - a.axis[here.rows]
-            found[k] += left.changes(*(m[None] for m in moved))[0] / side.step
+            found[k] += left.changes(moved[0][None], moved[1][None], moved[2][None])[0] / side.step
     return found

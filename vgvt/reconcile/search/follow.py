@@ -53,8 +53,12 @@ class Follower:
 
     def at(self, tangent: Array, u: Array) -> Follower:
         """The same by a tangent (2 N, scores) that was taken at unknowns u, with the effect."""
-        inverse = np.linalg.inv(tangent.T @ tangent + np.eye(tangent.shape[1]))
-        return replace(self, fit=replace(self.fit, u=u, tangent=tangent), inverse=inverse)
+        normal = tangent.T @ tangent + np.eye(tangent.shape[1])
+        return replace(
+            self,
+            fit=replace(self.fit, u=u, tangent=tangent),
+            inverse=np.asarray(np.linalg.inv(normal), dtype=np.float64),
+        )
 
     def follow(self, here: Anchor, along: Callable[[], Array | None]) -> Reached | None:
         """From the fit's scores, at an anchor with the effect; None where there is no response.
