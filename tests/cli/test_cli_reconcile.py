@@ -303,7 +303,8 @@ def test_power_before_the_test(vgvt, tmp_path: Path, beam: Path) -> None:
 
 
 def test_power_before_the_test_of_what_could_show_nowhere_is_no_table(vgvt, beam: Path) -> None:
-    """No two of the sensors are near each other."""
+    """A beam of four runs of one sensor each has no two that could be taken for one another."""
+    beam.write_text(BEAM.replace("[[1, 2], [3, 4], [5, 6], [7, 8]]", "[[1], [3], [5], [7]]"), encoding="utf-8")
     ran = vgvt("reconcile", "--power", "--scenario", beam, "--only", "swapped-sensors", "--lines", 60)
     assert ran.status == 2
     assert "no variant of swapped-sensors" in ran.err
