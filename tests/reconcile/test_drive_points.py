@@ -18,7 +18,8 @@ MIDDLE, MIRROR = "excite on the centre line", "excite at the mirror image of the
 
 def excited(scenario: Scenario) -> dict[str, Scenario]:
     """What every move of the shaker makes of a scenario."""
-    problem: Any = SimpleNamespace(scenario=scenario, measured=SimpleNamespace(runs=scenario.acquisition.run_nodes))
+    runs = scenario.acquisition.run_nodes
+    problem: Any = SimpleNamespace(scenario=scenario, measured=SimpleNamespace(runs=runs, channels=()))
     return {p.words: p.edit(scenario) for p in procedures(problem) if p.words.startswith("excite")}
 
 
