@@ -16,7 +16,7 @@ from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.loose_sensor_mount import LooseSensorMount
 from vgvt.effects.suspension_surge import SuspensionSurge
-from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search import candidate_fits, shortlist
 from vgvt.reconcile.search.candidate_fits import FINALISTS, finalists
@@ -135,7 +135,7 @@ def test_a_sensor_that_resonates_in_the_band_is_met(tmp_path: Path) -> None:
     # The closed form knows it to a step of the scan, and from where the screen begins a fit arrives.
     best = max(at_sizes(stand_on(null), found[0].hypothesis), key=lambda s: s.gain_nats)
     assert best.values["period_s"] == pytest.approx(0.033, rel=0.06)
-    arrived = fit(case, (found[0].hypothesis,), null.u, found[0].hypothesis.scores(found[0].values), NEAR)
+    arrived = fit(case, (found[0].hypothesis,), null.u, found[0].hypothesis.scores(found[0].values))
     assert arrived.values(0)["period_s"][0] == pytest.approx(0.033, rel=1e-3)
     # Far above the band the closed form still has its say.
     starts = scan_of(case, found[0].hypothesis).starts
