@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -10,6 +11,7 @@ from rich.console import Console
 from vgvt.cli.reconcile_tables import error_table, power_table
 from vgvt.effects.parameter import parameters_of
 from vgvt.effects.registry import available_effects
+from vgvt.reconcile.next_test.power_rows import invisible
 from vgvt.view.reconcile_account import PowerRow
 
 _ALIKE = (("drive-point-offset", 0.99), ("stinger-moment", 0.97), ("sensor-position-error", 0.91))
@@ -110,3 +112,16 @@ def test_a_size_that_is_not_known_is_no_answer(width: int) -> None:
     assert found.count("not known") == 1
     assert "0 of 2 show" in found
     assert "by level: not foretold" in " ".join(found.split())
+
+
+def test_what_is_not_known_is_not_called_invisible() -> None:
+    """Nor is an effect of which one parameter shows."""
+    known = PowerRow("mass", "mass", "mass_kg", "kg", 0.01, 0.02, 0.001, 0.1)
+    rows = [
+        known,
+        replace(known, parameter="x_m", smallest=math.inf),
+        replace(known, effect="hum", smallest=math.inf),
+        replace(known, effect="tilt", smallest=0.2),
+        replace(known, effect="play", smallest=math.nan),
+    ]
+    assert invisible(rows) == ["hum", "tilt"]

@@ -29,7 +29,7 @@ def power_before_the_test(
     """Print the table of detectability; with ``out`` write power.json and power.html there too."""
     from vgvt.reconcile.next_test.before_test import expected_fit
     from vgvt.reconcile.next_test.power import power
-    from vgvt.reconcile.next_test.power_rows import confusable, power_rows
+    from vgvt.reconcile.next_test.power_rows import confusable, invisible, power_rows
     from vgvt.reconcile.question.suitable import check_excitation, within_excited
     from vgvt.reconcile.search.candidates import candidates
 
@@ -47,7 +47,7 @@ def power_before_the_test(
         "band_hz": [float(fit.problem.measured.frequency_hz[0]), float(fit.problem.measured.frequency_hz[-1])],
         "power": [p.document() for p in found],
         "places": [_places(r) for r in rows if r.variants > 1],
-        "invisible": sorted({r.effect for r in rows} - {r.effect for r in rows if r.shows != "no"}),
+        "invisible": invisible(rows),
         "confusable": confusable(found),
     }
     if out is not None:

@@ -55,6 +55,12 @@ def _alike(variants: list[Power]) -> tuple[tuple[str, float], ...]:
     return tuple(sorted(best.items(), key=lambda pair: -pair[1]))
 
 
+def invisible(rows: Iterable[PowerRow]) -> list[str]:
+    """Effects that no plausible size of any parameter shows; one of which that is not known is not among them."""
+    rows = tuple(rows)
+    return sorted({r.effect for r in rows} - {r.effect for r in rows if r.shows != "no"})
+
+
 def confusable(power: Iterable[Power]) -> list[dict[str, object]]:
     """Pairs of effects of nearly the same signature, each once, the most alike first, and which variants they are."""
     found: dict[tuple[str, str], tuple[float, tuple[str, str]]] = {}
