@@ -11,6 +11,7 @@ from vgvt.data import Campaign
 from vgvt.effects import Effect, available_effects
 from vgvt.effects.conformance import table_of
 from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.next_test.checks import Check, checks
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.question.uncertain import edited, unknowns
@@ -50,6 +51,18 @@ def problem(cache: Path, seed: int, *effects: Effect) -> Problem:
     """The reconciliation of such a campaign with the scenario as stated."""
     scenario = small_scenario()
     return make_problem(campaign_of(scenario, seed, *effects), scenario, lines=200, cache=cache)
+
+
+def roving_problem(cache: Path, lines: int) -> Problem:
+    """The reconciliation of a campaign of four runs with five roving sensors with the scenario as stated."""
+    scenario = roving_scenario()
+    return make_problem(campaign_of(scenario, 1), scenario, lines=lines, cache=cache)
+
+
+def check(case: Problem, words: str) -> Check:
+    """The one reading off the rig whose words hold these."""
+    (found,) = (c for c in checks(case) if words in c.words)
+    return found
 
 
 def claimed(case: Problem, name: str, values: dict[str, float], **settings: Any) -> Fit:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
+from reconciled_case import campaign_of, claimed, roving_problem, small_scenario
 
 from vgvt.reconcile.next_test.procedures import Procedure, changed, levels_to_try, procedures
 from vgvt.reconcile.next_test.suggest import known_in
@@ -19,9 +19,7 @@ from vgvt.reconcile.question.problem import Problem, make_problem
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    """A campaign of four runs with five roving sensors."""
-    scenario = roving_scenario()
-    return make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path_factory.mktemp("cache"))
+    return roving_problem(tmp_path_factory.mktemp("cache"), lines=60)
 
 
 # Of modes that are kept for other runs beside it a record's prediction knows that much.

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, claimed, roving_scenario
+from reconciled_case import campaign_of, check, claimed, roving_problem, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import switched_on
 from vgvt.effects.registry import effects_of
 from vgvt.reconcile.fitting.fit import TO_THE_END, calibrate, fit
 from vgvt.reconcile.next_test import suggest as suggesting
-from vgvt.reconcile.next_test.checks import Check, _aircraft_kg, checks, foretold, log_density, reading_nats, seen
+from vgvt.reconcile.next_test.checks import _aircraft_kg, checks, foretold, log_density, reading_nats, seen
 from vgvt.reconcile.next_test.with_reading import reading_density
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
@@ -25,14 +25,7 @@ from vgvt.scenario import load_scenario
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    """A campaign of four runs with five roving sensors."""
-    scenario = roving_scenario()
-    return make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path_factory.mktemp("cache"))
-
-
-def check(case: Problem, words: str) -> Check:
-    (found,) = (c for c in checks(case) if words in c.words)
-    return found
+    return roving_problem(tmp_path_factory.mktemp("cache"), lines=60)
 
 
 def shown(case: Problem, words: str, name: str, **values: Any) -> np.ndarray:

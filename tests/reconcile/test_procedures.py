@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, claimed, roving_scenario, small_scenario
+from reconciled_case import campaign_of, claimed, roving_problem, roving_scenario, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.decision import undecided as undecided_module
@@ -35,9 +35,7 @@ GAIN_CLASS = available_effects()["channel-gain"]
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    """A campaign of four runs with five roving sensors."""
-    scenario = roving_scenario()
-    return make_problem(campaign_of(scenario, 1), scenario, lines=100, cache=tmp_path_factory.mktemp("cache"))
+    return roving_problem(tmp_path_factory.mktemp("cache"), lines=100)
 
 
 def procedure(case: Problem, words: str) -> Procedure:

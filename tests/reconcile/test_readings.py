@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, claimed, roving_scenario
+from reconciled_case import campaign_of, check, claimed, roving_problem, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, calibrate, fit
-from vgvt.reconcile.next_test.checks import Check, checks, read_by, reading_nats, seen
+from vgvt.reconcile.next_test.checks import read_by, reading_nats, seen
 from vgvt.reconcile.next_test.with_reading import followed_nats
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
@@ -18,14 +18,7 @@ from vgvt.reconcile.question.problem import Problem, make_problem
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    """A campaign of four runs with five roving sensors."""
-    scenario = roving_scenario()
-    return make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path_factory.mktemp("cache"))
-
-
-def check(case: Problem, words: str) -> Check:
-    (found,) = (c for c in checks(case) if words in c.words)
-    return found
+    return roving_problem(tmp_path_factory.mktemp("cache"), lines=60)
 
 
 @pytest.mark.parametrize(
