@@ -2,12 +2,14 @@
 
 Z(ω) q = d F, with F the *measured* force and Z = K + iωC - ω²M. What lies between the sensing element and
 the stinger, and what the gauge feels besides, is moved to the left: with F_stinger = F + m (a + tilt) + gauge,
-M loses m d dᵀ, and so on. A/F then equals that of the driven rig exactly, shaker left out. The roving
-accelerometers are left out too: they are a rank-one change per sensor and run.
+M loses m d dᵀ, and so on. A/F then equals that of the driven rig exactly, shaker left out. The inertia of the roving
+accelerometers is left out too: it is a rank-one change per sensor and run. Their weight is not, in the mean of all
+runs: a wing that sags by a hundredth more under 56 g has its first bending 0.035 % lower, which peaks show.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -37,7 +39,7 @@ _PLANS = 16
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Structure:
-    """Z q = d F at the equilibrium, without the roving accelerometers; arrays over coordinates named ``joints``.
+    """Z q = d F at the equilibrium under all sensors, whose inertia is not in it; over coordinates named ``joints``.
 
     ``mass``, ``damping``, ``stiffness`` (n, n) in SI; ``drive`` (n,) is the row of the drive point along the push.
     ``places`` name the points; ``jacobian`` (places, 3, n) are their displacements in world axes, ``axis`` (places, n)
@@ -187,7 +189,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     scenario = layout.scenario
     above = scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
     drive = drive_axis[0]
-    mass = linear.mass - above * np.outer(drive, drive)
+    mass = linear.mass - above * np.outer(drive, drive) - _sensors_inertia(model, data, layout)
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt[0])
     damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
@@ -238,6 +240,27 @@ def _in_body_axes(s: Structure, centre_m: Array) -> Structure:
     )
 
 
+def _mean_sensors_kg(scenario: Scenario) -> dict[int, float]:
+    """What accelerometers weigh at every node that has one, kg, in the mean of all runs."""
+    runs = scenario.acquisition.run_nodes
+    counts = Counter(node for nodes in runs for node in nodes)
+    return {node: scenario.accelerometers.mass_kg * count / len(runs) for node, count in counts.items()}
+
+
+def _sensors_inertia(model: mujoco.MjModel, data: mujoco.MjData, layout: Plan) -> Array:
+    """Inertia (n, n) of what :func:`_hung` hangs in place of the accelerometers, for the sake of its weight alone."""
+    total, moved = np.zeros((model.nv, model.nv)), np.zeros((3, model.nv))
+    for node in _mean_sensors_kg(layout.scenario):
+        body = model.body(_weight(node))
+        mujoco.mj_jacBody(model, data, moved, None, body.id)
+        total += body.mass * moved.T @ moved
+    return total
+
+
+def _weight(node: int) -> str:
+    return f"accelerometers-at-{node}"
+
+
 def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
     """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping."""
     scenario, parts = layout.scenario, layout.parts
@@ -246,9 +269,18 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     known = {p.site for p in layout.grid}
     for point in (*layout.grid, *(p for p in points if p.site not in known)):
         spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - parts.origin_m[point.carrier])
+    sensors = _mean_sensors_kg(scenario)
+    homes = {p.dof.node: p for p in layout.grid}
+    for node, mass in sensors.items():
+        add_point_mass(spec, parts, _weight(node), homes[node].carrier, homes[node].position_m, mass)
     carried = scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
     lumps = sum(float(getattr(e, "mass_kg", 0.0)) for _, e in layout.elements if e.owner == "airframe")
-    hang(spec, parts, scenario.suspension, rigid_body_properties(scenario.airframe).mass_kg + lumps + carried)
+    hang(
+        spec,
+        parts,
+        scenario.suspension,
+        rigid_body_properties(scenario.airframe).mass_kg + lumps + carried + sum(sensors.values()),
+    )
     drive = layout.drive
     add_point_mass(spec, parts, TRANSDUCER, drive.carrier, drive.position_m, carried)
     spec.body(TRANSDUCER).add_site(name=DRIVE_SITE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +63,13 @@ class Spectra:
         return int(self.pushed.shape[1])
 
 
-def spectra_of(runs: tuple[UsableRun, ...], rate: float) -> tuple[Spectra, tuple[str, ...]]:
-    """Spectra of runs of one sample rate, Hz, padded to the longest; and remarks on those that end ringing."""
+def spectra_of(
+    runs: tuple[UsableRun, ...], rate: float, tapers_s: Sequence[float] | None = None
+) -> tuple[Spectra, tuple[str, ...]]:
+    """Spectra of runs of one sample rate, Hz, padded to the longest; and remarks on those that end ringing.
+
+    Tapered are those that do, or by so many seconds a run as somebody else's were who is to be compared with.
+    """
     samples = max(run.samples for run in runs)
     touched = np.zeros((len(runs), samples // 2 + 1), dtype=complex)
     pushed = np.zeros((len(runs), samples))
@@ -75,7 +81,7 @@ def spectra_of(runs: tuple[UsableRun, ...], rate: float) -> tuple[Spectra, tuple
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
         signals -= signals.mean(axis=1, keepdims=True)
         pushed[r, : run.samples] = signals[0]
-        window = _window(signals, rate)
+        window = _window(signals, rate) if tapers_s is None else _taper(signals.shape[1], round(tapers_s[r] * rate))
         ends.append(End(signals[0], 0 if window is None else int((window < 1).sum())))
         if window is not None:
             said = f"its last {_TAPER_S:g} s are tapered, which predictions know"
@@ -98,7 +104,13 @@ def _window(signals: Array, rate: float) -> Array | None:
     ringing = np.sqrt(excess * (tail**2).mean(axis=1)) > _AT_REST * np.sqrt((signals**2).mean(axis=1))
     if not ringing.any():
         return None
-    count = min(round(_TAPER_S * rate), signals.shape[1] // 4)
-    window = np.ones(signals.shape[1])
+    return _taper(signals.shape[1], min(round(_TAPER_S * rate), signals.shape[1] // 4))
+
+
+def _taper(samples: int, count: int) -> Array | None:
+    """Half a cosine over the last ``count`` samples; None where there are none."""
+    if count == 0:
+        return None
+    window = np.ones(samples)
     window[-count:] = 0.5 * (1 + np.cos(np.pi * (np.arange(count) + 0.5) / count))
     return window
