@@ -11,6 +11,7 @@ from vgvt.reconcile.evidence.rivals import Rival
 class Addition:
     """One round: the winner, everything within reach of it (its equivalence set, best first), and all rivals.
 
+    Of a lead, within reach is what comes nearly as near (:mod:`vgvt.reconcile.decision.near_leads`), too.
     ``in_its_place`` is what was found to do as well beside all that later rounds added: the winner itself first, then
     these, each the last effect of a fit with the others; empty where nothing was.
     """

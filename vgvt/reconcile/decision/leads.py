@@ -13,6 +13,7 @@ from dataclasses import replace
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.doubts import strained_too_much
+from vgvt.reconcile.decision.near_leads import with_nearly_as_near
 from vgvt.reconcile.evidence.confirmation import shares_taken
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.residual import Residual, residual
@@ -115,7 +116,7 @@ def demoted(found: Attribution) -> Attribution:
     """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
     bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
     if not found.null_residual.adequate or strained_too_much(found.null):
-        return replace(bare, leads=found.rounds, led=found.final)
+        return replace(bare, leads=tuple(map(with_nearly_as_near, found.rounds)), led=found.final)
     # What the first round asked is what stood between these data and a name; what could not be was refused one.
     strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
     rivals = found.rounds[0].rivals if found.rounds else found.last_rivals

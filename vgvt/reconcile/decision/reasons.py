@@ -7,6 +7,7 @@ from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.decision.kinds import Kind
 from vgvt.reconcile.decision.leads import why_no_name
+from vgvt.reconcile.decision.near_leads import beside_a_lead
 from vgvt.reconcile.decision.one_level import rests_on_one_level
 from vgvt.reconcile.decision.place_control import open_places
 from vgvt.reconcile.evidence.localise import Localisation, words_of_place
@@ -146,13 +147,18 @@ def _of_the_unknown(found: Attribution) -> list[str]:
     said.append(
         "No plausible effect of the catalogue explains it with enough evidence, and holds on data that no fit has seen"
     )
-    nearest = {a.winner.name for a in found.leads}
+    nearest = {r.name for a in found.leads for r in (a.winner, *a.alike)}
     if found.leads:
         labels = " with ".join(a.winner.hypothesis.label for a in found.leads)
         said.append(
             f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
             f"{found.leads[-1].winner.held_out:.2f}; {why_no_name(found)}"
         )
+        said += [
+            f"{' or '.join(others)} in place of {a.winner.name} comes nearly as near: which is ahead may be chance"
+            for a in found.leads
+            if (others := beside_a_lead(a))
+        ]
     refused: dict[str, Rival] = {}
     for r in sorted(found.vetoed, key=lambda r: -r.gain_nats):
         # Of a lead, another variant may have been refused: that says nothing against it.
