@@ -16,7 +16,8 @@ from vgvt.files.atomically import replacing
 from vgvt.files.locate import default_data_folder
 from vgvt.files.manifest import file_sha256
 from vgvt.files.open import shipped_sidecar
-from vgvt.files.sidecar import RunRow, Sidecar, Source
+from vgvt.files.sidecar import RunRow, Sidecar
+from vgvt.files.sidecar_records import Source
 from vgvt.files.strict import load_table
 
 Progress = Callable[[float, str], None]

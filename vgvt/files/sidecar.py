@@ -16,71 +16,11 @@ from pydantic import Field, field_validator, model_validator
 
 from vgvt.data import ChannelRole, Direction, Dof, Quantity
 from vgvt.files.axes import Axes
-from vgvt.files.delimited_text import check_delimiter
+from vgvt.files.sidecar_records import Records, Source
 from vgvt.files.strict import Finite, Positive, Table
 from vgvt.files.units import QUANTITIES, Sensitivity, unit_in_si
 
 Sha256 = Field(default=None, pattern="^[0-9a-f]{64}$")
-
-
-class Source(Table):
-    """A public repository that the record files can be fetched from."""
-
-    repository: str = Field(pattern=r"^[\w.-]+/[\w.-]+$")
-    """Owner and name, like 'PAAW/mAEWing1'."""
-    commit: str
-    path: str
-    """The folder of the record files inside the repository."""
-    base_url: str = Field(default="https://raw.githubusercontent.com", pattern="^https?://")
-    licence: str = ""
-    licence_text: str = ""
-    """Written beside the records when they are fetched, as most licences ask."""
-
-    def url(self, file: str) -> str:
-        """Address of one record file."""
-        return "/".join((self.base_url.rstrip("/"), self.repository, self.commit, self.path.strip("/"), file))
-
-
-class Records(Table):
-    """What all record files have in common."""
-
-    format: Literal["mat", "npz", "csv", "uff"]
-    sample_rate_hz: Positive
-    dataset: str = ""
-    """Name of a data set that is looked up in VGVT_DATA; left out, files lie relative to the sidecar."""
-    folder: str = ""
-    """Folder of the files, in the data set or relative to the sidecar."""
-    samples: str = ""
-    """The variable (MAT) or array (npz) that holds the channels; a channel may name another."""
-    channels_are: Literal["columns", "rows"] = "columns"
-    columns: int | None = Field(default=None, ge=1)
-    """How many channels a run must have in its file; left out, any number that covers the channel table."""
-    time_s: str = ""
-    """A variable that holds the time axis; it is compared with sample_rate_hz and the number of samples."""
-    delimiter: str = ","
-    skip_rows: int = Field(default=0, ge=0)
-    overrides: tuple[Literal["sample_rate_hz"], ...] = ()
-    """What the sidecar states against a Universal File that is wrong about it."""
-
-    @field_validator("delimiter")
-    @classmethod
-    def _one_character(cls, value: str) -> str:
-        check_delimiter(value)
-        return value
-
-    @model_validator(mode="after")
-    def _only_what_the_format_has(self) -> Self:
-        if self.format == "csv" and (self.samples or self.time_s):
-            raise ValueError("text files have no named variables; leave out samples and time_s")
-        if self.format == "uff" and (self.samples or self.time_s or self.channels_are == "rows"):
-            raise ValueError(
-                "Universal Files hold one time history a channel, with its time axis; "
-                "leave out samples, time_s and channels_are"
-            )
-        if self.format != "uff" and self.overrides:
-            raise ValueError("only a Universal File states what could be overridden; leave out overrides")
-        return self
-
 
 class Nodes(Table):
     """Positions: columns of equal length, in the axes and unit of [axes]."""

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from vgvt.data import Dof, InputError, Quantity
+from vgvt.data import Dof, InputError
 from vgvt.files.axes import Axes
 from vgvt.files.sidecar import ChannelRow
 from vgvt.files.time_axis import RATE_TOLERANCE, check_time_axis
 from vgvt.files.uff.time_history import TimeHistory
-from vgvt.files.uff.units import (
-    CODES_IN_WORDS,
-    NOT_STATED,
-    QUANTITY_OF_CODE,
-    UnitSystem,
-    same_unit,
-    unit_of_label,
-)
-from vgvt.files.units import unit_in_si
+from vgvt.files.uff.units import CODES_IN_WORDS, NOT_STATED, QUANTITY_OF_CODE, UnitSystem
+from vgvt.files.unit_agreement import check_unit_label, override, unit_in_words
+from vgvt.files.unit_labels import same_unit
 
 _TIME = 17
 _FIXED_DIGITS = 1e-5  # of the abscissa in the file's header, relative
@@ -43,7 +37,7 @@ def check_channel(
         raise InputError(
             where,
             f"the file says that it was measured at {history.response}{turned}; the sidecar says {dof}",
-            f"correct the column, or the place; {_override('dof')}",
+            f"correct the column, or the place; {override('dof')}",
         )
     if "unit" not in channel.overrides:
         _check_unit(history, channel, units, where)
@@ -98,24 +92,13 @@ def _check_quantity(history: TimeHistory, channel: ChannelRow, where: str) -> No
     raise InputError(
         where,
         f"the file says {stated} (specific data type {code}), the sidecar says {channel.quantity}",
-        f"correct the column, or the quantity; {_override('quantity')}",
+        f"correct the column, or the quantity; {override('quantity')}",
     )
 
 
 def _check_unit(history: TimeHistory, channel: ChannelRow, units: UnitSystem | None, where: str) -> None:
-    labelled = unit_of_label(history.unit)
-    said = "volts (sensitivity)" if channel.unit is None else channel.unit
-    if labelled is not None:
-        kind, label = labelled
-        volts = channel.unit is None or channel.kind is Quantity.GENERAL
-        right = kind is (Quantity.GENERAL if volts else channel.kind)
-        if right and same_unit(unit_in_si(kind, label), channel.v_per_sample if volts else channel.si_per_sample):
-            return
-        raise InputError(
-            where,
-            f"the file says that its unit is {history.unit!r}, the sidecar says {said}",
-            f"correct the unit, or give the sensitivity where the file holds volts; {_override('unit')}",
-        )
+    if check_unit_label(channel, history.unit, where):
+        return
     # The file's system says nothing of volts, nor of what has a unit of its own.
     if units is None or channel.unit is None or history.unit or history.quantity_code not in QUANTITY_OF_CODE:
         return
@@ -124,10 +107,6 @@ def _check_unit(history: TimeHistory, channel: ChannelRow, units: UnitSystem | N
         raise InputError(
             where,
             f"by the file's units (dataset 164) it is in units of {factor:.6g} {channel.kind.si_unit}, "
-            f"the sidecar says {said}",
-            f"correct the unit; {_override('unit')}",
+            f"the sidecar says {unit_in_words(channel)}",
+            f"correct the unit; {override('unit')}",
         )
-
-
-def _override(what: str) -> str:
-    return f'where the file is wrong, write overrides = ["{what}"] in this channel'

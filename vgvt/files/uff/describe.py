@@ -19,7 +19,7 @@ from vgvt.files.uff.grouping import FoundRun, find_runs
 from vgvt.files.uff.proposal import ProposedChannel, propose_channels
 from vgvt.files.uff.read import UniversalFile, read_uff
 from vgvt.files.uff.sidecar_text import Draft, missing, sidecar_text
-from vgvt.files.uff.units import same_unit
+from vgvt.files.unit_labels import same_unit
 from vgvt.files.units import LENGTHS_M
 
 _USUAL_SHARE = 2.56

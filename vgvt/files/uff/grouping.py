@@ -10,7 +10,8 @@ from vgvt.data import InputError, Quantity
 from vgvt.files.uff.read import UniversalFile, require_histories
 from vgvt.files.uff.sample_rate import stated_rate_hz
 from vgvt.files.uff.time_history import TimeHistory
-from vgvt.files.uff.units import NOT_STATED, QUANTITY_OF_CODE, unit_of_label
+from vgvt.files.uff.units import NOT_STATED, QUANTITY_OF_CODE
+from vgvt.files.unit_labels import unit_of_label
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,8 @@ from vgvt.files.axes import Axes
 from vgvt.files.uff.agreement import in_aircraft_axes
 from vgvt.files.uff.grouping import FoundRun, quantity_of
 from vgvt.files.uff.time_history import TimeHistory
-from vgvt.files.uff.units import CODES_IN_WORDS, NOT_STATED, UnitSystem, unit_of_factor, unit_of_label
+from vgvt.files.uff.units import CODES_IN_WORDS, NOT_STATED, UnitSystem
+from vgvt.files.unit_labels import unit_of_factor, unit_of_label
 from vgvt.files.units import QUANTITIES
 
 _NAMES = {

@@ -12,7 +12,7 @@ from vgvt.files.axes import Axes
 from vgvt.files.uff.geometry import UffGeometry
 from vgvt.files.uff.grouping import FoundRun
 from vgvt.files.uff.proposal import ProposedChannel
-from vgvt.files.uff.units import unit_of_label
+from vgvt.files.unit_labels import unit_of_label
 
 _LINE = 100
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")

@@ -1,14 +1,12 @@
-"""Units that a Universal File states: labels of axes, and the system of dataset 164."""
+"""What a Universal File states of quantities and units: data types, and the system of dataset 164."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vgvt.data import Quantity
 from vgvt.files.uff.fields import real
-from vgvt.files.units import UNITS
 
 # Specific data types of dataset 58 that a sidecar has a quantity for; a reaction force is a measured force.
 QUANTITY_OF_CODE = {
@@ -37,20 +35,6 @@ CODES_IN_WORDS = {
     19: "rotational speed",
     20: "order",
 }
-_OTHER_SPELLINGS = {
-    "G": "g",
-    "gn": "g",
-    "g's": "g",
-    "lbs": "lbf",
-    "newton": "N",
-    "Newton": "N",
-    "volt": "V",
-    "Volt": "V",
-    "volts": "V",
-    "Volts": "V",
-    "v": "V",
-}
-_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,21 +57,3 @@ class UnitSystem:
         if quantity is Quantity.EXCITATION_FORCE:
             return 1 / self.forces_a_newton
         return None if quantity is Quantity.GENERAL else 1 / self.lengths_a_metre
-
-
-def unit_of_label(label: str) -> tuple[Quantity, str] | None:
-    """The quantity and unit, as sidecars spell it, that a label like ``m/s2`` means; None where it is none of them."""
-    spelt = label.replace(" ", "").replace("**", "^").replace("²", "^2").replace("sec", "s")
-    spelt = re.sub(r"/\(?s\^?2\)?$", "/s^2", spelt)
-    spelt = _OTHER_SPELLINGS.get(spelt, spelt)
-    return next(((quantity, spelt) for quantity, units in UNITS.items() if spelt in units), None)
-
-
-def unit_of_factor(quantity: Quantity, in_si: float) -> str | None:
-    """The unit of a quantity that is so many SI units, as sidecars spell it; None where there is none."""
-    return next((name for name, factor in UNITS[quantity].items() if same_unit(factor, in_si)), None)
-
-
-def same_unit(in_si: float, other_in_si: float) -> bool:
-    """True where two units are one, but for how exactly their factors are written."""
-    return abs(in_si / other_in_si - 1) <= _TOLERANCE
