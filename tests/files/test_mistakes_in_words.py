@@ -17,7 +17,7 @@ Edit = Callable[[str, str], Path]
     ("old", "new", "words"),
     [
         ('role = "reference"', 'role = "referenz"', ('"referenz"', "'response', 'reference' or 'drive'")),
-        ('format = "mat"', 'format = "tdms"', ('"tdms"', "'mat', 'npz', 'csv' or 'uff'")),
+        ('format = "mat"', 'format = "wav"', ('"wav"', "'mat', 'npz', 'csv', 'uff' or 'tdms'")),
         ('name = "bench-beam"', "name = 5", ("name: 5 was given", "text in quotes", 'name = "..."')),
         ("sample_rate_hz = 100.0", "sample_rate_hz = -100.0", ("-100.0 was given", "more than 0")),
         ("sample_rate_hz = 100.0", 'sample_rate_hz = "fast"', ('"fast" was given', "a number", "without quotes")),

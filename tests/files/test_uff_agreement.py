@@ -167,7 +167,7 @@ def test_channels_that_are_not_to_be_found(
             r"'acc1' cannot be found by its DOF in a Universal File\n.*give its column",
         ),
         ('"run1.uff"', '"run1.uff"\nindex = 1', ""),
-        ('format = "uff"', 'format = "csv"\noverrides = ["sample_rate_hz"]', "only a Universal File states"),
+        ('format = "uff"', 'format = "csv"\noverrides = ["sample_rate_hz"]', "only Universal Files and TDMS state"),
         ("column = 2", 'column = 2\noverrides = ["name"]', "'dof', 'quantity' or 'unit'"),
     ],
 )
@@ -184,8 +184,8 @@ def test_a_mistake_in_the_sidecar_of_universal_files(
     assert str(caught.value).startswith(str(path))
 
 
-def test_only_universal_files_can_be_overridden(edited: Edit) -> None:
-    with pytest.raises(InputError, match="channel 'acc1': only a Universal File states what could be overridden"):
+def test_only_what_a_file_states_can_be_overridden(edited: Edit) -> None:
+    with pytest.raises(InputError, match="channel 'acc1': a file of format mat states no unit that could be"):
         open_campaign(edited('name = "acc1"\n', 'name = "acc1"\noverrides = ["unit"]\n'))
 
 

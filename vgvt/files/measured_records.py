@@ -14,9 +14,14 @@ from vgvt.files.manifest import file_sha256
 from vgvt.files.mat import read_mat
 from vgvt.files.npz import read_npz
 from vgvt.files.sidecar import ChannelRow, RunRow, Sidecar
+from vgvt.files.tdms.read import TdmsFile, read_tdms
+from vgvt.files.tdms.run_columns import columns_of_run as columns_of_tdms
 from vgvt.files.time_axis import check_time_axis, time_of_run
 from vgvt.files.uff.read import UniversalFile, read_uff
-from vgvt.files.uff.run_columns import columns_of_run
+from vgvt.files.uff.run_columns import columns_of_run as columns_of_uff
+
+Content = dict[str, NDArray[Any]] | UniversalFile | TdmsFile
+"""The arrays of a file by their names, or a file that holds its channels one by one and says of each what it is."""
 
 
 def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
@@ -25,10 +30,10 @@ def read_measured(sidecar: Sidecar, folder: Path) -> Campaign:
     Samples come out in SI, aircraft axes. InputError names the file, and the
     run and channel where it can: missing or damaged file, wrong hash, missing variable,
     too few columns, no samples, a time axis that contradicts the sample rate or the number of samples,
-    a Universal File that states another quantity, DOF or unit.
+    a Universal File or TDMS file that states another quantity, DOF, rate or unit.
     """
     runs: list[Record] = []
-    content: dict[str, NDArray[Any]] | UniversalFile = {}
+    content: Content = {}
     hashes: dict[str, str] = {}
     read = ""
     for run in sidecar.run:
@@ -71,9 +76,10 @@ def _check_file(sidecar: Sidecar, run: RunRow, path: Path, hashes: dict[str, str
         )
 
 
-def _read_content(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]] | UniversalFile:
-    """The arrays of a file by their names; a Universal File holds no arrays, but time histories."""
+def _read_content(sidecar: Sidecar, path: Path) -> Content:
     records = sidecar.records
+    if records.format == "tdms":
+        return read_tdms(path)
     if records.format == "uff":
         return read_uff(path)
     if records.format == "csv":
@@ -83,9 +89,11 @@ def _read_content(sidecar: Sidecar, path: Path) -> dict[str, NDArray[Any]] | Uni
     return read_mat(path, wanted) if records.format == "mat" else read_npz(path, wanted)
 
 
-def _record(sidecar: Sidecar, run: RunRow, content: dict[str, NDArray[Any]] | UniversalFile, path: Path) -> Record:
+def _record(sidecar: Sidecar, run: RunRow, content: Content, path: Path) -> Record:
     if isinstance(content, UniversalFile):
-        columns = columns_of_run(sidecar, run, content)
+        columns = columns_of_uff(sidecar, run, content)
+    elif isinstance(content, TdmsFile):
+        columns = columns_of_tdms(sidecar, run, content)
     else:
         columns = [_column(sidecar, run, channel, content, path) for channel in sidecar.channel]
     lengths = {c.name: len(x) for c, x in zip(sidecar.channel, columns, strict=True)}
@@ -95,7 +103,7 @@ def _record(sidecar: Sidecar, run: RunRow, content: dict[str, NDArray[Any]] | Un
     if not columns[0].size:
         raise InputError(where, "the record has no samples", "leave this run out, or find its data")
     sample_rate_hz = run.sample_rate_hz or sidecar.records.sample_rate_hz
-    if sidecar.records.time_s and not isinstance(content, UniversalFile):
+    if sidecar.records.time_s and isinstance(content, dict):
         time_s = time_of_run(content[sidecar.records.time_s], run.index, where)
         check_time_axis(time_s, columns[0].size, sample_rate_hz, where)
     double = any(x.dtype.itemsize > 4 or x.dtype.kind != "f" for x in columns)

@@ -13,6 +13,7 @@ CAMPAIGN_NAME = "campaign.nc"
 _OF_SCENARIOS = frozenset({"extends", "airframe", "suspension", "shaker", "excitation", "acquisition", "effect"})
 _OF_SIDECARS = frozenset({"records", "channel", "run"})
 _UNIVERSAL = frozenset({".uff", ".unv", ".ufb", ".bunv"})
+_TDMS = ".tdms"
 _SHIPPED = Path(__file__).parent / "measured"
 
 
@@ -39,6 +40,12 @@ def open_campaign(source: str | Path) -> Campaign:
                 str(path),
                 "a Universal File does not say all that vgvt needs, like the band and which axis points aft",
                 f"write a sidecar for it, and give that: vgvt data describe {path}",
+            )
+        if path.suffix.lower() == _TDMS:
+            raise InputError(
+                str(path),
+                "a TDMS file does not say all that vgvt needs, like where its sensors sat",
+                "describe it in a sidecar, and give that: docs/how-to/describe-your-own-records.md",
             )
         return read_campaign(path)
     name = str(source)

@@ -21,6 +21,9 @@ from vgvt.files.strict import Finite, Positive, Table
 from vgvt.files.units import QUANTITIES, Sensitivity, unit_in_si
 
 Sha256 = Field(default=None, pattern="^[0-9a-f]{64}$")
+_STATED = {"uff": ("dof", "quantity", "unit"), "tdms": ("unit",)}
+"""What files of a format may state of a channel, and a sidecar may override."""
+
 
 class Nodes(Table):
     """Positions: columns of equal length, in the axes and unit of [axes]."""
@@ -58,9 +61,11 @@ class ChannelRow(Table):
     quantity: str
     role: ChannelRole
     column: int = Field(default=1, ge=1)
-    """Counted from 1; of a Universal File the time history of the run, found by its DOF where this is left out."""
+    """Counted from 1; of a Universal File the time history of the run, found by its DOF where this is left out; of
+    TDMS the channel of the group."""
     variable: str = ""
-    """The variable or array of this channel where it is not records.samples; of a Universal File the DOF it states."""
+    """The variable or array of this channel where it is not records.samples; of a Universal File the DOF it states;
+    of TDMS the channel's name, or its path like \"/'group'/'channel'\"."""
     sensitivity: str | None = None
     """Volts per unit at the converter, like '10 mV/g'; the file then holds volts."""
     gain: Positive = 1.0
@@ -74,7 +79,7 @@ class ChannelRow(Table):
     direction: str | None = None
     """Direction, like '+Z', of a sensor that moves; the runs say to which node."""
     overrides: tuple[Literal["dof", "quantity", "unit"], ...] = ()
-    """What the sidecar states against a Universal File that is wrong about it."""
+    """What the sidecar states against a Universal File that is wrong about it; of TDMS the unit alone."""
 
     @field_validator("quantity")
     @classmethod
@@ -144,7 +149,8 @@ class RunRow(Table):
     file: str
     sha256: str | None = Sha256
     index: int | None = Field(default=None, ge=1)
-    """Which run of a file that holds several, along the first axis of its arrays or one behind the other; from 1."""
+    """Which run of a file that holds several, along the first axis of its arrays, one behind the other or, in TDMS, one
+    a group; from 1."""
     sample_rate_hz: Positive | None = None
     """Where it differs from the other runs."""
     nodes: dict[str, int | str] = Field(default_factory=dict)
@@ -182,31 +188,46 @@ class Sidecar(Table):
         self._check_columns()
         self._check_files()
         for run in self.run:
-            if self.records.format == "uff" and run.index is not None and self.records.columns is None:
-                raise ValueError(
-                    f"run {run.run} is one of several in a Universal File, and nothing says how many time histories "
-                    "a run has; write columns = ... in [records]"
-                )
+            if run.index is not None:
+                self._check_index(run)
             self._check_run(run)
         return self
 
     def _check_place(self, channel: ChannelRow) -> None:
         if self.records.format in ("mat", "npz") and not (channel.variable or self.records.samples):
             raise ValueError(f"channel {channel.name!r} has no variable; name it there or as records.samples")
-        if self.records.format != "uff":
-            if channel.overrides:
-                raise ValueError(
-                    f"channel {channel.name!r}: only a Universal File states what could be overridden; "
-                    "leave overrides out"
-                )
+        stated = _STATED.get(self.records.format, ())
+        unstated = [what for what in channel.overrides if what not in stated]
+        if unstated:
+            raise ValueError(
+                f"channel {channel.name!r}: a file of format {self.records.format} states no {unstated[0]} that could "
+                "be overridden; leave it out of overrides"
+            )
+        if not stated:
+            return
+        if channel.variable and channel.has_column:
+            raise ValueError(f"channel {channel.name!r} has a column and a variable; leave one of them out")
+        if self.records.format == "tdms":
             return
         if channel.variable:
             Dof.from_label(channel.variable)
-            if channel.has_column:
-                raise ValueError(f"channel {channel.name!r} has a column and a variable; leave one of them out")
         elif not channel.has_column and (channel.role is ChannelRole.DRIVE or "dof" in channel.overrides):
             raise ValueError(
                 f"channel {channel.name!r} cannot be found by its DOF in a Universal File; give its column"
+            )
+
+    def _check_index(self, run: RunRow) -> None:
+        if self.records.format == "uff" and self.records.columns is None:
+            raise ValueError(
+                f"run {run.run} is one of several in a Universal File, and nothing says how many time histories "
+                "a run has; write columns = ... in [records]"
+            )
+        if self.records.format == "tdms" and (
+            self.records.samples or any(c.variable.startswith("/'") for c in self.channel)
+        ):
+            raise ValueError(
+                f"run {run.run} is the group of that index, and another group is named; "
+                "leave samples out of [records], and name channels without their group"
             )
 
     def _check_files(self) -> None:
@@ -225,7 +246,8 @@ class Sidecar(Table):
         for channel in self.channel:
             if self.records.format == "uff" and not (channel.variable or channel.has_column):
                 continue  # found by its DOF, which is compared run by run
-            place = ("" if self.records.format == "csv" else channel.variable or self.records.samples, channel.column)
+            named = channel.variable or ("" if self.records.format in ("csv", "tdms") else self.records.samples)
+            place = (named, channel.column)
             if place in taken:
                 of = f" of {place[0]!r}" if place[0] else ""
                 raise ValueError(

@@ -31,23 +31,23 @@ class Source(Table):
 class Records(Table):
     """What all record files have in common."""
 
-    format: Literal["mat", "npz", "csv", "uff"]
+    format: Literal["mat", "npz", "csv", "uff", "tdms"]
     sample_rate_hz: Positive
     dataset: str = ""
     """Name of a data set that is looked up in VGVT_DATA; left out, files lie relative to the sidecar."""
     folder: str = ""
     """Folder of the files, in the data set or relative to the sidecar."""
     samples: str = ""
-    """The variable (MAT) or array (npz) that holds the channels; a channel may name another."""
+    """The variable (MAT) or array (npz) that holds the channels; a channel may name another. In TDMS their group."""
     channels_are: Literal["columns", "rows"] = "columns"
     columns: int | None = Field(default=None, ge=1)
     """How many channels a run must have in its file; left out, any number that covers the channel table."""
     time_s: str = ""
-    """A variable that holds the time axis; it is compared with sample_rate_hz and the number of samples."""
+    """A variable or channel that holds the time axis, compared with sample_rate_hz and the number of samples."""
     delimiter: str = ","
     skip_rows: int = Field(default=0, ge=0)
     overrides: tuple[Literal["sample_rate_hz"], ...] = ()
-    """What the sidecar states against a Universal File that is wrong about it."""
+    """What the sidecar states against a Universal File or TDMS file that is wrong about it."""
 
     @field_validator("delimiter")
     @classmethod
@@ -64,6 +64,8 @@ class Records(Table):
                 "Universal Files hold one time history a channel, with its time axis; "
                 "leave out samples, time_s and channels_are"
             )
-        if self.format != "uff" and self.overrides:
-            raise ValueError("only a Universal File states what could be overridden; leave out overrides")
+        if self.format == "tdms" and self.channels_are == "rows":
+            raise ValueError("a TDMS file holds its channels one by one; leave out channels_are")
+        if self.format not in ("uff", "tdms") and self.overrides:
+            raise ValueError("only Universal Files and TDMS state what could be overridden; leave out overrides")
         return self
