@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tdms_by_nptdms import WAVEFORM, cut_sidecar, rows_of, write_tdms
 
-from vgvt.data import Campaign
+from vgvt.data import Campaign, InputError
 from vgvt.files import open_campaign
 
 Edit = Callable[[str, str], Path]
@@ -68,16 +68,21 @@ def test_a_group_a_run_is_read_by_the_index(bench: Path, volts: np.ndarray, twin
     same(open_campaign(bench), twin)
 
 
+@pytest.mark.parametrize("gap", [False, True])
 @pytest.mark.parametrize("dated", [False, True])
 def test_a_time_channel_is_compared_with_the_rate(
-    bench: Path, volts: np.ndarray, twin: Campaign, edited: Edit, dated: bool
+    bench: Path, volts: np.ndarray, twin: Campaign, edited: Edit, dated: bool, gap: bool
 ) -> None:
-    time = np.arange(500) / 100.0
+    time = np.arange(500) / 100.0 + 0.05 * (gap and np.arange(500) > 300)
     if dated:
         time = np.datetime64("2024-03-01T12:00:00", "us") + (time * 1e6).round().astype("timedelta64[us]")
     edited("columns = 3", 'columns = 4\ntime_s = "Time"')
     for k in (1, 2):
         write_tdms(bench.parent / f"raw/run{k}.tdms", {"Log": [*rows_of(volts[k - 1]), ("Time", time, {})]})
+    if gap:
+        with pytest.raises(InputError, match=r"/'Log'/'Time' \(run 1\): the time axis steps by 0\.06 s from entry 301"):
+            open_campaign(bench)
+        return
     same(open_campaign(bench), twin)
 
 

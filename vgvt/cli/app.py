@@ -9,6 +9,7 @@ import typer
 from vgvt import __version__
 from vgvt.cli.bench import bench
 from vgvt.cli.cite import cite
+from vgvt.cli.convert import convert
 from vgvt.cli.data import data_app
 from vgvt.cli.doctor import doctor
 from vgvt.cli.identify import identify
@@ -58,6 +59,7 @@ app.command(rich_help_panel=_TEST)(plan)
 app.add_typer(list_app, name="list", rich_help_panel=_LOOK)
 app.command("show", rich_help_panel=_LOOK)(show_scenario)
 app.command(rich_help_panel=_LOOK)(inspect)
+app.command(rich_help_panel=_LOOK)(convert)
 app.command(rich_help_panel=_LOOK)(schema)
 app.command(rich_help_panel=_LOOK)(cite)
 app.add_typer(data_app, name="data", rich_help_panel=_HELP)

@@ -111,11 +111,12 @@ def _record(sidecar: Sidecar, run: RunRow, content: Content, path: Path) -> Reco
     clipped, notes = [], list(run.notes)
     for row, (channel, column) in enumerate(zip(sidecar.channel, columns, strict=True)):
         np.multiply(column, channel.si_per_sample, out=samples[row], casting="same_kind")
-        bad = int(np.count_nonzero(~np.isfinite(column)))
-        if bad:
-            notes.append(f"{channel.name}: {bad} of {column.size} samples are not finite")
-        if channel.range_v is not None and _largest(column) * channel.v_per_sample >= channel.range_v:
-            clipped.append(channel.name)
+        note = not_finite_note(run.called(channel), column)
+        if note:
+            notes.append(note)
+        reached = channel.range_v is not None and _largest(column) * channel.v_per_sample >= channel.range_v
+        if reached or channel.name in run.overloaded:
+            clipped.append(run.called(channel))
     return Record(
         run=run.run,
         sample_rate_hz=sample_rate_hz,
@@ -126,6 +127,12 @@ def _record(sidecar: Sidecar, run: RunRow, content: Content, path: Path) -> Reco
     )
 
 
+def not_finite_note(name: str, samples: NDArray[Any]) -> str:
+    """What a run's notes say of a channel whose ``samples`` (N,) are not all finite; empty where they are."""
+    bad = int(np.count_nonzero(~np.isfinite(samples)))
+    return f"{name}: {bad} of {samples.size} samples are not finite" if bad else ""
+
+
 def _largest(column: NDArray[Any]) -> float:
     """The largest size of a column's numbers; numpy's own abs leaves the lowest whole number of a type negative."""
     return max(float(np.nanmax(column, initial=0)), -float(np.nanmin(column, initial=0)))
@@ -133,7 +140,7 @@ def _largest(column: NDArray[Any]) -> float:
 
 def _channel(sidecar: Sidecar, run: RunRow, row: ChannelRow) -> Channel:
     return Channel(
-        name=row.name,
+        name=run.called(row),
         quantity=row.kind,
         role=row.role,
         dof=sidecar.dof(row, run),

@@ -7,12 +7,12 @@ from pathlib import Path
 from vgvt.data import Campaign, InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.files.campaign_file import read_campaign
+from vgvt.files.export.form import UNIVERSAL_ENDINGS
 from vgvt.files.locate import find_dataset
 
 CAMPAIGN_NAME = "campaign.nc"
 _OF_SCENARIOS = frozenset({"extends", "airframe", "suspension", "shaker", "excitation", "acquisition", "effect"})
 _OF_SIDECARS = frozenset({"records", "channel", "run"})
-_UNIVERSAL = frozenset({".uff", ".unv", ".ufb", ".bunv"})
 _TDMS = ".tdms"
 _SHIPPED = Path(__file__).parent / "measured"
 
@@ -35,7 +35,7 @@ def open_campaign(source: str | Path) -> Campaign:
     if path.is_file():
         if path.suffix == ".toml":
             return _open_sidecar(path)
-        if path.suffix.lower() in _UNIVERSAL:
+        if path.suffix.lower() in UNIVERSAL_ENDINGS:
             raise InputError(
                 str(path),
                 "a Universal File does not say all that vgvt needs, like the band and which axis points aft",

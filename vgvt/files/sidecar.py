@@ -155,7 +155,15 @@ class RunRow(Table):
     """Where it differs from the other runs."""
     nodes: dict[str, int | str] = Field(default_factory=dict)
     """Channel name to node number, or to a full label like '12-Z' where a sensor was turned."""
+    names: dict[str, str] = Field(default_factory=dict)
+    """Channel name to what the channel is called in this run, where that is another name."""
+    overloaded: tuple[str, ...] = ()
+    """Channels that are known to have clipped, beside those that reach their range_v."""
     notes: tuple[str, ...] = ()
+
+    def called(self, channel: ChannelRow) -> str:
+        """The name of a channel in this run."""
+        return self.names.get(channel.name, channel.name)
 
 
 class Sidecar(Table):
@@ -190,6 +198,7 @@ class Sidecar(Table):
         for run in self.run:
             if run.index is not None:
                 self._check_index(run)
+            self._check_names(run)
             self._check_run(run)
         return self
 
@@ -255,6 +264,16 @@ class Sidecar(Table):
                     "correct the column of one, or its variable"
                 )
             taken[place] = channel.name
+
+    def _check_names(self, run: RunRow) -> None:
+        known = [channel.name for channel in self.channel]
+        for key, names in (("names", run.names), ("overloaded", run.overloaded)):
+            strangers = sorted(set(names) - set(known))
+            if strangers:
+                raise ValueError(
+                    f"run {run.run}: {key} has {', '.join(map(repr, strangers))}; the channels are {', '.join(known)}"
+                )
+        _once(f"run {run.run}: names", (run.called(channel) for channel in self.channel))
 
     def _check_run(self, run: RunRow) -> None:
         moving = {c.name for c in self.channel if c.direction is not None}
