@@ -111,6 +111,12 @@ def test_what_is_read_is_never_replaced(vgvt, campaign_file: Path) -> None:
     assert not Path("x-run1.mat").exists()
 
 
+def test_a_folder_is_not_left_behind(vgvt, campaign_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vgvt.files.export.matlab._LARGEST_BYTES", 1000)
+    assert vgvt("convert", campaign_file, "new/place/x.mat").status == 2
+    assert [path.name for path in Path().iterdir()] == [campaign_file.name]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

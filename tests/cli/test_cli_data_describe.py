@@ -130,6 +130,7 @@ def test_several_files_are_described_under_the_name_of_their_folder(vgvt, small:
     ("arguments", "words"),
     [
         (("missing.uff",), "cannot be read"),
+        (("run1.TDMS",), "run1.TDMS: a TDMS file states no places"),
         (("small.uff", "--out", "small.txt"), r"write --out small.toml"),
         (("small.uff", "--band", 20, 3), "--band: 20 3 is no band"),
         (("small.uff", "--axes", "x", "x", "z"), "--axes: x x z are not the axes"),

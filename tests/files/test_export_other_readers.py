@@ -114,7 +114,8 @@ def test_coherence_with_several_references_is_multiple(tmp_path: Path) -> None:
 
 def test_names_that_the_format_cannot_hold(tmp_path: Path) -> None:
     campaign = rich_campaign()
-    export_campaign(replace(campaign, name="\n   -1\n" + "x" * 100), tmp_path / "x.uff")
+    export_campaign(replace(campaign, name="\n   -1\n" + "x" * 100), tmp_path / "x.uff", text=True)
+    assert max(map(len, (tmp_path / "x.uff").read_text("ascii").splitlines())) == 80
     header, *rest = sets_of(tmp_path / "x.uff")
     assert header["model_name"].strip() == "-1 " + "x" * 77
     assert len(rest) == 14

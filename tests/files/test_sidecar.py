@@ -251,3 +251,24 @@ def test_a_mistake_in_the_sidecar_is_told_with_its_place(edited: Edit, old: str,
         open_campaign(path)
     assert str(caught.value).startswith(str(path))
     assert "Traceback" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ('names = { acc7 = "tip" }', r"run 1: names has 'acc7'\n.*the channels are force, acc1, acc2"),
+        ('overloaded = ["acc7"]', r"run 1: overloaded has 'acc7'\n.*the channels are force, acc1, acc2"),
+        ('names = { acc1 = "acc2" }', r"run 1: names must be unique\n.*twice: acc2"),
+    ],
+)
+def test_a_run_names_channels_that_there_are(edited: Edit, line: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        open_campaign(edited('file = "run1.mat"\n', f'file = "run1.mat"\n{line}\n'))
+
+
+def test_a_channel_may_have_another_name_and_have_clipped_in_a_run(edited: Edit) -> None:
+    lines = 'names = { acc1 = "tip" }\noverloaded = ["acc1", "force"]\n'
+    first, second = open_campaign(edited('file = "run1.mat"\n', f'file = "run1.mat"\n{lines}')).runs
+    assert [channel.name for channel in first.channels] == ["force", "tip", "acc2"]
+    assert [channel.name for channel in second.channels] == ["force", "acc1", "acc2"]
+    assert (first.overloaded, second.overloaded) == (("force", "tip"), ())

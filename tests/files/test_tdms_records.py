@@ -51,6 +51,16 @@ def test_channels_are_found_by_their_names_in_a_group_that_is_named(
     same(open_campaign(bench), twin)
 
 
+def test_a_channel_may_be_called_as_its_group(bench: Path, volts: np.ndarray, twin: Campaign, edited: Edit) -> None:
+    for k in (1, 2):
+        rows = rows_of(volts[k - 1, :, [1, 0, 2]].T, ["A1", "F", "A2"])
+        write_tdms(bench.parent / f"raw/run{k}.tdms", {"F": rows})
+    edited("[axes]", 'samples = "F"\n\n[axes]')
+    edited("column = 1\n", 'variable = "F"\n')
+    edited("column = 2\n", "column = 1\n")
+    same(open_campaign(bench), twin)
+
+
 def test_a_group_a_device_is_read_by_whole_paths(bench: Path, volts: np.ndarray, twin: Campaign, edited: Edit) -> None:
     for k in (1, 2):
         force, *accelerations = rows_of(volts[k - 1], ["in 0", "in 0", "it's 1"])

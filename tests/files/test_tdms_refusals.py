@@ -135,10 +135,14 @@ def test_what_the_file_does_not_have_is_told(tdms: Path, edited: Edit, old: str,
         open_campaign(edited(old, new))
 
 
-def test_a_group_and_an_index_contradict_each_other(tdms: Path, edited: Edit) -> None:
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("columns = 3", 'columns = 3\nsamples = "Log"'), ("column = 2", "variable = \"/'Log'/'A1'\"")],
+)
+def test_a_group_and_an_index_contradict_each_other(tdms: Path, edited: Edit, old: str, new: str) -> None:
     edited('file = "run1.tdms"', 'file = "run1.tdms"\nindex = 1')
     with pytest.raises(InputError, match=r"run 1 is the group of that index, and another group is named\n.*samples"):
-        open_campaign(edited("columns = 3", 'columns = 3\nsamples = "Log"'))
+        open_campaign(edited(old, new))
 
 
 def test_several_groups_are_listed(tdms: Path, volts: np.ndarray) -> None:

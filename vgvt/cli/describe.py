@@ -50,6 +50,13 @@ def describe(
     from vgvt.data import InputError
     from vgvt.files.uff.describe import describe_uff
 
+    for file in files:
+        if file.suffix.lower() == ".tdms":
+            raise InputError(
+                str(file),
+                "a TDMS file states no places and no directions",
+                "write its sidecar by hand: docs/how-to/describe-your-own-records.md",
+            )
     path = _default(files) if out is None else out
     if path.suffix != ".toml":
         raise InputError(str(path), "a sidecar is a .toml file", f"write --out {path.with_suffix('.toml')}")

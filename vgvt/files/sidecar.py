@@ -231,9 +231,8 @@ class Sidecar(Table):
                 f"run {run.run} is one of several in a Universal File, and nothing says how many time histories "
                 "a run has; write columns = ... in [records]"
             )
-        if self.records.format == "tdms" and (
-            self.records.samples or any(c.variable.startswith("/'") for c in self.channel)
-        ):
+        placed = any(channel.variable.startswith("/'") for channel in self.channel)
+        if self.records.format == "tdms" and (self.records.samples or placed):
             raise ValueError(
                 f"run {run.run} is the group of that index, and another group is named; "
                 "leave samples out of [records], and name channels without their group"
