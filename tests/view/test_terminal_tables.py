@@ -8,8 +8,9 @@ import pytest
 from rich.console import Console
 
 from vgvt.data import ModalModel, Outcome
+from vgvt.data.mode_numbers import number_text
 from vgvt.view import modal_table, scorecard_table
-from vgvt.view.wording import number_text, remark_in_words
+from vgvt.view.wording import remark_in_words
 
 
 def text_of(table: object) -> str:

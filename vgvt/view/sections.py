@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from vgvt.data import Campaign, ModalModel, ModeScore, ModeStatus, Scorecard, Truth
+from vgvt.data.mode_numbers import claim_numbers, score_numbers
 from vgvt.view.shape_drawing import setup_drawing, shape_drawing
 from vgvt.view.true_modes import TRUTH_IN_WORDS, true_model
-from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
+from vgvt.view.wording import remark_in_words
 
 _MARKS = {
     ModeStatus.FOUND: "✓ found",

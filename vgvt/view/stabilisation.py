@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vgvt.data import FrequencyResponseSet, ModalModel, PoleCandidate
+from vgvt.data.mode_numbers import claim_numbers
 from vgvt.view.decimation import peak_keeping_index
 from vgvt.view.theme import MEASURED_COLOUR, Style, style_of, template
-from vgvt.view.wording import claim_numbers, remark_in_words
+from vgvt.view.wording import remark_in_words
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vgvt.data import CandidateGroup, ModalModel, ModeScore, ModeStatus, Scorecard, TrueModes, grouped_candidates
+from vgvt.data.mode_numbers import CLAIM_NUMBERS, SCORE_NUMBERS, claim_numbers, score_numbers
 from vgvt.view.true_modes import TRUTH_IN_WORDS
-from vgvt.view.wording import claim_numbers, remark_in_words, score_numbers
+from vgvt.view.wording import remark_in_words
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -19,10 +20,7 @@ _STYLES = {
     ModeStatus.FALSE: "magenta",
     ModeStatus.UNREACHED: "dim",
 }
-_AS_TESTED = ("as tested Hz", "as tested ζ %")
-_SCORE_NUMBERS = ("true Hz", "claimed Hz", "±", "Δf %", "true ζ %", "claimed ζ %", "Δζ %", "MAC", *_AS_TESTED)
 _CANDIDATE_NUMBERS = ("poles", "frequency Hz", "damping %", "orders")
-_CLAIM_NUMBERS = ("mode", "frequency Hz", "± Hz", "damping %", "± %")
 
 
 def scorecard_table(card: Scorecard) -> FittedTable:
@@ -36,11 +34,11 @@ def scorecard_table(card: Scorecard) -> FittedTable:
     against = "" if card.true_modes is TrueModes.AS_TESTED else f", the truth {TRUTH_IN_WORDS[card.true_modes]}"
     unreached = f", {len(card.unreached)} unreached" if card.unreached else ""
     return FittedTable(
-        columns=(*_SCORE_NUMBERS, "status", "mode", "remark"),
+        columns=(*SCORE_NUMBERS, "status", "mode", "remark"),
         rows=tuple(_score_row(row) for row in (*card.modes, *card.unreached)),
-        whole=frozenset((*_SCORE_NUMBERS, "status")),
+        whole=frozenset((*SCORE_NUMBERS, "status")),
         expendable=("as tested ζ %", "true ζ %", "±", "claimed ζ %", "remark", "Δζ %", "as tested Hz"),
-        right=frozenset(_SCORE_NUMBERS),
+        right=frozenset(SCORE_NUMBERS),
         title=f"{card.identifier} on {card.scenario}",
         caption=(
             f"{card.found} found, {card.missed} missed, {card.false} false{unreached}; "
@@ -54,11 +52,11 @@ def modal_table(model: ModalModel, title: str = "") -> FittedTable:
     from vgvt.view.fitted_table import FittedTable
 
     return FittedTable(
-        columns=(*_CLAIM_NUMBERS, "name", "remark"),
+        columns=(*CLAIM_NUMBERS, "name", "remark"),
         rows=tuple(_claim_row(model, k) for k in range(len(model))),
-        whole=frozenset(_CLAIM_NUMBERS),
+        whole=frozenset(CLAIM_NUMBERS),
         expendable=("± %", "± Hz", "remark"),
-        right=frozenset(_CLAIM_NUMBERS),
+        right=frozenset(CLAIM_NUMBERS),
         title=title or model.method,
         caption="" if len(model) else f"no modes: {model.outcome.value.replace('_', ' ')}",
     )
