@@ -8,6 +8,7 @@ from vgvt.data.channel import ChannelRole
 from vgvt.data.dof import Dof
 from vgvt.data.geometry import Geometry
 from vgvt.data.record import Record
+from vgvt.data.shown import counted, headed, listed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +38,18 @@ class Campaign:
         if missing:
             raise ValueError(f"campaign {self.name!r}: channels at nodes without a position: {sorted(missing)}")
 
+    def __repr__(self) -> str:
+        lengths, rates = {r.duration_s for r in self.runs}, {r.sample_rate_hz for r in self.runs}
+        each = f"{_span(lengths)} s at {_span(rates)} Hz"
+        force = f"force at {listed(self.reference_dofs)}" if self.reference_dofs else "no measured force"
+        responses = counted(len(self.response_dofs), "response")
+        clipped = [r.run for r in self.runs if r.overloaded]
+        overloaded = f"; overloaded in run {listed(clipped)}" if clipped else ""
+        return headed(
+            f"Campaign {self.name}: {counted(len(self.runs), 'run')} of {each}, {responses}, {force}, "
+            f"{self.band_hz[0]:g} to {self.band_hz[1]:g} Hz{overloaded}"
+        )
+
     @property
     def response_dofs(self) -> tuple[Dof, ...]:
         """Every response DOF once, in order of first appearance."""
@@ -50,3 +63,9 @@ class Campaign:
     def _dofs(self, role: ChannelRole) -> tuple[Dof, ...]:
         seen = (c.dof for r in self.runs for c in r.channels if c.role is role and c.dof is not None)
         return tuple(dict.fromkeys(seen))
+
+
+def _span(values: set[float]) -> str:
+    """One number, or the least and the largest of several."""
+    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+    return low if low == high else f"{low} to {high}"

@@ -55,3 +55,8 @@ class Channel:
             object.__setattr__(self, "unit", self.quantity.si_unit)
         if self.role is not ChannelRole.DRIVE and self.dof is None:
             raise ValueError(f"channel {self.name!r}: a {self.role.value} needs a degree of freedom, like 12+Z")
+
+    def __repr__(self) -> str:
+        where = "" if self.dof is None else f" at {self.dof}"
+        measures = self.quantity.name.lower().replace("_", " ")
+        return f"<Channel {self.name}: {self.role.value}, {measures}{where}{f' in {self.unit}' if self.unit else ''}>"

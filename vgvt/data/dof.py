@@ -71,6 +71,9 @@ class Dof:
     def __str__(self) -> str:
         return f"{self.node}{self.direction.label}"
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     @property
     def label(self) -> str:
         """``12+Z``."""

@@ -10,6 +10,13 @@ from numpy.typing import NDArray
 from vgvt.data.channel import Quantity
 from vgvt.data.dof import Dof
 from vgvt.data.errors import InputError
+from vgvt.data.shown import counted, headed, listed
+
+_OVER_FORCE = {
+    Quantity.ACCELERATION: "accelerances",
+    Quantity.VELOCITY: "mobilities",
+    Quantity.DISPLACEMENT: "receptances",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +54,16 @@ class FrequencyResponseSet:
             raise ValueError(f"runs must name one run a response ({len(self.responses)}), got {len(self.runs)}")
         if np.any(np.diff(self.frequency_hz) <= 0):
             raise ValueError("frequency_hz must increase strictly")
+
+    def __repr__(self) -> str:
+        f, unit = self.frequency_hz, self.quantity.si_unit
+        per_force = f" in {f'({unit})' if '/' in unit else unit}/N" if unit else ""
+        what = f"{_OVER_FORCE.get(self.quantity, 'responses')}{per_force}"
+        lines = counted(f.size, "line") + (f" from {f[0]:.4g} to {f[-1]:.4g} Hz" if f.size else "")
+        known = [name for name in ("variance", "coherence") if getattr(self, name) is not None]
+        beside = f", with {' and '.join(known)}" if known else ""
+        sides = f"{counted(len(self.responses), 'response')}, force at {listed(self.references)}"
+        return headed(f"FrequencyResponseSet: {what}, {sides}, {lines}{beside}", self.remarks, most=3)
 
     @property
     def resolution_hz(self) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.dof import Dof
+from vgvt.data.shown import counted, headed, listed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,6 +24,18 @@ class FrfFit:
     fit_percent: NDArray[np.float64]
     frequency_hz: NDArray[np.float64]
     nu_gap: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        of = f"{counted(len(self.responses), 'response')}, force at {listed(self.references)}"
+        if not (self.fit_percent.size and self.nu_gap.size):
+            return headed(f"FrfFit: {of}")
+        i, j = np.unravel_index(int(np.argmin(self.fit_percent)), self.fit_percent.shape)
+        worst = f"{self.fit_percent[i, j]:.1f} % (at {self.responses[i]})"
+        largest = int(np.argmax(self.nu_gap))
+        gap = f"ν-gap at most {self.nu_gap[largest]:.3f}, at {self.frequency_hz[largest]:.4g} Hz"
+        return headed(
+            f"FrfFit: {of}; NRMSE fit in the median {np.median(self.fit_percent):.1f} %, worst {worst}; {gap}"
+        )
 
     def as_dict(self, accepted_percent: float = 70.0) -> dict[str, Any]:
         """The fit with the keys of the JSON contract, plain types only; ``accepted_percent`` parts good from poor."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.dof import Dof
+from vgvt.data.shown import counted, headed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +33,15 @@ class Geometry:
         unknown = sorted({n for line in self.lines for n in line} - set(self.nodes))
         if unknown:
             raise ValueError(f"lines name nodes that do not exist: {unknown}")
+
+    def __repr__(self) -> str:
+        spans = [
+            f"{axis} {min(c):.4g} to {max(c):.4g} m"
+            for axis, c in zip("xyz", self.positions_m.T, strict=True)
+            if c.size
+        ]
+        counts = (counted(len(self.nodes), "node"), counted(len(self.lines), "line"))
+        return headed(f"Geometry: {', '.join((*counts, *spans))}")
 
     def position_m(self, node: int) -> NDArray[np.float64]:
         """Position (3,) of a node; KeyError that lists the known ones."""

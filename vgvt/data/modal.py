@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from vgvt.data.candidates import PoleCandidate
 from vgvt.data.dof import Dof
+from vgvt.data.mode_numbers import mode_table
+from vgvt.data.shown import counted, headed, listed
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
@@ -90,6 +92,15 @@ class ModalModel:
         for name in ("labels", "flags"):
             if getattr(self, name) and len(getattr(self, name)) != modes:
                 raise ValueError(f"{name} must name every mode ({modes}) or none")
+
+    def __repr__(self) -> str:
+        method = f" ({self.method})" if self.method else ""
+        seen = [counted(len({dof.node for dof in self.dofs}), "point")]
+        seen += [f"force at {listed(self.references)}"] if self.references else []
+        seen += ["without the force"] if self.output_only else []
+        seen += [] if self.outcome is Outcome.FOUND else [self.outcome.value.replace("_", " ")]
+        head = headed(f"ModalModel{method}: {counted(len(self), 'mode')}, {', '.join(seen)}", self.advice, most=2)
+        return f"{head}\n{mode_table(self)}" if len(self) else head
 
     def __len__(self) -> int:
         return int(self.natural_frequency_hz.size)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.channel import Channel, ChannelRole
+from vgvt.data.shown import counted, headed, listed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +33,11 @@ class Record:
             raise ValueError(f"run {self.run}: the record has no samples")
         if not self.sample_rate_hz > 0:
             raise ValueError(f"run {self.run}: sample_rate_hz must be positive, got {self.sample_rate_hz}")
+
+    def __repr__(self) -> str:
+        clipped = f", overloaded: {listed(self.overloaded)}" if self.overloaded else ""
+        length = f"{self.duration_s:.4g} s at {self.sample_rate_hz:g} Hz"
+        return headed(f"Record of run {self.run}: {counted(len(self.channels), 'channel')}, {length}{clipped}")
 
     @property
     def duration_s(self) -> float:

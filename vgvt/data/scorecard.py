@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from vgvt.data.modal import Outcome
+from vgvt.data.mode_numbers import SCORE_NUMBERS, score_numbers, score_table
+from vgvt.data.shown import headed
 from vgvt.data.truth import TrueModes
 
 _TWO_SIDED_95_PERCENT = 1.959963984540054
@@ -64,6 +66,10 @@ class ModeScore:
         needs_claim = self.status in (ModeStatus.FOUND, ModeStatus.FALSE)
         if (self.true_hz is not None) != needs_truth or (self.claimed_hz is not None) != needs_claim:
             raise ValueError(f"a {self.status.value} row has true_hz={self.true_hz} and claimed_hz={self.claimed_hz}")
+
+    def __repr__(self) -> str:
+        told = [f"{name} {number}" for name, number in zip(SCORE_NUMBERS, score_numbers(self), strict=True) if number]
+        return headed(f"ModeScore: {', '.join(filter(None, (self.status.value, *told, self.label)))}")
 
     @property
     def frequency_error_percent(self) -> float | None:
@@ -147,6 +153,14 @@ class Scorecard:
             raise ValueError("unreached rows belong in the field unreached")
         if any(row.status is not ModeStatus.UNREACHED for row in self.unreached):
             raise ValueError("only unreached rows belong in the field unreached")
+
+    def __repr__(self) -> str:
+        unreached = f", {len(self.unreached)} unreached" if self.unreached else ""
+        counts = f"{self.found} found, {self.missed} missed, {self.false} false{unreached}"
+        band = f"{self.band_hz[0]:g} to {self.band_hz[1]:g} Hz"
+        head = headed(f"Scorecard of {self.identifier} on {self.scenario}: {counts}; {band}", self.advice, most=2)
+        rows = (*self.modes, *self.unreached)
+        return f"{head}\n{score_table(rows)}" if rows else head
 
     def rows(self, status: ModeStatus) -> tuple[ModeScore, ...]:
         """The rows of one status."""

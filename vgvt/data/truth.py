@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.modal import ModalModel
+from vgvt.data.mode_numbers import mode_table
+from vgvt.data.shown import counted, headed
 
 
 class TrueModes(StrEnum):
@@ -25,6 +27,14 @@ class RigidBodyProperties:
     mass_kg: float
     centre_of_gravity_m: NDArray[np.float64]
     inertia_kg_m2: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        centre, moments = (
+            ", ".join(f"{number:.4g}" for number in numbers)
+            for numbers in (self.centre_of_gravity_m, np.diag(self.inertia_kg_m2))
+        )
+        about = f"centre of gravity ({centre}) m, moments of inertia {moments} kg m^2"
+        return headed(f"RigidBodyProperties: {self.mass_kg:.4g} kg, {about}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +60,15 @@ class Truth:
     def __post_init__(self) -> None:
         if not len(self.runs) == len(self.as_tested) == len(self.coupled):
             raise ValueError("runs, as_tested and coupled must have one entry a run")
+
+    def __repr__(self) -> str:
+        free = counted(len(self.bare), "mode")
+        head = (
+            f"Truth of {self.scenario}: {self.rigid_body.mass_kg:.4g} kg, {free} bare, {counted(len(self.runs), 'run')}"
+        )
+        if not self.runs:
+            return headed(head)
+        return f"{headed(head, [f'as tested in run {self.runs[0]}:'])}\n{mode_table(self.as_tested[0])}".rstrip()
 
     def of_runs(self, which: TrueModes) -> tuple[ModalModel, ...]:
         """The modes as tested or with the shaker attached, one model a run."""
