@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import counted, headed
 from vgvt.identification import make_identifier, run_identifier
 from vgvt.planning.informed import INFORMED, estimates
 from vgvt.planning.lighter import lighter
@@ -33,6 +34,13 @@ class Confirmation:
     identifier: str
     frequency_hz: NDArray[np.float64]
     damping_ratio: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{count}" for count in self.found)
+        worst = self.worst_relative_damping_std if self.found.size else np.inf
+        known = f"std(ζ)/ζ of the worst mode {100 * worst:.2g} %" if np.isfinite(worst) else ""
+        head = f"Confirmation by {self.identifier}: {counted(self.seeds, 'campaign')}"
+        return headed("; ".join(filter(None, (head, found and f"modes found in {found}", known))))
 
     @property
     def seeds(self) -> int:

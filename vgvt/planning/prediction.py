@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.mode_numbers import number_text
+from vgvt.data.shown import counted, headed, in_columns
 from vgvt.planning.system import System, run_information, systems_of
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import RANDOM_KINDS
@@ -17,6 +19,7 @@ from vgvt.simulation.information import Seen
 Array = NDArray[np.float64]
 # Of Gaussian noise over its root mean square: one in 16 000 independent values goes beyond.
 _NOISE_PEAK = 4.0
+_NUMBERS = ("frequency Hz", "± Hz", "damping %", "± %", "moved by instruments %")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +32,18 @@ class ModePrediction:
     frequency_std_hz: float
     damping_ratio_std: float
     loading_percent: float
+
+    def __repr__(self) -> str:
+        hz, std_hz, ratio, std_ratio, moved = self.in_numbers()
+        loading = f", moved by {moved} % by the instruments" if moved else ""
+        return headed(f"ModePrediction {self.label}: {hz} ± {std_hz} Hz, damping {ratio} ± {std_ratio} %{loading}")
+
+    def in_numbers(self) -> tuple[str, ...]:
+        """Frequency in Hz, its deviation, damping in per cent, its deviation, and how far instruments move the mode."""
+        hz, ratio, moved = self.frequency_hz, 100 * self.damping_ratio, self.loading_percent
+        deviations = (self.frequency_std_hz, 100 * self.damping_ratio_std)
+        std_hz, std_ratio = (f"{std:.2g}" if np.isfinite(std) else "unseen" for std in deviations)
+        return f"{hz:.3f}", std_hz, f"{ratio:.2f}", std_ratio, number_text(moved, "{:+.2f}")
 
     @property
     def relative_damping_std(self) -> float:
@@ -56,6 +71,12 @@ class Prediction:
     peak_acceleration_m_per_s2: float
     peak_force_n: float
     peak_drive_mm: float
+
+    def __repr__(self) -> str:
+        peaks = f"{self.peak_force_n:.3g} N, {self.peak_acceleration_m_per_s2:.3g} m/s^2, {self.peak_drive_mm:.3g} mm"
+        table = in_columns((*_NUMBERS, "name"), [(*m.in_numbers(), m.label) for m in self.modes], words=("name",))
+        head = headed(f"Prediction: {counted(len(self.modes), 'mode')}; at most {peaks}")
+        return "\n".join(filter(None, (head, table)))
 
 
 def predict(scenario: Scenario) -> Prediction:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vgvt.data.shown import counted, headed
 from vgvt.planning.budget import AS_DESCRIBED, Budget, Mount
 from vgvt.planning.pairing import named_alike, paired
 from vgvt.planning.prediction import ModePrediction, Prediction, predict
@@ -28,6 +29,18 @@ class Proposal:
     minutes: float
     prediction: Prediction
     targets: tuple[tuple[str, float], ...]
+
+    def __repr__(self) -> str:
+        return headed(f"Proposal {self.in_words}")
+
+    @property
+    def in_words(self) -> str:
+        """What the plan takes, and how well it would know the damping of the worst mode."""
+        x, y, z = self.scenario.shaker.position_m
+        worst = self.worst_relative_damping_std if self.targets else np.inf
+        known = f"std(ζ)/ζ of the worst mode {100 * worst:.2g} %" if np.isfinite(worst) else "not all modes are seen"
+        runs = counted(len(self.scenario.acquisition.run_nodes), "run")
+        return f"{self.name}: {self.minutes:.3g} min, {runs}, shaker at ({x:.3f}, {y:.3f}, {z:.3f}) m, {known}"
 
     @property
     def modes(self) -> tuple[ModePrediction, ...]:

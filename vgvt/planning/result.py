@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from vgvt.data.shown import counted, headed
 from vgvt.planning.confirmation import Confirmation
 from vgvt.planning.proposal import Proposal
 
@@ -32,6 +33,15 @@ class PlanningResult:
     with_budget: Proposal | None
     plans: tuple[Proposal, ...]
     confirmed: dict[str, Confirmation]
+
+    def __repr__(self) -> str:
+        plans = [p for p in (self.as_described, self.with_budget, *self.plans) if p is not None]
+        head = f"PlanningResult: {counted(len(self.plans), 'plan')}"
+        if self.as_described.targets:
+            seen = "" if self.confirmed_gain is None else f", {self.confirmed_gain:.3g} times in simulated campaigns"
+            factor = f"the worst mode's damping {self.gain:.3g} times as well known{seen}"
+            head = f"{head}, {self.verdict.value.replace('_', ' ')}; {factor}"
+        return headed(head, [plan.in_words for plan in plans], most=6)
 
     @property
     def gain(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -68,6 +69,17 @@ class Scenario(Table):
     """How the test is computed."""
     tolerances: Tolerances = Tolerances()
     """How well the numbers above are known; a simulation does not use them, reconcile does."""
+
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        """What a scenario is in one line; ``to_toml`` has all of it."""
+        yield "name", self.name
+        yield "airframe", " ".join((self.airframe.name, self.airframe.configuration)).strip()
+        yield "beams", len(self.airframe.beam)
+        yield "points", len(self.accelerometers.grid.node)
+        yield "runs", len(self.acquisition.run_nodes)
+        yield "excitation", self.excitation.kind
+        yield "band_hz", self.excitation.band_hz
+        yield "effects", [table.name for table in self.effect]
 
     @property
     def shakers(self) -> tuple[Shaker, ...]:

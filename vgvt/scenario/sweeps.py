@@ -12,6 +12,7 @@ from typing import Any, Literal, get_args
 from pydantic import ValidationError
 
 from vgvt.data.errors import InputError
+from vgvt.data.shown import headed
 from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.explain import Problem, key_path, problems_of
@@ -35,6 +36,10 @@ class Variant:
 
     scenario: Scenario
     values: dict[str, Any]
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{key} = {value}" for key, value in self.values.items())
+        return headed(f"Variant {self.scenario.name}: {values}")
 
 
 def sweep(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Geometry, Truth
+from vgvt.data.shown import brief, headed
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.planform import outlines_m
 from vgvt.simulation.acquisition import record
@@ -30,6 +31,10 @@ class SimulationResult:
     campaign: Campaign
     truth: Truth
     timing_s: dict[str, float]
+
+    def __repr__(self) -> str:
+        parts = map(brief, (self.campaign, self.truth))
+        return headed(f"SimulationResult in {sum(self.timing_s.values()):.1f} s", parts)
 
 
 def simulate(
