@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
@@ -173,3 +174,34 @@ def test_an_effect_of_the_scenario_itself_belongs_to_the_question(monkeypatch: p
     before = code_of({}, scenario)
     monkeypatch.setattr(effect_code, "available_effects", lambda: {"added-mass": _written(1)})
     assert code_of({}, scenario) != before
+
+
+@dataclass(frozen=True, eq=False)
+class Thing:
+    """Says nothing of what it holds."""
+
+    values: np.ndarray
+
+    def __repr__(self) -> str:
+        return "<Thing>"
+
+
+def _holding(value: object) -> type:
+    class Held:
+        name = "held"
+
+        def act(self) -> object:
+            return value
+
+    return Held
+
+
+def test_what_an_effect_holds_counts_where_its_text_leaves_it_out() -> None:
+    quick = load_scenario("quick")
+    heavier = quick.model_copy(update={"shaker": quick.shaker.model_copy(update={"armature_mass_kg": 0.0123})})
+    long, other = np.zeros(5000), np.eye(1, 5000, 2500)[0]
+    pairs = [(quick, heavier), (long, other), (Thing(long), Thing(other))]
+    for one, two in pairs:
+        assert repr(one) == repr(two)
+        first, again, second = (code_of({"held": _holding(v)}, quick) for v in (one, deepcopy(one), two))
+        assert first == again != second

@@ -14,6 +14,9 @@ from collections.abc import Mapping
 from types import CodeType, FunctionType
 from typing import Any
 
+import numpy as np
+from pydantic import BaseModel
+
 from vgvt.effects.registry import available_effects
 from vgvt.scenario.model import Scenario
 
@@ -62,7 +65,10 @@ def _source(module: str) -> str:
 
 
 def _told(value: Any, within: tuple[FunctionType, ...] = ()) -> Any:
-    """A value as what has the same text in every process; ``within`` functions that may hold each other."""
+    """A value as what has the same text in every process; ``within`` functions that may hold each other.
+
+    What an object shows of itself is not all that it is: of those that hold values these are told.
+    """
     if isinstance(value, classmethod | staticmethod):
         return _told(value.__func__, within)
     if isinstance(value, property):
@@ -81,6 +87,15 @@ def _told(value: Any, within: tuple[FunctionType, ...] = ()) -> Any:
         return [_told(v, within) for v in value]
     if isinstance(value, set | frozenset):
         return sorted(repr(_told(v, within)) for v in value)
+    names: list[str] | None = None
+    if isinstance(value, BaseModel):
+        names = [*type(value).model_fields]
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        names = [f.name for f in dataclasses.fields(value)]
+    if names is not None:
+        return [type(value).__qualname__, *(_told(getattr(value, name), within) for name in names)]
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return [str(value.dtype), value.shape, value.tobytes().hex()]
     return _ADDRESS.sub("", repr(value))
 
 
