@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Geometry
+from vgvt.data.shown import counted, headed
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -180,6 +181,15 @@ class PowerRow:
         worst = _size(self.worst) if self.variants > 1 else ""
         return _size(self.smallest), _size(self.named), worst
 
+    def __repr__(self) -> str:
+        words = zip(("just visible", "named from", "at worst"), self.sizes, strict=True)
+        # Words that stand for a size have no unit.
+        told = [
+            f"{name}: {f'{size} {self.unit}'.rstrip() if size[:1].isdigit() else size}" for name, size in words if size
+        ]
+        plausible = f"plausible {self.low:.4g} to {self.high:.4g} {self.unit}".rstrip()
+        return headed(f"PowerRow {self.effect}: {self.parameter}, {', '.join((*told, plausible))}")
+
     @property
     def shows(self) -> str:
         """Whether a plausible size could be seen: yes, no or unknown."""
@@ -244,6 +254,11 @@ class Account:
     turned: bool = False
     noise_per_dof: float | None = None
     model_form: float | None = None
+
+    def __repr__(self) -> str:
+        names = ", ".join(e.name for e in self.effects)
+        size = f"{counted(len(self.channels), 'channel')}, {counted(self.frequency_hz.size, 'line')}"
+        return headed(f"Account of {self.title}: {self.kind.replace('_', ' ')}{names and f', {names}'}; {size}")
 
     @property
     def changed(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vgvt.data.shown import headed, listed
 from vgvt.reconcile.evidence.rivals import Rival
 
 
@@ -21,6 +22,19 @@ class Addition:
     rivals: tuple[Rival, ...]
     held_out_before: float | None
     in_its_place: tuple[Rival, ...] = ()
+
+    def __repr__(self) -> str:
+        return headed(f"Addition of {self.in_words}")
+
+    @property
+    def in_words(self) -> str:
+        """The winner, what it gained, and what explains the data as well."""
+        before, after = self.held_out_before, self.winner.held_out
+        held = "" if before is None or after is None else f", held out {before:.3g} → {after:.3g}"
+        others = dict.fromkeys(r.hypothesis.label for r in self.alike if r is not self.winner)
+        equals = f"; as well: {listed(others, 2)}" if others else ""
+        label = self.winner.hypothesis.label
+        return f"{label}: {self.winner.gain_nats:.1f} nats{held}; {len(self.rivals)} tried{equals}"
 
     @property
     def alike(self) -> tuple[Rival, ...]:

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from vgvt.data.shown import counted, headed
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.backward import needed, nowhere, without_last
 from vgvt.reconcile.decision.hopeless import hopeless
@@ -64,6 +65,12 @@ class Attribution:
     leads: tuple[Addition, ...] = ()
     led: Fit | None = None
     still: StillExplained | None = None
+
+    def __repr__(self) -> str:
+        before, after = self.null_residual.train_chi2_per_dof, self.final_residual.train_chi2_per_dof
+        left = f"χ² per degree of freedom {before:.3g}{f' → {after:.3g}' if self.rounds else ''}"
+        lines = [f"named: {a.in_words}" for a in self.rounds] + [f"lead: {a.in_words}" for a in self.leads]
+        return headed(f"Attribution: {counted(len(self.rounds), 'name')}, {left}", lines)
 
 
 @one_thread

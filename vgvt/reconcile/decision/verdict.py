@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 
+from vgvt.data.shown import counted, headed, listed
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.kinds import Kind
-from vgvt.reconcile.evidence.localise import Localisation
+from vgvt.reconcile.evidence.localise import Localisation, words_of_place
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.evidence.shared_roots import idle_parameters
@@ -16,6 +17,7 @@ from vgvt.reconcile.next_test.suggest import Suggestion
 from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
+from vgvt.view.reconcile_wording import fitted_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +38,17 @@ class NamedEffect:
     held_out_before: float | None
     held_out_after: float | None
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return headed(f"NamedEffect {self.in_words}")
+
+    @property
+    def in_words(self) -> str:
+        """Its sizes with their deviations and units, its settings and evidence, and what explains the data as well."""
+        sizes = [fitted_text(name, *told, self.ranges.get(name)) for name, told in self.parameters.items()]
+        sizes += [f"{name} = {value}" for name, value in self.settings.items()]
+        others = f"; as well: {listed(self.equivalent, 3)}" if self.equivalent else ""
+        return f"{self.name}: {', '.join((*sizes, f'{self.evidence_nats:.0f} nats'))}{others}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +72,24 @@ class Verdict:
     thresholds: Thresholds
     scenario: Scenario
     resimulated: Resimulation
+
+    def __repr__(self) -> str:
+        named = [e.in_words for e in self.effects] + [f"a lead, no name: {e.in_words}" for e in self.leads]
+        place = self.localisation.places[:1] if self.localisation and self.kind is not Kind.EXPLAINED else ()
+        tests = [f"next test: {s.in_words}" for s in self.suggested_tests[:1]]
+        counts = f"{counted(len(self.reasons), 'reason')}, {counted(len(self.suggested_tests), 'suggested test')}"
+        return headed(
+            f"Verdict: {self.kind.value.replace('_', ' ')}; what was found is scenario {self.scenario.name}",
+            (
+                *named,
+                *_error_lines(self.before, self.after, changed=bool(self.effects)),
+                *filter(None, [self.resimulated.remark]),
+                *map(words_of_place, place),
+                *tests,
+                f"{counts}; .document() has all",
+            ),
+            most=14,
+        )
 
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""
@@ -97,6 +128,18 @@ class Verdict:
                 "provenance": self.thresholds.provenance,
             },
         }
+
+
+def _error_lines(before: Comparison, after: Comparison, *, changed: bool) -> list[str]:
+    """What each model leaves of fitted and of held-out data, a line each."""
+    sets = (("fitted", before.train, after.train), ("held out", before.held_out, after.held_out))
+    lines = []
+    for name, first, last in sets:
+        if first is not None and last is not None:
+            states = (first, last) if changed else (last,)
+            chi2, fits = " → ".join(f"{m.chi2_per_dof:.3g}" for m in states), [f"{m.nrmse_percent:.1f}" for m in states]
+            lines.append(f"{name}: χ² per degree of freedom {chi2}, NRMSE fit {' → '.join(fits)} %")
+    return lines
 
 
 def named_effects(found: Attribution) -> tuple[NamedEffect, ...]:

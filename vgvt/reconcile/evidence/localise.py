@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.mode_numbers import number_text
+from vgvt.data.shown import counted, headed
 from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
@@ -52,6 +54,9 @@ class Place:
     dynamic_stiffness: ComplexArray | None
     turns: bool = False
 
+    def __repr__(self) -> str:
+        return headed(f"Place {_ranked(self)}")
+
 
 def words_of_place(best: Place) -> str:
     """One sentence about the place that explains most."""
@@ -72,6 +77,11 @@ def _looks_like(place: Place) -> str:
     return f"; it looks like a {place.type} of {place.size:.3g} {place.unit}"
 
 
+def _ranked(place: Place) -> str:
+    """A place after the share of the residual that it explains."""
+    return f"{number_text(100 * place.explained, '{:.1f}')} %: {place.label}{_looks_like(place)}"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Localisation:
     """Places by what they explain, best first, and the χ² that they share out."""
@@ -79,6 +89,10 @@ class Localisation:
     places: tuple[Place, ...]
     frequency_hz: Array
     chi2_per_dof: float
+
+    def __repr__(self) -> str:
+        of = f"{counted(len(self.places), 'place')} for χ² per degree of freedom {self.chi2_per_dof:.3g}"
+        return headed(f"Localisation: {of}", map(_ranked, self.places), most=5)
 
 
 @one_thread

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import counted, headed
 from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.data import Measured
@@ -49,6 +50,16 @@ class Residual:
     noise_per_dof: float
     held_out_noise_per_dof: float | None
     strain_sd: float
+
+    def __repr__(self) -> str:
+        held, limits = self.held_out_chi2_per_dof, self.limits
+        figures = [("χ² per degree of freedom", self.train_chi2_per_dof, limits.chi2_per_dof)]
+        figures += [] if held is None else [("held out", held, limits.held_out_per_dof)]
+        figures += [("smooth", self.smooth_per_dof, limits.smooth_per_dof)]
+        figures += [("strain of the tolerances", self.strain_sd, limits.strain_sd)]
+        size = f"{counted(len(self.labels), 'channel')}, {counted(self.frequency_hz.size, 'line')}"
+        told = ", ".join(f"{name} {value:.3g} (limit {limit:.3g})" for name, value, limit in figures)
+        return headed(f"Residual, {'adequate' if self.adequate else 'not adequate'}: {size}", (told, *self.reasons))
 
 
 def residual(fit: Fit, thresholds: Thresholds) -> Residual:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vgvt.data.shown import headed
 from vgvt.reconcile.evidence.lasting import lasting_nats
 from vgvt.reconcile.evidence.residual import independent_values
 from vgvt.reconcile.fitting.fit import Fit
@@ -37,6 +38,11 @@ class Rival:
     raw_nats: float
     lasting_nats: float
     held_out: float | None
+
+    def __repr__(self) -> str:
+        held = "" if self.held_out is None else f", {self.held_out:.3g} per held-out degree of freedom"
+        nats = f"{self.gain_nats:.1f} nats, {self.lasting_nats:.1f} where errors last"
+        return headed(f"Rival {self.hypothesis.label}: {nats}{held}")
 
     @property
     def hypothesis(self) -> Hypothesis:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import counted, headed
 from vgvt.reconcile.fitting.descent import taken
 from vgvt.reconcile.fitting.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.fitting.rough_start import rough_start
@@ -21,7 +22,7 @@ from vgvt.reconcile.prediction.local_slopes import SERVE, Origin, origin_at
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
 from vgvt.reconcile.prediction.unheard import unheard
 from vgvt.reconcile.question.hypothesis import Hypothesis
-from vgvt.reconcile.question.problem import Problem, at_rest, recentred
+from vgvt.reconcile.question.problem import CELLS, Problem, at_rest, recentred
 from vgvt.reconcile.work.one_thread import one_thread
 
 Array = NDArray[np.float64]
@@ -76,6 +77,17 @@ class Fit:
     sigma: Array | None = None
     unseen: Array | None = None
     origin: Origin | None = None
+
+    def __repr__(self) -> str:
+        held = self.held_out_chi2_per_dof
+        left = f"χ² per degree of freedom {self.chi2_per_dof:.3g}{'' if held is None else f', {held:.3g} held out'}"
+        moved = [(n, u) for n, u in zip(self.problem.names, self.u, strict=True) if n != CELLS.name]
+        far = [f"{n} {u:+.2g}" for n, u in sorted(moved, key=lambda pair: -abs(pair[1]))[:4]]
+        lines = [f"{h.label}: {_in_units(self.values(k))}" for k, h in enumerate(self.hypotheses)]
+        lines += [f"furthest from what is stated, in stated deviations: {', '.join(far)}"] if far else []
+        ended = "" if self.converged else ", not converged"
+        head = f"Fit of {self.problem.scenario.name}: {left}{ended}, {counted(self.scores.size, 'score')}"
+        return headed(f"{head}, log evidence {self.evidence_nats:.4g} nats", lines)
 
     @property
     def chi2_per_dof(self) -> float:
@@ -148,6 +160,11 @@ class Fit:
         start = self.u.size + sum(len(h.parameters) for h in self.hypotheses[:index])
         mine = slice(start, start + len(hypothesis.parameters))
         return hypothesis, self.scores[mine], np.sqrt(np.diag(self.covariance)[mine])
+
+
+def _in_units(values: dict[str, tuple[float, float, str]]) -> str:
+    """Fitted values; how well they are known is not a fit's alone to say (:mod:`vgvt.reconcile.evidence.posterior`)."""
+    return ", ".join(f"{name} = {value:.4g} {unit}".rstrip() for name, (value, _, unit) in values.items())
 
 
 @one_thread

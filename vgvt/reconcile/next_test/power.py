@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from vgvt.data.shown import headed, listed
 from vgvt.effects.parameter import Parameter
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.at_size import Sight, Views, least, size_of
@@ -52,6 +53,13 @@ class Power:
     by_level: bool = False
     alike_variants: tuple[str, ...] = ()
     at: tuple[tuple[str, float], ...] = ()
+
+    def __repr__(self) -> str:
+        sizes = (("just visible", self.smallest), ("named from", self.named))
+        told = [f"{words}: {f'{v:.2g} {self.unit}'.rstrip() if np.isfinite(v) else self._why(v)}" for words, v in sizes]
+        plausible = f"plausible {self.low:.4g} to {self.high:.4g} {self.unit}".rstrip()
+        alike = f"; like {listed([f'{name} {cosine:.2f}' for name, cosine in self.alike], 2)}" if self.alike else ""
+        return headed(f"Power {self.label}: {self.parameter}, {', '.join((*told, plausible))}{alike}")
 
     @property
     def visible(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+from vgvt.data.shown import headed
 from vgvt.reconcile.fitting.descent import solved
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
@@ -49,6 +50,14 @@ class Suggestion:
     nats: float
     minutes: float
     unfollowed: int = 0
+
+    def __repr__(self) -> str:
+        return headed(f"Suggestion: {self.in_words}")
+
+    @property
+    def in_words(self) -> str:
+        """What it tells, in which time, and the test."""
+        return f"{self.nats:.0f} nats between {' and '.join(self.rivals)} in {self.minutes:.0f} min by {self.test}"
 
     def document(self) -> dict[str, object]:
         """Plain values of the test itself."""

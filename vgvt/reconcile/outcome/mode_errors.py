@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import counted, in_columns
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.mechanics.response import poles_of
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -29,6 +30,12 @@ class ModelModes:
     frequency_hz: Array
     damping_ratio: Array
     shapes: ComplexArray
+
+    def __repr__(self) -> str:
+        numbers = zip(self.frequency_hz, self.damping_ratio, strict=True)
+        rows = [(str(k), f"{f:.3f}", f"{100 * ratio:.2f}") for k, (f, ratio) in enumerate(numbers, start=1)]
+        head = f"<ModelModes: {counted(len(rows), 'mode')}>"
+        return "\n".join(filter(None, (head, in_columns(("mode", "frequency Hz", "damping %"), rows))))
 
 
 def model_modes(fit: Fit) -> ModelModes:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, Channel, Dof, InputError
+from vgvt.data.shown import counted, headed
 from vgvt.reconcile.mechanics.ending import Ending
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
 from vgvt.reconcile.question.shared_noise import in_phase
@@ -36,6 +37,9 @@ class MeasuredChannel:
     run_number: int
     dof: Dof
     instrument: int
+
+    def __repr__(self) -> str:
+        return f"<{self.label}>"
 
     @property
     def label(self) -> str:
@@ -75,6 +79,17 @@ class Measured:
     endings: tuple[Ending, ...] = ()
     lost: NDArray[np.bool_] | None = None
     of_force: ComplexArray | None = None
+
+    def __repr__(self) -> str:
+        f, points = self.frequency_hz, len({c.dof for c in self.channels})
+        lines = counted(f.size, "line") + (f" from {f[0]:.4g} to {f[-1]:.4g} Hz" if f.size else "")
+        unused = int((~self.used).sum())
+        return headed(
+            f"Measured: A/F in (m/s^2)/N of {counted(len(self.runs), 'run')}, {counted(len(self.channels), 'channel')} "
+            f"at {counted(points, 'point')}, {lines}{f'; not used: {unused}' if unused else ''}",
+            self.remarks,
+            most=3,
+        )
 
     @property
     def level_n(self) -> Array:

@@ -7,11 +7,16 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import headed, in_columns
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.holdout import Split
+from vgvt.view.reconcile_wording import DATA_SETS
 from vgvt_scoreboard.nu_gap import nu_gap_of_accelerances
 
 ComplexArray = NDArray[np.complex128]
+
+
+_FIGURES = ("χ²/dof", "NRMSE fit %", "mean |dB|", "FRAC", "ν-gap")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +32,16 @@ class Merit:
     frac: float
     nu_gap: float
 
+    def __repr__(self) -> str:
+        chi2, nrmse, decibels, frac, gap = self.in_numbers()
+        fit = f"χ² per degree of freedom {chi2}, NRMSE fit {nrmse} %, {decibels} dB"
+        return headed(f"Merit: {fit}, FRAC {frac}, ν-gap {gap}")
+
+    def in_numbers(self) -> tuple[str, ...]:
+        """χ² per degree of freedom, NRMSE fit in per cent, decibels, FRAC and ν-gap as people read them."""
+        numbers = (f"{self.chi2_per_dof:.3g}", f"{self.nrmse_percent:.2f}", f"{self.mean_abs_db:.3f}")
+        return (*numbers, f"{self.frac:.4f}", f"{self.nu_gap:.3f}")
+
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
@@ -36,6 +51,11 @@ class Comparison:
     held_out: Merit | None
     held_runs: Merit | None
     held_channels: Merit | None
+
+    def __repr__(self) -> str:
+        parts = [(DATA_SETS[f.name], getattr(self, f.name)) for f in fields(self)]
+        rows = [(words, *merit.in_numbers()) for words, merit in parts if merit is not None]
+        return f"<Comparison>\n{in_columns(('data', *_FIGURES), rows, words=('data',))}"
 
     def document(self) -> dict[str, object]:
         """Plain numbers by the JSON contract's keys."""
@@ -54,6 +74,13 @@ class Resimulation:
     apart: float | None
     model_form: float
     remark: str
+
+    def __repr__(self) -> str:
+        if self.comparison is None:
+            return headed(f"Resimulation: {self.remark}")
+        apart = "" if self.apart is None else f" {100 * self.apart:.2g} % from what was fitted"
+        head = headed(f"Resimulation:{apart} (model form {100 * self.model_form:.2g} %)", filter(None, [self.remark]))
+        return f"{head}\n{self.comparison!r}"
 
     @classmethod
     def skipped(cls, why: str) -> Resimulation:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import counted
 from vgvt.reconcile.question.data import Measured
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
@@ -26,6 +27,10 @@ class Split:
     held_runs: NDArray[np.bool_]
     held_channels: NDArray[np.bool_]
     turn: int = 0
+
+    def __repr__(self) -> str:
+        runs, alone = int(self.held_runs.sum()), int(self.held_channels.sum())
+        return f"<Split: {counted(int(self.train.sum()), 'channel')} to fit, {runs} held out by run, {alone} alone>"
 
     @property
     def held(self) -> NDArray[np.bool_]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.plugin import PluginError, whose_fault
+from vgvt.data.shown import headed
 from vgvt.effects.parameter import Parameter, parameters_of
 from vgvt.effects.protocol import Effect
 from vgvt.effects.registry import EffectPluginWarning
@@ -38,6 +39,10 @@ class Hypothesis:
     settings: Mapping[str, Any] = field(default_factory=dict)
     share: float = 1.0
     spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        ranges = [f"{p.name} {p.low:.4g} to {p.high:.4g} {p.unit}".rstrip() for p in self.parameters]
+        return headed("; ".join((f"Hypothesis {self.label}", *ranges)))
 
     @property
     def name(self) -> str:

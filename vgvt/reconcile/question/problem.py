@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign, InputError
+from vgvt.data.shown import brief, counted, headed
 from vgvt.effects.acting import acted
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
@@ -51,6 +52,9 @@ class Nuisance:
     kind: str
     rows: NDArray[np.bool_]
 
+    def __repr__(self) -> str:
+        return f"<Nuisance {self.name}: ± {100 * self.sd:.3g} %, of {counted(int(self.rows.sum()), 'channel')}>"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nominal:
@@ -82,6 +86,10 @@ class Problem:
     coarseness: Refinement
     stated: Scenario
     centre: Array | None = None
+
+    def __repr__(self) -> str:
+        unknown = f"{counted(len(self.unknowns), 'unknown')} of the scenario, {len(self.nuisances)} of the instruments"
+        return headed(f"Problem {self.scenario.name}: {unknown}", map(brief, (self.measured, self.split)))
 
     @property
     def at(self) -> Array:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import headed
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.holdout import Split
 
@@ -47,6 +48,11 @@ class Thresholds:
     evidence_form_nats: float = 0.0
     strain_sd: float = 4.0
     strain_form_sd: float = 0.0
+
+    def __repr__(self) -> str:
+        chi2 = f"χ² per degree of freedom {self.chi2_per_dof:.3g} beyond noise, {self.smooth_per_dof:.3g} smooth"
+        name = f"a name needs {self.evidence_nats:.3g} nats, {self.evidence_form_nats:.3g} without noise"
+        return headed(f"Thresholds: {chi2}, {self.held_out_per_dof:.3g} held out; {name}", [self.provenance])
 
     def at(self, share: NoiseShare) -> Thresholds:
         """These thresholds with the ``evidence_nats`` of a campaign of that share of noise.

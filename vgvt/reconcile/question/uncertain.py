@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from vgvt.data.shown import headed
 from vgvt.effects.beams import plain_name, with_airframe, with_beams, with_columns, written_out
 from vgvt.scenario.airframe import Beam
 from vgvt.scenario.axis import beam_axis
@@ -45,6 +46,11 @@ class Unknown:
     scale: Literal["log", "linear", "bounded"]
     edit: Edit
     nominal: float | None = None
+
+    def __repr__(self) -> str:
+        stated = "" if self.nominal is None else f", {self.nominal:.4g} {self.unit}".rstrip()
+        spread = f"{100 * self.sd:.3g} %" if self.scale == "log" else f"{self.sd:.3g} {self.unit}".rstrip()
+        return headed(f"Unknown {self.name}: {self.what}{stated} ± {spread}")
 
     def amount(self, u: float) -> float:
         """The factor or shift that a score u stands for."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data.shown import headed
 from vgvt.reconcile.question.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
@@ -35,6 +36,11 @@ class Screened:
     arrived: bool = False
     upright: bool = False
     foremost: bool = False
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in self.values.items())
+        start = f", from {values}" if values else ""
+        return headed(f"Screened {self.hypothesis.label}: {self.gain_nats:.1f} nats at best{start}")
 
     @property
     def sizes(self) -> dict[str, float]:
