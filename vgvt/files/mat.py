@@ -1,7 +1,8 @@
-"""MATLAB files: version 5 to 7 through scipy, version 7.3 (HDF5) through h5py."""
+"""MATLAB files: version 5 to 7, and version 7.3 (HDF5) through h5py."""
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
+from vgvt.files.mat_level_5 import variables_of
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -31,25 +33,23 @@ def read_mat(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
         return _read_hdf5(path, names)
     if not start.startswith(b"MATLAB"):
         raise InputError(str(path), "not a MAT file", "give a file written by MATLAB's save, or set another format")
-    return _read_version_5(path, names)
+    return _read_level_5(path, names)
 
 
-def _read_version_5(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
-    import scipy.io
-
+def _read_level_5(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
     try:
-        content = scipy.io.loadmat(path, variable_names=list(names), appendmat=False)
-        known = [entry[0] for entry in scipy.io.whosmat(path, appendmat=False)] if set(names) - set(content) else []
-    except Exception as error:  # What scipy raises of a damaged file has no common kind.
+        with path.open("rb") as stream:
+            found, known = variables_of(stream, names)
+    except (ValueError, zlib.error, OSError, MemoryError) as error:
         raise InputError(
             str(path),
             f"truncated or damaged ({error})",
             "copy or download the file again; its size should be that of the original",
         ) from error
     for name in names:
-        if name not in content:
+        if name not in found:
             raise _missing(path, name, known)
-    return {name: _numeric(path, name, content[name]) for name in names}
+    return {name: _real(path, name, found[name].numbers, found[name].kind) for name in names}
 
 
 def _read_hdf5(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
@@ -61,7 +61,7 @@ def _read_hdf5(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
                 if not isinstance(file.get(name), h5py.Dataset):
                     raise _missing(path, name, [k for k in file if not k.startswith("#")])
             # HDF5 holds MATLAB's column-major arrays with their axes reversed.
-            return {name: _numeric(path, name, np.asarray(file[name]).T) for name in names}
+            return {name: _of_dataset(path, name, np.asarray(file[name]).T) for name in names}
     except InputError:
         raise
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, OverflowError, MemoryError) as error:
@@ -74,8 +74,11 @@ def _missing(path: Path, name: str, known: Sequence[str]) -> InputError:
     return InputError(str(path), f"no variable {name!r}", choose_one_of(name, known))
 
 
-def _numeric(path: Path, name: str, array: Any) -> NDArray[Any]:
-    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
-        kind = getattr(array, "dtype", type(array).__name__)
+def _of_dataset(path: Path, name: str, array: NDArray[Any]) -> NDArray[Any]:
+    return _real(path, name, array if array.dtype.kind in "fiu" else None, str(array.dtype))
+
+
+def _real(path: Path, name: str, numbers: NDArray[Any] | None, kind: str) -> NDArray[Any]:
+    if numbers is None:
         raise InputError(str(path), f"variable {name!r} holds no real numbers ({kind})", "name a numeric matrix")
-    return array
+    return numbers
