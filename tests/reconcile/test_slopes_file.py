@@ -40,7 +40,14 @@ def of_other_names(file: Path) -> None:
     np.savez(file, mass=np.eye(2))
 
 
-@pytest.mark.parametrize("spoil", [broken_off, emptied, scribbled, of_other_names])
+def packed_otherwise(file: Path) -> None:
+    """A wrong byte makes the archive ask for a compression that there is not."""
+    whole = file.read_bytes()
+    at = whole.index(b"PK\1\2") + 10
+    file.write_bytes(whole[:at] + b"\x6c" + whole[at + 1 :])
+
+
+@pytest.mark.parametrize("spoil", [broken_off, emptied, scribbled, of_other_names, packed_otherwise])
 def test_a_spoilt_file_is_computed_again(tmp_path: Path, spoil: Callable[[Path], None]) -> None:
     scenario = small_scenario()
     start, _, _ = asking._hung(scenario, scenario, 60.0)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vgvt.data import InputError
 from vgvt.files.atomically import check_space, replacing
+from vgvt.files.seal import check_seal, seal
 
 if TYPE_CHECKING:
     import xarray
@@ -35,6 +36,7 @@ def write_groups(path: str | Path, groups: Mapping[str, xarray.Dataset], packed:
                 engine="h5netcdf",
                 encoding={str(name): _encoding(variable, packed) for name, variable in dataset.variables.items()},
             )
+        seal(temporary)
 
 
 def read_group(path: Path, group: str = "/") -> xarray.Dataset:
@@ -42,6 +44,8 @@ def read_group(path: Path, group: str = "/") -> xarray.Dataset:
     import xarray
 
     check_netcdf(path)
+    if group == "/":  # which is read first, and once
+        check_seal(path)
     try:
         with xarray.open_dataset(path, group=group, engine="h5netcdf", decode_cf=False, cache=False) as dataset:
             return dataset.load()

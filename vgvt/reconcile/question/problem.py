@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-import zipfile
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -20,6 +19,7 @@ from vgvt.effects.acting import acted
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.files.atomically import replacing
+from vgvt.files.npz import read_npz
 from vgvt.reconcile.mechanics.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
@@ -317,9 +317,7 @@ def _leave_newest(folder: Path) -> None:
 def _kept(file: Path) -> dict[str, Array] | None:
     """The slopes that a file holds; None without one, and for one that is incomplete or no such file."""
     try:
-        # Opened here: of a file that it cannot read np.load leaves the handle open.
-        with file.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-            return {name: stored[name] for name in MATRICES}
-    # A full disk or a copy that was broken off leaves any of these behind; they are computed again.
-    except (zipfile.BadZipFile, EOFError, ValueError, OSError, KeyError):
+        return read_npz(file, MATRICES)
+    # A full disk or a copy that was broken off leaves such a file behind; they are computed again.
+    except InputError:
         return None
