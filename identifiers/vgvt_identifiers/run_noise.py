@@ -98,8 +98,9 @@ def _start(power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _bands(lines: int) -> list[slice]:
-    edges = np.unique([0, *np.round(np.geomspace(max(lines / 2**_BANDS, 40), lines, _BANDS)).astype(int)])
-    return [slice(int(a), min(int(b), lines)) for a, b in pairwise(edges)]
+    narrowest = min(max(lines / 2**_BANDS, 40), lines)
+    edges = np.unique([0, *np.round(np.geomspace(narrowest, lines, _BANDS)).astype(int)])
+    return [slice(int(a), int(b)) for a, b in pairwise(edges)]
 
 
 def _positive(power: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -93,3 +93,13 @@ def test_a_record_without_noise_still_has_weights() -> None:
     # Every instrument is wrong by a part of what it shows.
     careful = first_noise(np.zeros(ratios.shape), np.ones(LINES, complex), ratios)
     assert (careful.response >= plain.response).all() and (careful.response > 0).all()
+
+
+@pytest.mark.parametrize("lines", [29, 39, 40, 41])
+def test_a_narrow_band_is_one_band_of_lines(lines: int) -> None:
+    """Bands of 40 lines at least were cut out of 29: one of them was empty, and `auto` ended with an error."""
+    rng = np.random.default_rng(0)
+    ratios = rng.normal(size=(3, lines)) + 1j * rng.normal(size=(3, lines))
+    found = noise_of_errors(0.1 * ratios[::-1], ratios, np.ones(lines, complex), 0)
+    assert found.response.shape == (3, lines) and np.isfinite(found.response).all() and (found.response > 0).all()
+    assert np.isfinite(found.force).all() and np.isfinite(found.force_share).all()

@@ -9,6 +9,7 @@ import numpy as np
 
 from vgvt.data import Campaign, ChannelRole, InputError, ModalModel, Outcome, PluginError
 from vgvt.data.plugin import whose_fault
+from vgvt.identification.incomplete_shapes import unknown_parts
 from vgvt.identification.protocol import Identifier, Needs
 from vgvt.identification.requirement import install_advice, missing_requirements
 
@@ -46,7 +47,7 @@ def run_identifier(
         model,
         method=identifier.name,
         settings=settings_text(identifier),
-        advice=model.advice if advice_band is None else (*model.advice, advice_band),
+        advice=(*model.advice, *unknown_parts(model), *(() if advice_band is None else (advice_band,))),
         output_only=Needs.OUTPUT_ONLY in identifier.needs,
     )
 
