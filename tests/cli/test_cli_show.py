@@ -47,6 +47,13 @@ def test_an_aircraft_that_hangs_askew_is_said_to(vgvt) -> None:
     assert "askew" not in vgvt("show", "quick", "--no-picture").out
 
 
+def test_a_zero_has_no_sign_and_an_angle_of_zero_no_word(vgvt) -> None:
+    level = vgvt("show", "teaching-beam", "--no-picture").out
+    assert "hangs at +0.0° of roll" in level and "-0.0" not in level
+    tilted = vgvt("show", "bff", "--no-picture").out
+    assert "askew" in tilted and " 0.0°" not in tilted and "-0.0000" not in tilted
+
+
 @pytest.mark.parametrize("name", ["quick", "spoiled-suspension-surge", "spoiled-local-absorber"])
 def test_no_two_resonances_of_the_rig_share_a_name(vgvt, name: str) -> None:
     document = vgvt("show", name, "--no-picture", "--json").document

@@ -61,6 +61,59 @@ def test_the_picture_shows_the_rig_whole(drawing: Drawing, tmp_path: Path) -> No
     assert edge.min() > 120
 
 
+@pytest.fixture(scope="module")
+def hung_deep() -> Drawing:
+    """The teaching beam on a spring so soft that it hangs seven spans below its frame."""
+    scenario = load_scenario("teaching-beam")
+    soft = scenario.suspension.model_copy(update={"free_length_m": 14.0})
+    return drawing_of(scenario.model_copy(update={"suspension": soft}), width=320, height=200)
+
+
+def test_a_long_suspension_leaves_the_aircraft_its_size(hung_deep: Drawing, tmp_path: Path) -> None:
+    """It had been a dash at the foot of a long line: fewer than 20 pixels wide."""
+    picture = rendered(hung_deep, tmp_path / "deep.png")
+    orange = (picture[..., 0] > 150) & (picture[..., 2] < 90) & (picture[..., 1] < 150)
+    assert np.ptp(np.flatnonzero(orange.any(axis=0))) > 80
+    wire = picture[:40].max(axis=2) < 190
+    assert wire.any(), "no suspension to be seen"
+
+
+_SHORT = """
+extends = "teaching-beam"
+name = "short"
+summary = "The beam at 1.2 m."
+
+[[airframe.beam]]
+name = "beam"
+
+[airframe.beam.stations]
+position_m = [[0.05, 0.0, 0.0], [0.05, 0.6, 0.0]]
+
+[suspension]
+hook_m = [0.05, 0.0, 0.05]
+
+[shaker]
+position_m = [0.05, 0.45, 0.0]
+
+[accelerometers.grid]
+node = [1, 2, 3]
+x_m = [0.05, 0.05, 0.05]
+y_m = [0.2, 0.4, 0.59]
+
+[acquisition]
+runs = [[1, 2, 3]]
+"""
+
+
+def test_the_floor_has_no_speckles(tmp_path: Path) -> None:
+    """Under a slanting light shadow maps err: hundreds of dark dots, where nothing casts a shadow."""
+    (tmp_path / "short.toml").write_text(_SHORT)
+    picture = rendered(drawing_of(load_scenario(tmp_path / "short.toml")), tmp_path / "floor.png").min(axis=2)
+    around = np.median([np.roll(np.roll(picture, i, 0), j, 1) for i in (-4, 0, 4) for j in (-4, 0, 4)], axis=0)
+    dots = picture < around - 30  # joints of tiles are 15 darker
+    assert dots[:, -250:].sum() < 20
+
+
 def test_the_swing_moves_the_drive_point_and_the_armature_alike(drawing: Drawing) -> None:
     model = drawing.rig.model
     swing = mode_swing(drawing, 7)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _ASKEW_DEG = 3.0
 """Roll or pitch at rest that a reader is told of in words."""
+_SEEN_DEG = 0.05
 
 OutOption = Annotated[
     Path | None,
@@ -140,7 +141,7 @@ def _print(
     from vgvt.view import modal_table
 
     body, shown_hz = truth.rigid_body, _shown_hz(scenario)
-    centre = ", ".join(f"{x:.4f}" for x in body.centre_of_gravity_m)
+    centre = ", ".join(f"{_round(x, 4):.4f}" for x in body.centre_of_gravity_m)
     as_tested, coupled = _without_limits(truth.as_tested[0]), _named(truth.coupled[0], truth.as_tested[0])
     moments = ", ".join(f"{body.inertia_kg_m2[k, k]:.4g}" for k in range(3))
     show(
@@ -164,10 +165,17 @@ def _hanging(hangs_deg: tuple[tuple[float, float], ...]) -> str:
     worst = max(range(len(hangs_deg)), key=lambda k: max(abs(angle) for angle in hangs_deg[k]))
     roll, pitch = hangs_deg[worst]
     if max(abs(roll), abs(pitch)) < _ASKEW_DEG:
-        return f"hangs at {roll:+.1f}° of roll (left wing down) and {pitch:+.1f}° of pitch (nose up)"
-    wing, nose = "left" if roll > 0 else "right", "up" if pitch > 0 else "down"
-    how = f"{wing} wing {abs(roll):.1f}° low, nose {abs(pitch):.1f}° {nose}"
-    return f"hangs askew in run {worst + 1}: {how}; a lab would level it first"
+        level = f"{_round(roll, 1):+.1f}° of roll (left wing down) and {_round(pitch, 1):+.1f}° of pitch (nose up)"
+        return f"hangs at {level}"
+    wing, nose = f"{'left' if roll > 0 else 'right'} wing", "up" if pitch > 0 else "down"
+    how = [f"{wing} {abs(roll):.1f}° low"] * (abs(roll) >= _SEEN_DEG)
+    how += [f"nose {abs(pitch):.1f}° {nose}"] * (abs(pitch) >= _SEEN_DEG)
+    return f"hangs askew in run {worst + 1}: {', '.join(how)}; a lab would level it first"
+
+
+def _round(value: float, digits: int) -> float:
+    """The value rounded, without the sign of a zero."""
+    return round(value, digits) + 0.0
 
 
 def _without_limits(modes: ModalModel) -> ModalModel:

@@ -53,7 +53,7 @@ def draw_rig(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
     floors = [_draw_shaker(spec, size, k) for k in range(len(layout.drives) if layout.strike is None else 0)]
     floor = min(floors, default=float(layout.drive.position_m[2]) - 0.3 * span)
     _draw_frame(spec, span)
-    _draw_room(spec, floor)
+    _draw_room(spec, floor, span)
     stingers = {numbered(STINGER, k): ROD for k in range(len(layout.drives))}
     for tendon in spec.tendons:
         tendon.rgba = (_SEEN_TENDONS | stingers).get(tendon.name, (0.0, 0.0, 0.0, 0.0))
@@ -256,8 +256,8 @@ def _draw_frame(spec: mujoco.MjSpec, span: float) -> None:
     _geom(spec.worldbody, girder, METAL, pos=top + np.array([0.0, 0.0, half]), size=[half, span / 9, half])
 
 
-def _draw_room(spec: mujoco.MjSpec, floor_m: float) -> None:
-    """A tiled floor, a pale background and light from above."""
+def _draw_room(spec: mujoco.MjSpec, floor_m: float, span: float) -> None:
+    """A tiled floor, a pale background and light from above, all in proportion to the aircraft."""
     tiles = spec.add_texture(name="tiles", type=mujoco.mjtTexture.mjTEXTURE_2D, width=512, height=512)
     tiles.builtin, tiles.mark = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtMark.mjMARK_EDGE
     tiles.rgb1 = tiles.rgb2 = FLOOR
@@ -269,8 +269,9 @@ def _draw_room(spec: mujoco.MjSpec, floor_m: float) -> None:
     sky = spec.add_texture(name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=64, height=384)
     sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_FLAT
     sky.rgb1 = sky.rgb2 = BACKGROUND
+    # Nearly plumb: under a slanting light the shadow map speckles the floor, the more the smaller the aircraft.
     light = spec.worldbody.add_light(
-        pos=[0.0, 0.0, 4.0], dir=[0.15, 0.15, -1.0], diffuse=[0.22] * 3, specular=[0.1] * 3
+        pos=[0.0, 0.0, 1.4 * span], dir=[0.05, 0.05, -1.0], diffuse=[0.22] * 3, specular=[0.1] * 3
     )
     light.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     light.castshadow = True

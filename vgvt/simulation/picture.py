@@ -25,6 +25,7 @@ from vgvt.simulation.rig import ARMATURE, FRAME_SITE, HOOK_SITE, numbered
 # The camera stands ahead of the aircraft and above, on the shaker's side.
 _AZIMUTH_DEG, _ELEVATION_DEG = 30.0, -19.0
 _FRAMED = 0.92
+_LONGEST_SHOWN = 1.5  # suspension, in spans
 _LARGEST_TRAVEL, _LARGEST_TURN_RAD = 0.06, 0.35
 _FRAMES, _FRAME_MS = 24, 50
 _COILS, _COIL_STEPS = 16, 14
@@ -146,8 +147,13 @@ def _camera_man(
 def _camera(
     model: mujoco.MjModel, framed: list[NDArray[np.float64]], aspect: float, azimuth_deg: float
 ) -> mujoco.MjvCamera:
-    """The camera that just sees every shape but the floor, and the shadow on it."""
+    """The camera that just sees every shape but the floor, and the shadow on it; of a long suspension the lower part."""
     points = np.vstack([_corners(model, _posed(model, qpos)) for qpos in framed])
+    rest = _posed(model, framed[0])
+    top, hook = rest.site(FRAME_SITE).xpos, rest.site(HOOK_SITE).xpos
+    shown = _in_view(top, hook, model.stat.extent)
+    if shown < 1:
+        points[:, 2] = np.minimum(points[:, 2], hook[2] + shown * (top - hook)[2])
     points = np.vstack([points, np.column_stack([points[:, :2], np.full(len(points), points[:, 2].min())])])
     azimuth, elevation = np.radians([azimuth_deg, _ELEVATION_DEG])
     ahead = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
@@ -169,6 +175,15 @@ def _camera(
     return camera
 
 
+def _in_view(top: NDArray[np.float64], hook: NDArray[np.float64], span_m: float) -> float:
+    """The part of the suspension above the hook that the picture shows, 1 for all of it.
+
+    A small aircraft on a soft spring hangs several spans below its frame, and would be a dash in the picture.
+    """
+    length = float(np.linalg.norm(top - hook))
+    return 1.0 if length <= _LONGEST_SHOWN * span_m else span_m / length
+
+
 def _corners(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
     """Corners (P, 3) of the boxes around all shapes but the floor."""
     signs = np.array(np.meshgrid(*[(-1, 1)] * 3)).reshape(3, -1).T
@@ -180,7 +195,8 @@ def _corners(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
 
 
 def _add_spring(scene: mujoco.MjvScene, top: NDArray[np.float64], hook: NDArray[np.float64], span_m: float) -> None:
-    """The coils of the suspension, over the middle of the line from the frame to the hook."""
+    """The coils of the suspension, over the middle of the line from the frame to the hook as far as it is in view."""
+    top = hook + _in_view(top, hook, span_m) * (top - hook)
     turn = np.linspace(0.0, 2 * np.pi * _COILS, _COILS * _COIL_STEPS + 1)
     fraction = np.linspace(0.15, 0.55, turn.size)[:, None]
     around = np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)]) * span_m / 90
