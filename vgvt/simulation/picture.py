@@ -147,7 +147,7 @@ def _camera_man(
 def _camera(
     model: mujoco.MjModel, framed: list[NDArray[np.float64]], aspect: float, azimuth_deg: float
 ) -> mujoco.MjvCamera:
-    """The camera that just sees every shape but the floor, and the shadow on it; of a long suspension the lower part."""
+    """The camera that just sees all but the floor, with the shadow on it; of a long suspension the lower part."""
     points = np.vstack([_corners(model, _posed(model, qpos)) for qpos in framed])
     rest = _posed(model, framed[0])
     top, hook = rest.site(FRAME_SITE).xpos, rest.site(HOOK_SITE).xpos
