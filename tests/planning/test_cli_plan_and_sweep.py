@@ -33,6 +33,7 @@ def test_a_plan_is_written_and_can_be_run(tmp_path, capsys) -> None:
     card = (out / "card.html").read_text(encoding="utf-8")
     assert "25.0 in aft, 4.5 in right (0.635 m, 0.114 m)" in card
     roll, pitch = attitudes_deg(planned)[0]
+    assert document["hangs_at_roll_pitch_deg"] == [pytest.approx([roll, pitch])]
     # The transducer hangs on the right wing, and the nose is light.
     assert f"right wing down by {-roll:.1f}° and nose up by {pitch:.1f}°" in card
     assert "http" not in card.replace("http://www.w3.org/2000/svg", "").replace("http-equiv", "")

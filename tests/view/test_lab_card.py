@@ -23,7 +23,7 @@ def excited(**keys: object) -> Scenario:
 
 
 def generator_step(scenario: Scenario) -> str:
-    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4, (0.2, -0.3))
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4, ((0.2, -0.3),))
     return re.findall(r"<b>Set the generator</b> (.*?)</li>", card_page(scenario, "a test", facts))[0]
 
 
@@ -69,14 +69,14 @@ def test_dwells_are_on_it() -> None:
 def test_noise_is_recorded_and_not_swept() -> None:
     scenario = excited(kind="random")
     several = scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update={"repeats": 3})})
-    facts = replace(CardFacts("glue", 5.0, 0.5, 6.0, MODES, 3.0, 3.0, 9.0, 0.4, (0.2, -0.3)), minutes=9.0)
+    facts = replace(CardFacts("glue", 5.0, 0.5, 6.0, MODES, 3.0, 3.0, 9.0, 0.4, ((0.2, -0.3),)), minutes=9.0)
     page = card_page(several, "a test", facts)
     assert "<b>Record</b> 3 records, one after the other" in page
     assert "sweep" not in page.lower()
 
 
 def card(scenario: Scenario, force_n: float, g: float) -> str:
-    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), force_n, 9.80665 * g, 0.4, (0.2, -0.3))
+    facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), force_n, 9.80665 * g, 0.4, ((0.2, -0.3),))
     return card_page(scenario, "a test", facts)
 
 
@@ -98,12 +98,17 @@ def test_a_record_that_begins_late_says_when() -> None:
 @pytest.mark.parametrize(
     ("hangs_deg", "words"),
     [
-        ((0.2, -0.4), "it must hang level to 0.5°."),
-        ((-1.5, 0.2), "it must hang right wing down by 1.5°."),
-        ((0.8, -66.5), "it must hang left wing down by 0.8° and nose down by 66.5°."),
+        (((0.2, -0.4),), "it must hang level to 0.5°."),
+        (((-1.5, 0.2),), "it must hang right wing down by 1.5°."),
+        (((0.8, -66.5),), "it must hang left wing down by 0.8° and nose down by 66.5°."),
+        (((0.2, 0.1), (-0.2, 0.1)), "it must hang level to 0.5°."),
+        (
+            ((-4.7, 0.1), (-5.0, 0.1), (-7.9, 0.9), (-7.8, 0.9)),
+            "it must hang right wing down by 4.7° in run 1, and right wing down by 7.9° and nose up by 0.9° in run 3.",
+        ),
     ],
 )
-def test_how_it_hangs_is_said_as_it_is(hangs_deg: tuple[float, float], words: str) -> None:
+def test_how_it_hangs_is_said_as_it_is(hangs_deg: tuple[tuple[float, float], ...], words: str) -> None:
     scenario = excited()
     facts = CardFacts("glue", 5.0, 0.5, 6.0, MODES, peak_command_v(scenario), 3.0, 9.0, 0.4, hangs_deg)
     assert words in card_page(scenario, "a test", facts)

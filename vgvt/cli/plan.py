@@ -10,6 +10,7 @@ import typer
 
 from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import write_document
+from vgvt.cli.hanging import hanging_askew
 from vgvt.cli.options import JsonOption, ScenarioArgument
 from vgvt.cli.results_folder import checked_folder, telling_what_is_kept
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _LAB = "The lab's own times and limits"
 _CONFIRM = "Confirmation"
 _FILES = ("plan.toml", "plan.svg", "card.html")
+_LEVEL_IT = "level it with a counterweight, and write that into the scenario as an [[airframe.item]]"
 
 
 def plan(
@@ -106,8 +108,9 @@ def plan(
         write_document(
             {"scenario": described.name, "budget": order.budget.as_dict(), "free": sorted(order.free)}
             | result.as_dict()
-            | {"scenario_file": None, "drawing": None, "card": None}
+            | {"scenario_file": None, "drawing": None, "card": None, "hangs_at_roll_pitch_deg": None}
             | paths
+            | ({"hangs_at_roll_pitch_deg": _hangs_deg(result.plans[0].scenario)} if paths else {})
         )
     else:
         _show(result, paths)
@@ -161,7 +164,6 @@ def _extends(name: str, folder: Path) -> str:
 
 
 def _facts(best: Proposal, order: Order) -> Any:
-    from vgvt.simulation.attitude import attitudes_deg
     from vgvt.simulation.command import peak_command_v
     from vgvt.view.lab_card import CardFacts, ExpectedMode
 
@@ -179,8 +181,15 @@ def _facts(best: Proposal, order: Order) -> Any:
         peak_force_n=expected.peak_force_n,
         peak_acceleration_m_per_s2=expected.peak_acceleration_m_per_s2,
         peak_drive_mm=expected.peak_drive_mm,
-        hangs_deg=attitudes_deg(best.scenario)[0],
+        hangs_deg=_hangs_deg(best.scenario),
     )
+
+
+def _hangs_deg(planned: Scenario) -> tuple[tuple[float, float], ...]:
+    """Roll and pitch at rest with each group of sensors, which a card and a plan count as its runs."""
+    from vgvt.simulation.attitude import attitudes_deg
+
+    return attitudes_deg(planned)[:: planned.acquisition.repeats]
 
 
 def _show(result: PlanningResult, paths: dict[str, Path]) -> None:
@@ -209,6 +218,10 @@ def _show(result: PlanningResult, paths: dict[str, Path]) -> None:
         show(f"Nothing to gain: the best plan found is {result.gain:.3g} times as good; {LEAST_GAIN:g} would count.")
         return
     show(f"The worst mode: {result.gain:.3g} times better than as described" + _more(result))
+    best = result.plans[0]
+    askew = hanging_askew(_hangs_deg(best.scenario))
+    if askew is not None:
+        log(f"{best.name} {askew}; {_LEVEL_IT}")
     for key, path in paths.items():
         log(f"{key.replace('_', ' ')}: {path}")
 

@@ -13,16 +13,13 @@ import typer
 from vgvt.cli.boundary import CommandError
 from vgvt.cli.console import log, show
 from vgvt.cli.document import write_document
+from vgvt.cli.hanging import hanging, without_sign
 from vgvt.cli.new_folders import none_left_empty
 from vgvt.cli.options import JsonOption, ScenarioArgument
 
 if TYPE_CHECKING:
     from vgvt.data import ModalModel, Truth
     from vgvt.scenario.model import Scenario
-
-_ASKEW_DEG = 3.0
-"""Roll or pitch at rest that a reader is told of in words."""
-_SEEN_DEG = 0.05
 
 OutOption = Annotated[
     Path | None,
@@ -141,13 +138,13 @@ def _print(
     from vgvt.view import modal_table
 
     body, shown_hz = truth.rigid_body, _shown_hz(scenario)
-    centre = ", ".join(f"{_round(x, 4):.4f}" for x in body.centre_of_gravity_m)
+    centre = ", ".join(f"{without_sign(x, 4):.4f}" for x in body.centre_of_gravity_m)
     as_tested, coupled = _without_limits(truth.as_tested[0]), _named(truth.coupled[0], truth.as_tested[0])
     moments = ", ".join(f"{body.inertia_kg_m2[k, k]:.4g}" for k in range(3))
     show(
         f"{scenario.name}: {scenario.airframe.name}",
         f"mass {body.mass_kg:.4f} kg, centre of gravity ({centre}) m, Ixx, Iyy, Izz {moments} kg m² about it",
-        _hanging(hangs_deg),
+        hanging(hangs_deg),
         modal_table(truth.bare.band(0.0, shown_hz), f"modes of the bare airframe, up to {shown_hz:g} Hz"),
         modal_table(
             as_tested.band(0.0, shown_hz),
@@ -158,24 +155,6 @@ def _print(
     for words, path in (("picture", picture), ("animation", animation)):
         if path is not None:
             show(f"{words} in {path}")
-
-
-def _hanging(hangs_deg: tuple[tuple[float, float], ...]) -> str:
-    """How the aircraft hangs, and a word where it is askew in some run."""
-    worst = max(range(len(hangs_deg)), key=lambda k: max(abs(angle) for angle in hangs_deg[k]))
-    roll, pitch = hangs_deg[worst]
-    if max(abs(roll), abs(pitch)) < _ASKEW_DEG:
-        level = f"{_round(roll, 1):+.1f}° of roll (left wing down) and {_round(pitch, 1):+.1f}° of pitch (nose up)"
-        return f"hangs at {level}"
-    wing, nose = f"{'left' if roll > 0 else 'right'} wing", "up" if pitch > 0 else "down"
-    how = [f"{wing} {abs(roll):.1f}° low"] * (abs(roll) >= _SEEN_DEG)
-    how += [f"nose {abs(pitch):.1f}° {nose}"] * (abs(pitch) >= _SEEN_DEG)
-    return f"hangs askew in run {worst + 1}: {', '.join(how)}; a lab would level it first"
-
-
-def _round(value: float, digits: int) -> float:
-    """The value rounded, without the sign of a zero."""
-    return round(value, digits) + 0.0
 
 
 def _without_limits(modes: ModalModel) -> ModalModel:

@@ -43,8 +43,8 @@ class CardFacts:
     peak_force_n: float
     peak_acceleration_m_per_s2: float
     peak_drive_mm: float
-    hangs_deg: tuple[float, float]
-    """Roll (left wing down is positive) and pitch (nose up is positive) at rest, all of the first run attached."""
+    hangs_deg: tuple[tuple[float, float], ...]
+    """Roll (left wing down is positive) and pitch (nose up is positive) at rest, with what every run has attached."""
 
 
 def card_page(scenario: Scenario, title: str, facts: CardFacts) -> str:
@@ -80,7 +80,7 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
         (
             "Hang",
             f"the aircraft by the hook {_place(hook)} and let it come to rest. With transducer and accelerometers "
-            f"attached it must hang {_attitude(*facts.hangs_deg)}.",
+            f"attached it must hang {_attitudes(facts.hangs_deg)}.",
         ),
         (
             "Fix the force transducer",
@@ -116,6 +116,16 @@ def _steps(scenario: Scenario, facts: CardFacts) -> list[tuple[str, str]]:
             f"repeat a minute of the first {one} if there is time: a peak that moved says that something did.",
         ),
     ]
+
+
+def _attitudes(hangs_deg: Sequence[tuple[float, float]]) -> str:
+    """How it hangs in the first run, and in the one that differs most from it, where an eye sees that."""
+    first = hangs_deg[0]
+    moved_deg = [max(abs(a - b) for a, b in zip(angles, first, strict=True)) for angles in hangs_deg]
+    other = max(range(len(hangs_deg)), key=moved_deg.__getitem__)
+    if moved_deg[other] < _LEVEL_DEG:
+        return _attitude(*first)
+    return f"{_attitude(*first)} in run 1, and {_attitude(*hangs_deg[other])} in run {other + 1}"
 
 
 def _attitude(roll_deg: float, pitch_deg: float) -> str:
