@@ -38,10 +38,22 @@ def nearly_as_near(addition: Addition) -> list[Rival]:
     return list(best.values())[:_MOST]
 
 
-def beside_a_lead(addition: Addition) -> tuple[str, ...]:
-    """What stands beside a lead, each effect with the held-out error that it leaves."""
-    best: dict[str, Rival] = {}
+def beside_a_lead(addition: Addition) -> list[str]:
+    """What stands beside a lead, in words: what comes nearly as near, and what only held-out data put before it."""
+    winner, best = addition.winner, dict[str, Rival]()
     for r in addition.alike:
-        if r.name != addition.winner.name:
+        if r.name != winner.name:
             best.setdefault(r.name, r)
-    return tuple(n if r.held_out is None else f"{n} ({r.held_out:.2f})" for n, r in best.items())
+    nearer, near = [], []
+    for name, r in best.items():
+        ahead = r.held_out is not None and winner.held_out is not None and r.held_out < winner.held_out
+        (nearer if ahead else near).append(name if r.held_out is None else f"{name} ({r.held_out:.2f})")
+    said = []
+    if near:
+        said.append(f"{' or '.join(near)} in place of {winner.name} comes nearly as near: which is ahead may be chance")
+    if nearer:
+        said.append(
+            f"{' or '.join(nearer)} in place of {winner.name} meets held-out data better, and was passed over for "
+            "another reason"
+        )
+    return said

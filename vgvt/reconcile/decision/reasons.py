@@ -154,11 +154,7 @@ def _of_the_unknown(found: Attribution) -> list[str]:
             f"{labels} comes nearest: held-out error goes from {found.leads[0].held_out_before:.2f} to "
             f"{found.leads[-1].winner.held_out:.2f}; {why_no_name(found)}"
         )
-        said += [
-            f"{' or '.join(others)} in place of {a.winner.name} comes nearly as near: which is ahead may be chance"
-            for a in found.leads
-            if (others := beside_a_lead(a))
-        ]
+        said += [text for lead in found.leads for text in beside_a_lead(lead)]
     refused: dict[str, Rival] = {}
     for r in sorted(found.vetoed, key=lambda r: -r.gain_nats):
         # Of a lead, another variant may have been refused: that says nothing against it.
