@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import MisfitError, Positive, Table, Whole
@@ -14,6 +14,7 @@ from vgvt.scenario.exciters import check_hammer, check_shakers
 from vgvt.scenario.generator import Generator, check_generator
 from vgvt.scenario.hammer import Hammer
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
+from vgvt.scenario.one_spring import one_suspension
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension, shakers_apart
 from vgvt.scenario.sampling import check_sampling
 from vgvt.scenario.tolerances import Tolerances
@@ -95,6 +96,11 @@ class Scenario(Table):
     @classmethod
     def _several_shakers(cls, tables: Any) -> Any:
         return shakers_apart(tables) if isinstance(tables, dict) else tables
+
+    @field_validator("suspension", mode="before")
+    @classmethod
+    def _one_spring(cls, given: Any) -> Any:
+        return one_suspension(given)
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
