@@ -40,11 +40,13 @@ def nearly_as_near(addition: Addition) -> list[Rival]:
 
 def beside_a_lead(addition: Addition) -> list[str]:
     """What stands beside a lead, in words: what comes nearly as near, and what only held-out data put before it."""
-    winner, best = addition.winner, dict[str, Rival]()
+    winner = addition.winner
+    best: dict[str, Rival] = {}
     for r in addition.alike:
         if r.name != winner.name:
             best.setdefault(r.name, r)
-    nearer, near = [], []
+    nearer: list[str] = []
+    near: list[str] = []
     for name, r in best.items():
         ahead = r.held_out is not None and winner.held_out is not None and r.held_out < winner.held_out
         (nearer if ahead else near).append(name if r.held_out is None else f"{name} ({r.held_out:.2f})")
