@@ -231,7 +231,7 @@ def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.
 
     led: Any = SimpleNamespace(
         null=SimpleNamespace(converged=True), vetoed=(rival("soft root"), rival("cable"), rival("cable", 60.0)),
-        leads=(SimpleNamespace(winner=rival("soft root"), held_out_before=3.0),),
+        leads=(SimpleNamespace(winner=rival("soft root"), alike=(), held_out_before=3.0),),
     )  # fmt: skip
     refused = [words for words in reasons._of_the_unknown(led) if "speak against it" in words]
     # Of several variants of one effect the best is told.

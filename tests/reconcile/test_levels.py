@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,13 +13,15 @@ from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import with_effect
+from vgvt.reconcile.mechanics import joints
 from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question import problem
 from vgvt.reconcile.question.data import measured_frfs
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.level_grid import depends_on_level, level_grid, linear_first, several_levels
 from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
 from vgvt.scenario import Scenario
-from vgvt.simulation import simulated_campaign
+from vgvt.simulation import reduced, simulated_campaign
 
 ROOT = {"root_stiffness_n_m_per_rad": 2000.0, "kind": "bending", "side": "both"}
 CUBIC = Hypothesis(available_effects()["cubic-root-stiffness"], {"cubic_n_m_per_rad3": 2e7, **ROOT})
@@ -140,8 +143,22 @@ def test_a_joint_that_stays_shut_rings_on_at_the_end_of_a_record(tmp_path: Path)
     assert distance(predicted(endless, (PLAY,), 1e-4), case.measured.values) > 0.008
 
 
+@pytest.fixture
+def weightless(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Structures that hang without sensors: of two runs the mean is not what either has alone."""
+    remembered = (problem._hung, problem._assembled_once)
+    for module in (reduced, joints):
+        monkeypatch.setattr(module, "mean_sensors_kg", lambda scenario: {})
+    for function in remembered:
+        function.cache_clear()
+    yield
+    for function in remembered:
+        function.cache_clear()
+
+
+@pytest.mark.usefixtures("weightless")
 def test_a_run_among_others_has_its_own_sensors_on(tmp_path: Path) -> None:
-    """A joint that works hard answers as if the campaign had that run alone."""
+    """A joint that works hard answers as if the campaign had that run alone, but for the mean weight."""
     first, second = (1, 5, 9, 13), (2, 6, 10, 14)
     found = []
     for runs in ((first, second), (first,)):
@@ -152,6 +169,14 @@ def test_a_run_among_others_has_its_own_sensors_on(tmp_path: Path) -> None:
     among, alone = (np.array([f[line] for line in both]).T for f in found)
     assert len(both) > 30
     assert distance(among, alone) < 5e-4
+
+
+def test_sensors_weigh_on_a_joint_once(tmp_path: Path) -> None:
+    """A soft root that hangs under them answers as the linear engine's does: to a tenth of what their weight does."""
+    scenario = in_runs((1, 5, 9, 13))
+    campaign = simulated_campaign(with_effect(scenario, CUBIC.cls(**CUBIC.settings)), engine="linear")
+    case = make_problem(campaign, scenario, lines=120, cache=tmp_path)
+    assert distance(predicted(case, (CUBIC,), 1e-4), case.measured.values) < 5e-4
 
 
 def test_levels_are_seen_in_the_force(case: Problem) -> None:

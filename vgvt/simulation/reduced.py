@@ -240,7 +240,7 @@ def _in_body_axes(s: Structure, centre_m: Array) -> Structure:
     )
 
 
-def _mean_sensors_kg(scenario: Scenario) -> dict[int, float]:
+def mean_sensors_kg(scenario: Scenario) -> dict[int, float]:
     """What accelerometers weigh at every node that has one, kg, in the mean of all runs."""
     runs = scenario.acquisition.run_nodes
     counts = Counter(node for nodes in runs for node in nodes)
@@ -250,7 +250,7 @@ def _mean_sensors_kg(scenario: Scenario) -> dict[int, float]:
 def _sensors_inertia(model: mujoco.MjModel, data: mujoco.MjData, layout: Plan) -> Array:
     """Inertia (n, n) of what :func:`_hung` hangs in place of the accelerometers, for the sake of its weight alone."""
     total, moved = np.zeros((model.nv, model.nv)), np.zeros((3, model.nv))
-    for node in _mean_sensors_kg(layout.scenario):
+    for node in mean_sensors_kg(layout.scenario):
         body = model.body(_weight(node))
         mujoco.mj_jacBody(model, data, moved, None, body.id)
         total += body.mass * moved.T @ moved
@@ -269,7 +269,7 @@ def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSp
     known = {p.site for p in layout.grid}
     for point in (*layout.grid, *(p for p in points if p.site not in known)):
         spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - parts.origin_m[point.carrier])
-    sensors = _mean_sensors_kg(scenario)
+    sensors = mean_sensors_kg(scenario)
     homes = {p.dof.node: p for p in layout.grid}
     for node, mass in sensors.items():
         add_point_mass(spec, parts, _weight(node), homes[node].carrier, homes[node].position_m, mass)

@@ -12,7 +12,7 @@ from vgvt.effects.root_joint import one_law
 from vgvt.reconcile.mechanics.law import Law
 from vgvt.scenario.mirror import part_name
 from vgvt.simulation.assembly import Plan
-from vgvt.simulation.reduced import Structure
+from vgvt.simulation.reduced import Structure, mean_sensors_kg
 from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def joints_of(
     """The nonlinear joints of a structure in a ``basis`` (n, m); None where it has none.
 
     The channels are at its ``rows`` (C,) of places, those of each run are ``runs``; each carries a sensor of
-    ``masses_kg`` (C,), whose weight the structure has not settled under.
+    ``masses_kg`` (C,). The structure has settled under what sensors weigh in the mean of all runs.
     """
     laws = joint_laws(layout, s)
     if not laws:
@@ -71,9 +71,14 @@ def joints_of(
     moved, pushed = np.linalg.solve(s.stiffness, unit), np.linalg.solve(s.stiffness, s.drive)
     near, near_pushed = np.linalg.solve(stiffness, reduced.T), np.linalg.solve(stiffness, basis.T @ s.drive)
     axis = s.axis[rows]
+    homes = {p.dof.node: s.places.index(p.site) for p in layout.grid}
     weight = -GRAVITY_M_PER_S2 * masses_kg[:, None] * s.jacobian[rows, 2][:, index]
+    settled = np.zeros(index.size)
+    for node, mean_kg in mean_sensors_kg(layout.scenario).items():
+        settled -= GRAVITY_M_PER_S2 * mean_kg * s.jacobian[homes[node], 2][index]
     loaded = tuple(
-        tuple(law.loaded(float(weight[run, k].sum())) for k, law in enumerate(laws.values())) for run in runs
+        tuple(law.loaded(float(weight[run, k].sum() - settled[k])) for k, law in enumerate(laws.values()))
+        for run in runs
     )
     return Joints(
         loaded, reduced, pushed[index] - reduced @ near_pushed, axis @ moved - axis @ basis @ near,
