@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile.decision import leads
+from vgvt.reconcile.decision import leads, near_leads
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.kinds import Kind, kind_of
@@ -226,6 +226,15 @@ def test_what_could_not_be_is_refused_where_nothing_was_missing(monkeypatch: pyt
     monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: ("far off",))
     monkeypatch.setattr(leads, "without_last", lambda rounds, start: (rounds, start, []))
     assert leads.demoted(case).vetoed == (case.rounds[0].winner,)
+
+
+def test_what_comes_nearly_as_near_stands_beside_a_lead(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(near_leads, "implausible", lambda fit: ())
+    case = found((100.0, 100.0), (60.0, 60.0))
+    surge: Any = SimpleNamespace(name="suspension-surge", fit=fitted(61_000), held_out=62.0)
+    winner: Any = SimpleNamespace(name="root-compliance", fit=fitted(60_000), held_out=60.0)
+    judged = as_leads(replace(case, rounds=(Addition(winner, (winner,), (winner, surge), 100.0),)), THRESHOLDS)
+    assert judged.leads[0].equivalent == (winner, surge)
 
 
 def test_nothing_found_leads_nowhere() -> None:

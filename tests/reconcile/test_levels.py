@@ -234,7 +234,7 @@ def test_only_what_the_prediction_knows_is_looked_for_on_a_grid(case: Problem) -
 def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, volt: float, most: float) -> None:
     """The response to a fast sweep, whose amplitudes no steady state has: far nearer than the linear joint's.
 
-    At 2.5 V finite rotations are 1.2 % without any joint.
+    At 2.5 V finite rotations are 1.1 % without any joint.
     """
     scenario = driven(in_runs((1, 5, 9, 13)), volt)
     effect = hypothesis.cls(**hypothesis.settings)
@@ -247,9 +247,9 @@ def test_predicts_what_mujoco_records(tmp_path: Path, hypothesis: Hypothesis, vo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("volt", "least", "most"), [(1.0, 0.002, 0.005), (2.5, 0.009, 0.015)])
+@pytest.mark.parametrize(("volt", "least", "most"), [(1.0, 0.0012, 0.0025), (2.5, 0.009, 0.015)])
 def test_what_finite_rotation_leaves_without_any_joint(tmp_path: Path, volt: float, least: float, most: float) -> None:
-    """What a scenario driven that hard should state as its ``model_form``."""
+    """What a scenario driven that hard should state as its ``model_form``; it grows with the square of the voltage."""
     scenario = driven(in_runs((1, 5, 9, 13)), volt)
     case = make_problem(simulated_campaign(scenario, engine="mujoco"), scenario, lines=120, cache=tmp_path)
     assert least < distance(predicted(case, ()), case.measured.values) < most
