@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tdms_by_nptdms import rows_of, write_tdms
 from uff_by_hand import binary_58, nodes_2411, text_58, units_164
 
 from vgvt.data import Campaign
@@ -82,6 +83,7 @@ def test_one_object_that_says_what_was_found(vgvt, small: Path) -> None:
         "quantity": "acceleration",
         "unit": "g",
         "column": 2,
+        "variable": None,
         "dofs": ["1+Z"],
     }
     assert document["missing"] == []
@@ -116,6 +118,33 @@ def test_a_sidecar_that_is_there_stays_until_it_may_go(vgvt, small: Path) -> Non
     assert sidecar.read_text() != "mine"
 
 
+def test_a_tdms_file_has_gaps_for_its_places(vgvt, tmp_path: Path) -> None:
+    rows = rows_of(np.random.default_rng(2).standard_normal((400, 2)), ("F", "A1"), unit_string="N")
+    write_tdms(tmp_path / "log.tdms", {"Log": rows})
+    document = vgvt("data", "describe", "log.tdms", "--json").document
+    assert document["sidecar"] == "log.toml"
+    assert document["runs"] == [
+        {"run": 1, "file": "log.tdms", "index": None, "first": 1, "last": 2, "samples": 400, "sample_rate_hz": 100.0}
+    ]
+    assert document["channels"][0] == {
+        "name": "F",
+        "role": "reference",
+        "quantity": "force",
+        "unit": "N",
+        "column": None,
+        "variable": "F",
+        "dofs": [None],
+    }
+    result = vgvt("data", "describe", "log.tdms", "--force")
+    assert "still to be written in it: positions of the nodes" in result.out
+    assert vgvt("inspect", "log.toml").status == 2
+    Path("cut.tdms").write_bytes(Path("log.tdms").read_bytes()[:-9])
+    result = vgvt("data", "describe", "cut.tdms", "--json")
+    assert result.status == 2
+    assert "cut.tdms, segment 1 of the file: truncated" in result.document["error"]["message"]
+    assert not Path("cut.toml").exists()
+
+
 def test_several_files_are_described_under_the_name_of_their_folder(vgvt, small: Path) -> None:
     folder = small.parent / "march"
     folder.mkdir()
@@ -130,7 +159,8 @@ def test_several_files_are_described_under_the_name_of_their_folder(vgvt, small:
     ("arguments", "words"),
     [
         (("missing.uff",), "cannot be read"),
-        (("run1.TDMS",), "run1.TDMS: a TDMS file states no places"),
+        (("run1.TDMS",), "run1.TDMS: cannot be read"),
+        (("run1.tdms", "small.uff"), "small.uff: is not of the kind of run1.tdms"),
         (("small.uff", "--out", "small.txt"), r"write --out small.toml"),
         (("small.uff", "--band", 20, 3), "--band: 20 3 is no band"),
         (("small.uff", "--axes", "x", "x", "z"), "--axes: x x z are not the axes"),

@@ -227,5 +227,5 @@ def test_without_nptdms_it_is_said_what_to_install(tdms: Path, monkeypatch: pyte
 
 
 def test_a_file_by_itself_is_told_to_need_a_sidecar(tdms: Path) -> None:
-    with pytest.raises(InputError, match=r"run1\.tdms: a TDMS file does not say all(.|\n)*sidecar"):
+    with pytest.raises(InputError, match=r"run1\.tdms: a TDMS file does not say all(.|\n)*vgvt data describe .*run1"):
         open_campaign(tdms.parent / "raw/run1.tdms")

@@ -13,7 +13,8 @@ from uff_by_hand import DELIMITER, binary_58, head, lines_82, nodes_15, nodes_24
 
 from vgvt.data import Campaign, InputError
 from vgvt.files import open_campaign
-from vgvt.files.uff.describe import Description, describe_uff
+from vgvt.files.describe.draft import Description
+from vgvt.files.uff.describe import describe_uff
 
 PLACES = {node: (0.1 * node, 0.01 * node, 0.0) for node in (1, 2, 3, 4, 100)}
 FORCE, ACC = (13, "N"), (12, "m/s2")
@@ -211,6 +212,7 @@ def test_what_is_missing_can_be_filled_in(tmp_path: Path) -> None:
     assert description.missing == (
         "force: its DOF, which the file does not state",
         "acc: its DOF, which the file does not state",
+        "positions of the nodes",
     )
     for node in (7, 8):
         text = text.replace("# dof =  # MISSING", f'dof = "{node}+Z"  # WAS', 1)

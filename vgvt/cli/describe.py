@@ -1,8 +1,9 @@
-"""``vgvt data describe``: a sidecar for Universal Files, as far as they describe themselves."""
+"""``vgvt data describe``: a sidecar for Universal Files or TDMS files, as far as they describe themselves."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,11 +15,13 @@ from vgvt.cli.new_folders import none_left_empty
 from vgvt.cli.options import JsonOption
 
 if TYPE_CHECKING:
-    from vgvt.files.uff.describe import Description
+    from vgvt.files.describe.draft import Description
 
 
 def describe(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Universal Files of one campaign.")],
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Universal Files or TDMS files of one campaign.")
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -32,31 +35,24 @@ def describe(
     axes: Annotated[
         tuple[str, str, str] | None,
         typer.Option(
-            metavar="AFT RIGHT UP", help="The axes of the files that point there, like y -x z. Default: x y z."
+            metavar="AFT RIGHT UP", help="The axes of the places that point there, like y -x z. Default: x y z."
         ),
     ] = None,
     columns: Annotated[
         int | None,
-        typer.Option(min=1, help="Time histories of a run. Default: the most in which no DOF comes twice."),
+        typer.Option(min=1, help="Channels of a run. Default: the most in which no DOF (TDMS: no name) comes twice."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a sidecar that is there already.")] = False,
     as_json: JsonOption = False,
 ) -> int:
-    """Write a sidecar for Universal Files (UFF): places, channels, units and runs, as far as the files state them.
+    """Write a sidecar for Universal Files (UFF) or TDMS files: places, channels, units and runs, as far as they say.
 
     The band, when left out, is a guess: from ten periods in the shortest run to the sample rate over 2.56.
     Guesses are marked CHECK in the sidecar, gaps MISSING; without a gap it has been read once with its records.
+    TDMS files state no places: there these are always a gap.
     """
     from vgvt.data import InputError
-    from vgvt.files.uff.describe import describe_uff
 
-    for file in files:
-        if file.suffix.lower() == ".tdms":
-            raise InputError(
-                str(file),
-                "a TDMS file states no places and no directions",
-                "write its sidecar by hand: docs/how-to/describe-your-own-records.md",
-            )
     path = _default(files) if out is None else out
     if path.suffix != ".toml":
         raise InputError(str(path), "a sidecar is a .toml file", f"write --out {path.with_suffix('.toml')}")
@@ -65,12 +61,30 @@ def describe(
     if band is not None and not 0 < band[0] < band[1] < float("inf"):
         raise InputError("--band", f"{band[0]:g} {band[1]:g} is no band", "write the lowest and the highest, in Hz")
     with none_left_empty(path.parent):
-        description = describe_uff(files, path, band_hz=band, axes=axes, columns=columns)
+        description = _describer(files)(files, path, band_hz=band, axes=axes, columns=columns)
     if as_json:
         write_document(_document(description))
     else:
         _say(description)
     return 0
+
+
+def _describer(files: list[Path]) -> Callable[..., Description]:
+    """What describes some files, by their endings; InputError where they are of two kinds."""
+    from vgvt.data import InputError
+    from vgvt.files.tdms.describe import describe_tdms
+    from vgvt.files.uff.describe import describe_uff
+
+    # The index beside a TDMS file is told by its reader.
+    tdms = [file for file in files if file.suffix.lower().startswith(".tdms")]
+    others = [str(file) for file in files if file not in tdms]
+    if tdms and others:
+        raise InputError(
+            others[0],
+            f"is not of the kind of {tdms[0]}, and a sidecar is of one kind of file",
+            "describe TDMS files by themselves, and Universal Files by themselves",
+        )
+    return describe_tdms if tdms else describe_uff
 
 
 def _default(files: list[Path]) -> Path:
@@ -111,6 +125,7 @@ def _document(description: Description) -> dict[str, Any]:
                 "quantity": channel.quantity or None,
                 "unit": channel.unit or None,
                 "column": channel.column,
+                "variable": channel.variable or None,
                 "dofs": list(channel.places),
             }
             for channel in description.channels
@@ -118,11 +133,11 @@ def _document(description: Description) -> dict[str, Any]:
         "runs": [
             {
                 "run": number,
-                "file": run.file.path,
+                "file": run.path,
                 "index": run.index,
                 "first": run.first,
-                "last": run.first + len(run.histories) - 1,
-                "samples": run.histories[0].form.samples,
+                "last": run.last,
+                "samples": run.samples,
                 "sample_rate_hz": run.sample_rate_hz,
             }
             for number, run in enumerate(description.runs, start=1)

@@ -45,7 +45,7 @@ def open_campaign(source: str | Path) -> Campaign:
             raise InputError(
                 str(path),
                 "a TDMS file does not say all that vgvt needs, like where its sensors sat",
-                "describe it in a sidecar, and give that: docs/how-to/describe-your-own-records.md",
+                f"write a sidecar for it, and give that: vgvt data describe {path}",
             )
         return read_campaign(path)
     name = str(source)

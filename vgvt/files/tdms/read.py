@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from vgvt.files.tdms.segments import check_segments
 
 if TYPE_CHECKING:
     import nptdms
+
+Kind = Literal["numbers", "times", "others"]
+"""What samples are: real numbers, moments, or neither."""
 
 _AGAIN = "export or copy the file again"
 # Of texts that are not UTF-8, which are no samples.
@@ -78,6 +81,12 @@ def read_tdms(path: Path) -> TdmsFile:
         )
 
 
+def read_kinds(path: Path, channels: Sequence[TdmsChannel]) -> list[Kind]:
+    """What the samples of some channels of a file are, scaled as it says; InputError when the file is damaged."""
+    with _opened(path) as file:
+        return [_kind(file[channel.group][channel.name]) for channel in channels]
+
+
 def read_samples(path: Path, channels: Sequence[TdmsChannel]) -> list[NDArray[Any]]:
     """The samples (N,) of some channels of a file, scaled as it says; times in seconds from the first on.
 
@@ -87,14 +96,21 @@ def read_samples(path: Path, channels: Sequence[TdmsChannel]) -> list[NDArray[An
         return [_numbers(file[channel.group][channel.name], f"{path}, {channel.path}") for channel in channels]
 
 
+def _kind(channel: nptdms.TdmsChannel) -> Kind:
+    kind = channel.dtype.kind
+    if kind == "M":
+        return "times"
+    return "numbers" if kind in "fiu" else "others"
+
+
 def _numbers(channel: nptdms.TdmsChannel, where: str) -> NDArray[Any]:
     if not len(channel):
         return np.empty(0)
-    kind = channel.dtype.kind
-    if kind == "M":
+    kind = _kind(channel)
+    if kind == "times":
         times = np.asarray(channel[:])
         return np.asarray((times - times[0]) / np.timedelta64(1, "s"), dtype=np.float64)
-    if kind not in "fiu":
+    if kind == "others":
         raise InputError(where, f"holds no real numbers ({channel.dtype})", "name another channel")
     return np.asarray(channel[:])
 

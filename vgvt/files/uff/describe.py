@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from vgvt.data import InputError
-from vgvt.files.atomically import replacing
-from vgvt.files.axes import Axes
-from vgvt.files.manifest import file_sha256
-from vgvt.files.measured_records import read_measured
-from vgvt.files.sidecar import Sidecar
-from vgvt.files.strict import load_table
+from vgvt.files.describe.draft import DescribedRun, Description, Draft, Kind
+from vgvt.files.describe.guesses import checked_axes, guessed_band_hz
+from vgvt.files.describe.record_files import record_files
+from vgvt.files.describe.write import write_sidecar
 from vgvt.files.uff.geometry import UffGeometry
 from vgvt.files.uff.grouping import FoundRun, find_runs
-from vgvt.files.uff.proposal import ProposedChannel, propose_channels
+from vgvt.files.uff.proposal import propose_channels
 from vgvt.files.uff.read import UniversalFile, read_uff
-from vgvt.files.uff.sidecar_text import Draft, missing, sidecar_text
 from vgvt.files.unit_labels import same_unit
 from vgvt.files.units import LENGTHS_M
 
-_USUAL_SHARE = 2.56
-"""Sample rate over bandwidth of most analysers."""
-_PERIODS = 10
-
-
-@dataclass(frozen=True, slots=True)
-class Description:
-    """A sidecar that was written, and what a person should know of it."""
-
-    path: Path
-    name: str
-    band_hz: tuple[float, float]
-    channels: tuple[ProposedChannel, ...]
-    runs: tuple[FoundRun, ...]
-    missing: tuple[str, ...]
-    """What is to be written by hand before it can be read."""
-    remarks: tuple[str, ...]
+_UFF = Kind("uff", columns="time histories of a run", axes="of the file")
 
 
 def describe_uff(
@@ -56,56 +36,49 @@ def describe_uff(
     has been read with all its records before it takes its name. InputError when files cannot be read, do not make
     runs, or contradict each other.
     """
-    places = [_absolute(path) for path in files]
-    twice = [str(path) for path, place in zip(files, places, strict=True) if places.count(place) > 1]
-    if twice:
-        raise InputError(twice[0], "is given twice, and its runs would count twice", "give it once")
+    placed = record_files(files, sidecar)
     read = tuple(read_uff(path) for path in files)
-    runs = find_runs(read, columns)
+    found = find_runs(read, columns)
     geometry = _one_geometry(read)
     unit, unit_is_guessed = _length_unit(read, geometry)
-    table = _checked_axes(unit, *(axes or ("x", "y", "z")))
-    channels, remarks = propose_channels(runs, table)
+    table = checked_axes(unit, axes)
+    channels, remarks = propose_channels(found, table)
     if not channels:
         raise InputError(str(files[0]), "\n  ".join(["holds nothing that vgvt reads", *remarks]), "give another file")
-    folder = Path(os.path.commonpath([place.parent for place in places]))
-    relative = Path(os.path.relpath(folder, _absolute(sidecar).parent)).as_posix()
-    names = {path: place.relative_to(folder).as_posix() for path, place in zip(files, places, strict=True)}
+    runs = tuple(_described(run, placed.names[run.file.path]) for run in found)
     draft = Draft(
+        kind=_UFF,
         name=sidecar.stem,
-        band_hz=band_hz or _guessed_band(runs),
+        band_hz=band_hz or guessed_band_hz(runs),
         band_is_guessed=band_hz is None,
-        folder="" if relative == "." else relative,
+        folder=placed.relative,
+        columns=len(found[0].histories),
         axes=table,
         axes_are_guessed=axes is None,
         unit_is_guessed=unit_is_guessed,
-        geometry=geometry,
+        positions={number: node.position for number, node in geometry.nodes.items()},
+        lines=geometry.lines,
         channels=channels,
         runs=runs,
-        files=tuple(names[run.file.path] for run in runs),
-        hashes={name: file_sha256(path) for path, name in names.items()},
+        hashes=placed.hashes(),
         remarks=(),
     )
-    draft = replace(draft, remarks=(*_grouping_in_words(draft), *remarks, *_warnings(draft, read)))
-    gaps = missing(draft)
-    with replacing(sidecar) as temporary:
-        temporary.write_text(sidecar_text(draft), encoding="utf-8")
-        if not gaps:
-            _check_that_it_loads(temporary, sidecar, folder)
-    return Description(sidecar, draft.name, draft.band_hz, channels, runs, gaps, draft.remarks)
+    words = (*_grouping_in_words(draft), *remarks, *_warnings(draft, geometry, read))
+    return write_sidecar(replace(draft, remarks=words), sidecar, placed.folder)
 
 
-def _absolute(path: Path) -> Path:
-    """The path from the root on; a link in place of the file itself keeps its name."""
-    return path.parent.resolve() / path.name
-
-
-def _check_that_it_loads(temporary: Path, sidecar: Path, folder: Path) -> None:
-    """InputError, in the name that the sidecar will have, unless it can be read with all its records."""
-    try:
-        read_measured(load_table(temporary, Sidecar), folder)
-    except InputError as error:
-        raise InputError(error.where.replace(str(temporary), str(sidecar)), error.problem, error.advice) from error
+def _described(run: FoundRun, file: str) -> DescribedRun:
+    last = run.first + len(run.histories) - 1
+    return DescribedRun(
+        path=run.file.path,
+        file=file,
+        index=run.index,
+        first=run.first,
+        last=last,
+        samples=run.histories[0].form.samples,
+        sample_rate_hz=run.sample_rate_hz,
+        words=f"time histories {run.first} to {last} of the file",
+    )
 
 
 def _one_geometry(files: Sequence[UniversalFile]) -> UffGeometry:
@@ -148,47 +121,29 @@ def _length_unit(files: Sequence[UniversalFile], geometry: UffGeometry) -> tuple
     return name, False
 
 
-def _checked_axes(unit: str, aft: str, right: str, up: str) -> Axes:
-    try:
-        return Axes.model_validate({"unit": unit, "aft": aft, "right": right, "up": up})
-    except ValueError as error:
-        raise InputError(
-            "--axes",
-            f"{aft} {right} {up} are not the axes that point aft, right and up",
-            "write each of x, y and z once, with a minus sign where it points the other way: like --axes y -x z",
-        ) from error
-
-
-def _guessed_band(runs: Sequence[FoundRun]) -> tuple[float, float]:
-    shortest_s = min(run.histories[0].form.samples / run.sample_rate_hz for run in runs)
-    high = min(run.sample_rate_hz for run in runs) / _USUAL_SHARE
-    low = _PERIODS / shortest_s if shortest_s > 0 else high
-    return float(f"{min(low, high / 10):.3g}"), float(f"{high:.3g}")
-
-
 def _grouping_in_words(draft: Draft) -> list[str]:
     """How time histories were taken together, file by file."""
     words = []
-    size = len(draft.runs[0].histories)
-    for file in dict.fromkeys(draft.files):
-        count = draft.files.count(file)
-        runs = f"{count} runs of {size} time histories each, one behind the other" if count > 1 else "one run"
+    files = [run.file for run in draft.runs]
+    for file in dict.fromkeys(files):
+        count = files.count(file)
+        runs = f"{count} runs of {draft.columns} time histories each, one behind the other" if count > 1 else "one run"
         words.append(f"{file}: taken as {runs}")
     return words
 
 
-def _warnings(draft: Draft, files: Sequence[UniversalFile]) -> list[str]:
+def _warnings(draft: Draft, geometry: UffGeometry, files: Sequence[UniversalFile]) -> list[str]:
     words = [f"{file.path.name}: left out {file.other_functions}" for file in files if file.other_functions]
     if not any(channel.role == "reference" for channel in draft.channels):
         words.append("no time history is a force: frequency responses need one")
-    turned = draft.geometry.turned_directions(dict.fromkeys(place.node for place in draft.places))
+    turned = geometry.turned_directions(dict.fromkeys(place.node for place in draft.places))
     if turned:
         words.append(
             f"CHECK: directions at nodes {_some(turned)} are along local coordinate systems that are turned, "
             "and are written here as if they were along the global one"
         )
-    lost = [line for line in draft.geometry.lines if not set(line) <= set(draft.geometry.nodes)]
-    if lost and draft.geometry.nodes:
+    lost = [line for line in geometry.lines if not set(line) <= set(geometry.nodes)]
+    if lost and geometry.nodes:
         words.append(f"left out trace lines through nodes that have no position: {len(lost)}")
     return words
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from vgvt.data import ChannelRole, Dof, InputError, Quantity
+from vgvt.data import ChannelRole, InputError, Quantity
 from vgvt.files.axes import Axes
+from vgvt.files.describe.draft import ProposedChannel
 from vgvt.files.uff.agreement import in_aircraft_axes
 from vgvt.files.uff.grouping import FoundRun, quantity_of
 from vgvt.files.uff.time_history import TimeHistory
@@ -22,33 +23,6 @@ _NAMES = {
     Quantity.EXCITATION_FORCE: "force",
     Quantity.GENERAL: "drive",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class ProposedChannel:
-    """One channel; what the files do not state is empty or None."""
-
-    name: str
-    role: ChannelRole
-    quantity: str
-    """As sidecars spell it."""
-    unit: str
-    label: str
-    """Of the unit, as the file spells it."""
-    column: int | None
-    """None where it stands at another place in every run, and is to be found by its DOF."""
-    places: tuple[Dof | None, ...]
-    """Along aircraft axes, one a run."""
-
-    @property
-    def stays(self) -> bool:
-        """True where it has one place in all runs."""
-        return len(set(self.places)) == 1
-
-    @property
-    def has_places(self) -> bool:
-        """True where every run states its place."""
-        return None not in self.places
 
 
 def propose_channels(runs: Sequence[FoundRun], axes: Axes) -> tuple[tuple[ProposedChannel, ...], tuple[str, ...]]:

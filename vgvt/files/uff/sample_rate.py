@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import floor, isfinite, log10
 
 from vgvt.data import InputError
+from vgvt.files.describe.guesses import rate_in_few_digits_hz
 from vgvt.files.uff.time_history import TimeHistory
 
 _LAST_DIGIT = 1e-5  # of a number in the header, beside its first
-_MOST_DECIMALS = 6
 
 
 def stated_rate_hz(history: TimeHistory) -> float:
@@ -26,8 +26,7 @@ def stated_rate_hz(history: TimeHistory) -> float:
             f"states no sample rate: its abscissa has an increment of {step:g}",
             "export it with its time axis, or describe the file by hand: docs/how-to/describe-your-own-records.md",
         )
-    rates = (round(1 / step, decimals) for decimals in range(_MOST_DECIMALS + 1))
-    return next((rate for rate in rates if rate > 0 and abs(1 / rate - step) <= certain), 1 / step)
+    return rate_in_few_digits_hz(step, certain)
 
 
 def _last_digit(number: float) -> float:
