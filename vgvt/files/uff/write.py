@@ -108,7 +108,8 @@ def _numbers(function: Function, single: bool) -> NDArray[np.floating]:
 def _header(function: Function, number: int, single: bool) -> list[str]:
     """The eleven lines of text before the numbers."""
     spoken = [*map(_words, function.identification), *["NONE"] * 5][:5]
-    here, there = ((0, 0) if dof is None else (dof.node, int(dof.direction)) for dof in _places(function))
+    dofs = (function.response, function.reference)
+    here, there = ((0, 0) if dof is None else (dof.node, int(dof.direction)) for dof in dofs)
     ordinate = (5 if single else 6) if np.iscomplexobj(function.values) else (2 if single else 4)
     even = function.abscissa is None
     return [
@@ -122,10 +123,6 @@ def _header(function: Function, number: int, single: bool) -> list[str]:
             for axis in (function.axis, function.ordinate, function.denominator, Axis())
         ),
     ]
-
-
-def _places(function: Function) -> tuple[Dof | None, Dof | None]:
-    return function.response, function.reference
 
 
 def _as_text(numbers: NDArray[np.floating], uneven: bool) -> str:
