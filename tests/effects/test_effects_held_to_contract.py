@@ -13,7 +13,16 @@ import pytest
 from vgvt.data import InputError, PluginError
 from vgvt.effects import Action, ChannelFilter, ChannelTransform, Family, available_effects, parameter, parameters_of
 from vgvt.effects.acting import action_of
-from vgvt.effects.elements import BendTwist, GroundSpring, JointLaw, PointMass
+from vgvt.effects.elements import (
+    BendTwist,
+    Element,
+    GroundSpring,
+    JointLaw,
+    MountCompliance,
+    PointMass,
+    Relaxation,
+    RotationSpring,
+)
 from vgvt.effects.parameter import range_fault
 from vgvt.effects.point_error import PointError
 from vgvt.effects.registry import EffectPluginWarning, _made, _unusable
@@ -82,6 +91,54 @@ def filters(response: Callable[..., Any], channels: Any = "response", stage: Any
 def test_contents_that_mean_nothing_are_refused_in_the_effects_name(contents: dict[str, Any], said: str) -> None:
     with pytest.raises(PluginError, match=rf"^effect 'mine' failed in act\(run 1\): .*{said}"):
         given(**contents)
+
+
+def at(exciter: Any) -> RotationSpring:
+    return RotationSpring("pitch", 2.0, exciter=exciter)
+
+
+def mount(**changes: Any) -> MountCompliance:
+    return MountCompliance(**({"stiffness_n_per_m": 2e4, "damping_n_s_per_m": 5.0} | changes))
+
+
+def relaxing(branches: Any) -> Relaxation:
+    return Relaxation(80.0, branches)
+
+
+@pytest.mark.parametrize(
+    ("element", "said"),
+    [
+        # An index of its own would be that of another shaker, counted from behind, or of none.
+        (at(1), r"RotationSpring.exciter is 1: give 0, as the scenario has 1, counted from 0"),
+        (at(-1), r"RotationSpring.exciter is -1: give 0"),
+        (at(0.0), r"RotationSpring.exciter is 0.0: give 0"),
+        (at(None), r"RotationSpring.exciter is None: give 0"),
+        (mount(exciter=1), r"MountCompliance.exciter is 1: give 0"),
+        (mount(stiffness_n_per_m=0.0), r"MountCompliance.stiffness_n_per_m is 0: give a positive number"),
+        (mount(tension_ratio=0.0), r"MountCompliance.tension_ratio is 0: give a positive number"),
+        (relaxing([(0.1, 8.0)]), r"Relaxation.branches is \[\(0.1, 8.0\)\]: give a tuple of pairs"),
+        (relaxing((0.1, 8.0)), r"Relaxation.branches holds 0.1: give \(share, corner\)"),
+        (relaxing(((0.1, 8.0), (0.1,))), r"Relaxation.branches holds \(0.1,\): give"),
+        (relaxing(((0.1, 0.0),)), r"Relaxation.branches holds \(0.1, 0.0\): give"),
+        (relaxing(((0.0, 8.0),)), r"Relaxation.branches holds \(0.0, 8.0\): give"),
+        (relaxing(((0.1, -8.0),)), r"Relaxation.branches holds \(0.1, -8.0\): give"),
+        (relaxing(((float("nan"), 8.0),)), r"Relaxation.branches holds \(nan, 8.0\): give"),
+        (relaxing((("0.1", 8.0),)), r"Relaxation.branches holds \('0.1', 8.0\): give"),
+    ],
+)
+def test_exciters_and_branches_that_are_none_are_refused(element: Element, said: str) -> None:
+    with pytest.raises(PluginError, match=rf"^effect 'mine' failed in act\(run 1\): {said}"):
+        given(elements=(element,))
+
+
+def test_exciters_and_branches_that_there_are_pass() -> None:
+    elements = (at(np.int64(0)), mount(exciter=0), relaxing(()), relaxing(((np.float64(0.1), 8),)))
+    assert given(elements=elements).elements == elements
+    two = load_scenario("hati-two-shakers")
+    second = Mine(gives=Action(elements=(at(1), mount(exciter=1))))
+    assert len(action_of(second, two, 0).elements) == 2  # type: ignore[arg-type]
+    with pytest.raises(PluginError, match=r"exciter is 2: give 0 to 1, as the scenario has 2, counted from 0"):
+        action_of(Mine(gives=Action(elements=(at(2),))), two, 0)  # type: ignore[arg-type]
 
 
 def test_what_an_action_may_hold_passes_and_does_the_same() -> None:

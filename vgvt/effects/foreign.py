@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from vgvt.data.plugin import PluginError, whose_fault
 from vgvt.data.suggestion import choose_one_of
 from vgvt.effects.action import Action, ChannelFilter, ChannelTransform, Stage
-from vgvt.effects.elements import Element
+from vgvt.effects.elements import Element, MountCompliance, Relaxation
 from vgvt.effects.point_error import PointError
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
@@ -30,6 +30,8 @@ _ROLES = ("force", "drive", "response", "all")
 _BODY = "body"
 # Elements are told apart by these fields: where they are, and what cannot be less than nothing.
 _PARTS, _MASSES = ("part", "other_part"), ("mass_kg", "frame_kg")
+# What a mount divides by.
+_OF_MOUNTS = ("stiffness_n_per_m", "tension_ratio")
 
 
 def held_to_contract(effect: Any, action: Action, scenario: Scenario, run: int) -> Action:
@@ -88,6 +90,7 @@ def _problems(action: Action, scenario: Scenario) -> Iterator[str]:
     stated = {_BODY} | built | {b.name for b in there.airframe.beam}
     for element in action.elements:
         yield from _of_element(element, nodes, built, stated)
+        yield from _of_what_moves(element, len(there.shakers))
 
 
 def _of_types(action: Action) -> Iterator[str]:
@@ -132,6 +135,30 @@ def _of_element(element: Element, nodes: set[int], built: set[str], stated: set[
     for f in _MASSES:
         if getattr(element, f, 0.0) < 0:
             yield f"{what}.{f} is {getattr(element, f):g}: take mass from an item of the airframe"
+
+
+def _of_what_moves(element: Element, shakers: int) -> Iterator[str]:
+    """What is wrong with the exciter that an element is at, among the ``shakers``, and with the branches it has."""
+    what = type(element).__name__
+    exciter: object = getattr(element, "exciter", 0)
+    if not (isinstance(exciter, int | np.integer) and 0 <= exciter < shakers):
+        there = "0" if shakers == 1 else f"0 to {shakers - 1}"
+        yield f"{what}.exciter is {exciter!r}: give {there}, as the scenario has {shakers}, counted from 0"
+    if isinstance(element, MountCompliance):
+        for f in (f for f in _OF_MOUNTS if not getattr(element, f) > 0):
+            yield f"{what}.{f} is {getattr(element, f):g}: give a positive number, or no mount"
+    if isinstance(element, Relaxation):
+        yield from _of_branches(element.branches)
+
+
+def _of_branches(branches: object) -> Iterator[str]:
+    """What is wrong with Maxwell branches: each is a spring by its share and a corner, and neither can be nothing."""
+    if not isinstance(branches, tuple):
+        yield f"Relaxation.branches is {branches!r}: give a tuple of pairs, ((share, corner), …)"
+        return
+    for branch in branches:
+        if not (isinstance(branch, tuple) and len(branch) == 2 and all(_finite(v) and v > 0 for v in branch)):
+            yield f"Relaxation.branches holds {branch!r}: give (share, corner), two positive numbers, or no such branch"
 
 
 def _of_channels(change: ChannelFilter | ChannelTransform, scenario: Scenario) -> Iterator[str]:
