@@ -95,6 +95,22 @@ def test_what_comes_nearest_is_shown_and_called_no_name() -> None:
     assert not told.changed
 
 
+def test_every_lead_and_what_comes_nearly_as_near_has_its_own_test_once() -> None:
+    (lead,) = account().effects
+    told = replace(lead, tests_of_equivalent={"local-absorber": "tape it down", "foreign-effect": ""})
+    second = replace(lead, name="local-absorber", equivalent=(), separating_test="tape it down")
+    look, nearest, *tests = next_steps(replace(account("unknown", named=False), leads=(told, second), tests=()))[:-1]
+    assert "where to knock" in look and "is a lead" in nearest
+    assert tests == ["Whether it is added-mass: Weigh it.", "Whether it is local-absorber: tape it down."]
+
+
+def test_a_test_that_tells_nothing_is_no_step() -> None:
+    told = account("ambiguous")
+    assert next_steps(told)[0].startswith("Next test: tape a dummy mass")
+    hollow = replace(told, tests=tuple(replace(t, nats=4.0) for t in told.tests))
+    assert not any("tape a dummy mass" in step for step in next_steps(hollow))
+
+
 def test_what_is_refuted_names_the_separating_test_and_the_limit() -> None:
     said = " ".join(disproofs(account()))
     assert "Weigh it." in said

@@ -93,7 +93,7 @@ class CandidateRow:
 class EffectRow:
     """An effect that was named: parameters {name: (value, standard deviation, unit)}, and what would separate it.
 
-    ``ranges`` are 95 % intervals by parameter.
+    ``ranges`` are 95 % intervals by parameter, ``tests_of_equivalent`` what would separate each ``equivalent``.
     """
 
     name: str
@@ -107,6 +107,7 @@ class EffectRow:
     signature: str
     separating_test: str
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    tests_of_equivalent: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,15 +75,31 @@ def next_steps(account: Account) -> tuple[str, ...]:
     place = account.pointed_at
     if account.kind == "unknown" and place is not None:
         steps.insert(0, _LOOK[place.kind].format(place=place.label))
-    if account.tests:
-        best = account.tests[0]
+    best = account.tests[0] if account.tests else None
+    if best is not None and best.nats >= account.limits["set_nats"]:
         words = (
             f"{best.test}: {best.nats:.0f} nats between {best.rivals[0]} and {best.rivals[1]} in {best.minutes:.0f} min"
         )
         steps.insert(0, f"Next test: {words}.")
     if account.leads:
         steps.insert(1, "What comes nearest is a lead: what is missing may act like it, or sit where it does.")
+        steps[2:2] = _tests_of_leads(account)
     return tuple(steps)
+
+
+def _tests_of_leads(account: Account) -> list[str]:
+    """What would show each lead, and what comes nearly as near, to be there or not: by hand, whatever the model misses.
+
+    How far apart they are in another campaign says little where both miss this one by more.
+    """
+    known: dict[str, str] = {}
+    for lead in account.leads:
+        known |= {name: test for name, test in _own_tests(lead).items() if name not in known}
+    return [f"Whether it is {name}: {_sentence(test)}" for name, test in known.items() if test]
+
+
+def _own_tests(lead: EffectRow) -> dict[str, str]:
+    return {lead.name: lead.separating_test, **lead.tests_of_equivalent}
 
 
 def disproofs(account: Account) -> tuple[str, ...]:

@@ -130,14 +130,19 @@ def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tupl
     rows = []
     for effect, addition in zip(effects, rounds, strict=True):
         cls = addition.winner.hypothesis.cls
+        others = {r.name: _separating_test(r.hypothesis.cls) for r in addition.alike if r.name in effect.equivalent}
         rows.append(
             EffectRow(
                 effect.name, effect.summary, effect.parameters, effect.settings, effect.evidence_nats,
                 effect.equivalent, effect.held_out_before, effect.held_out_after,
-                str(getattr(cls, "signature", "")), str(getattr(cls, "separating_test", "")), effect.ranges,
+                str(getattr(cls, "signature", "")), _separating_test(cls), effect.ranges, others,
             )
         )  # fmt: skip
     return tuple(rows)
+
+
+def _separating_test(cls: type) -> str:
+    return str(getattr(cls, "separating_test", ""))
 
 
 def _candidates(found: Attribution, limits: Thresholds) -> tuple[CandidateRow, ...]:
