@@ -111,6 +111,40 @@ def test_what_is_read_is_never_replaced(vgvt, campaign_file: Path) -> None:
     assert not Path("x-run1.mat").exists()
 
 
+def test_records_that_a_sidecar_names_are_never_replaced(vgvt, campaign_file: Path) -> None:
+    """Measured data may be nowhere else: --force had put frequency responses in their place."""
+    vgvt("convert", campaign_file, "x.csv")
+    Path("x.toml").rename("y.toml")
+    before = Path("x-run2.csv").read_bytes()
+    for name, options in (("x.csv", ()), ("x-run2.csv", ("--frf",))):
+        result = vgvt("convert", "y.toml", name, "--force", *options, "--json")
+        assert result.status == 2
+        assert "is what is read" in result.document["error"]["message"]
+    assert Path("x-run2.csv").read_bytes() == before
+
+
+def test_the_campaign_of_a_run_folder_is_never_replaced(vgvt, campaign_file: Path) -> None:
+    """It says which scenario and seed it came from, which a converted one does not."""
+    Path("runs").mkdir()
+    campaign_file.rename("runs/campaign.nc")
+    result = vgvt("convert", "runs", "runs/campaign.nc", "--force", "--json")
+    assert result.status == 2
+    assert result.document["error"]["where"] == "runs/campaign.nc"
+    assert "converted_from" not in read_manifest("runs/campaign.nc")
+
+
+def test_the_how_to_asks_for_nothing_that_is_refused(vgvt, campaign_file: Path) -> None:
+    """Its commands one after the other, with a campaign in place of the simulated and of the measured one."""
+    document = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "convert.md"
+    lines = [line[7:].split() for line in document.read_text(encoding="utf-8").splitlines() if line[:7] == "$ vgvt "]
+    assert len([line for line in lines if line[0] == "convert"]) >= 5
+    vgvt("convert", campaign_file, "my-test.uff")
+    Path("runs/quick").mkdir(parents=True)
+    campaign_file.rename("runs/quick/campaign.nc")
+    for line in lines:
+        assert vgvt(*line).status == 0, line
+
+
 def test_a_folder_is_not_left_behind(vgvt, campaign_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vgvt.files.export.matlab._LARGEST_BYTES", 1000)
     assert vgvt("convert", campaign_file, "new/place/x.mat").status == 2

@@ -51,6 +51,7 @@ def convert(
     from vgvt.files import open_campaign
     from vgvt.files.export.campaign import planned_files
     from vgvt.files.export.form import Form, form_of
+    from vgvt.files.open import files_of
 
     form = form_of(file)
     if text and form is not Form.UNIVERSAL:
@@ -58,7 +59,7 @@ def convert(
     if band is not None and not frf:
         raise InputError("--band", "only frequency responses have one", "leave it out, or add --frf")
     opened = open_campaign(campaign)
-    _refuse_to_replace((file,) if frf else planned_files(opened, file), Path(campaign), force)
+    _refuse_to_replace((file,) if frf else planned_files(opened, file), files_of(campaign), force)
     with none_left_empty(file.parent):
         exported = _responses(opened, file, band, text) if frf else _campaign(opened, file, text, campaign)
     if as_json:
@@ -68,11 +69,11 @@ def convert(
     return 0
 
 
-def _refuse_to_replace(files: Sequence[Path], source: Path, force: bool) -> None:
+def _refuse_to_replace(files: Sequence[Path], read: Sequence[Path], force: bool) -> None:
     from vgvt.data import InputError
 
     for path in files:
-        if path.exists() and source.exists() and path.samefile(source):
+        if path.exists() and any(path.samefile(one) for one in read):
             raise InputError(str(path), "is what is read, and would be replaced", "give FILE another name")
         if os.path.lexists(path) and not force:
             raise InputError(str(path), "is there already", "give FILE another name, or replace it with --force")

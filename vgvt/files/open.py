@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vgvt.data import Campaign, InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.files.campaign_file import read_campaign
 from vgvt.files.export.form import UNIVERSAL_ENDINGS
 from vgvt.files.locate import find_dataset
+
+if TYPE_CHECKING:
+    from vgvt.files.sidecar import Sidecar
 
 CAMPAIGN_NAME = "campaign.nc"
 _OF_SCENARIOS = frozenset({"extends", "airframe", "suspension", "shaker", "excitation", "acquisition", "effect"})
@@ -60,6 +64,23 @@ def open_campaign(source: str | Path) -> Campaign:
     )
 
 
+def files_of(source: str | Path) -> tuple[Path, ...]:
+    """The files that :func:`open_campaign` reads for a source: of a sidecar itself, and every record file."""
+    path = Path(source)
+    if path.is_dir():
+        return (path / CAMPAIGN_NAME,)
+    if not path.is_file() and str(source) in measured_names():
+        path = _SHIPPED / f"{source}.toml"
+    if path.suffix != ".toml":
+        return (path,)
+    from vgvt.files.sidecar import Sidecar
+    from vgvt.files.strict import load_table
+
+    sidecar = load_table(path, Sidecar)
+    folder = _records_folder(path, sidecar)
+    return (path, *dict.fromkeys(folder / run.file for run in sidecar.run))
+
+
 def shipped_sidecar(name: str) -> Path:
     """The sidecar of a measured campaign by name; InputError with the names there are."""
     if name not in measured_names():
@@ -77,16 +98,23 @@ def _open_sidecar(path: Path) -> Campaign:
         sidecar = load_table(path, Sidecar)
     except InputError as error:
         raise _not_a_scenario(path, error) from error
+    folder, dataset = _records_folder(path, sidecar), sidecar.records.dataset
+    try:
+        return read_measured(sidecar, folder)
+    except InputError as error:
+        if not dataset:
+            raise
+        again = f"{error.advice}; `vgvt data get {dataset}` fetches it again"
+        raise InputError(error.where, error.problem, again) from error
+
+
+def _records_folder(path: Path, sidecar: Sidecar) -> Path:
+    """Where the record files of a sidecar lie; InputError where a data set is not on this machine."""
     records = sidecar.records
-    if records.dataset:
-        first = (Path(records.folder) / sidecar.run[0].file).as_posix()
-        folder = find_dataset(records.dataset, first) / records.folder
-        try:
-            return read_measured(sidecar, folder)
-        except InputError as error:
-            again = f"{error.advice}; `vgvt data get {records.dataset}` fetches it again"
-            raise InputError(error.where, error.problem, again) from error
-    return read_measured(sidecar, path.parent / records.folder)
+    if not records.dataset:
+        return path.parent / records.folder
+    first = (Path(records.folder) / sidecar.run[0].file).as_posix()
+    return find_dataset(records.dataset, first) / records.folder
 
 
 def _not_a_scenario(path: Path, error: InputError) -> InputError:
