@@ -86,6 +86,28 @@ def test_a_file_by_itself_says_what_it_can(tmp_path: Path) -> None:
     assert read.geometry.lines == campaign.geometry.lines
 
 
+@pytest.mark.parametrize(("name", "text"), FORMS[:4])
+def test_samples_that_are_not_finite_need_no_note(tmp_path: Path, name: str, text: bool) -> None:
+    """As of campaigns from Python; reading tells of them, beside the notes that were there, an empty one among them."""
+    campaign = rich_campaign()
+    first, second = campaign.runs
+    samples = second.samples.copy()
+    samples[2, 5] = np.inf
+    second = replace(second, samples=samples, notes=("a2 é: 1 of 900 samples are not finite", ""))
+    exported = export_campaign(replace(campaign, runs=(first, second)), tmp_path / name, text=text)
+    read = open_campaign(exported.sidecar or name).runs[1]
+    assert read.notes == (*second.notes, "a2 é: 1 of 77 samples are not finite")
+    np.testing.assert_allclose(read.samples, samples, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "text"), FORMS)
+def test_a_run_of_one_sample_comes_back(tmp_path: Path, name: str, text: bool) -> None:
+    campaign = rich_campaign()
+    campaign = replace(campaign, runs=(replace(campaign.runs[1], samples=campaign.runs[1].samples[:, :1]),))
+    exported = export_campaign(campaign, tmp_path / name, text=text)
+    same(open_campaign(exported.sidecar or exported.files[0]), campaign, 1e-12 if text else 0.0)
+
+
 def test_a_manifest_goes_into_a_campaign_file(tmp_path: Path) -> None:
     exported = export_campaign(rich_campaign(), tmp_path / "x.nc", manifest={"converted_from": "y.toml"})
     assert exported.form is Form.CAMPAIGN

@@ -15,7 +15,7 @@ from vgvt.data import Campaign, Record
 from vgvt.files.atomically import check_space, replacing
 from vgvt.files.campaign_file import write_campaign
 from vgvt.files.export import matlab, table, universal
-from vgvt.files.export.described import sidecar_of
+from vgvt.files.export.described import own_notes, sidecar_of
 from vgvt.files.export.form import Form, form_of
 from vgvt.files.manifest import file_sha256
 from vgvt.files.measured_records import read_measured
@@ -129,7 +129,7 @@ def _difference(campaign: Campaign, read: Campaign) -> str:
 
 def _facts(record: Record) -> tuple[object, ...]:
     channels = [(c.name, c.quantity, c.role, c.dof, c.unit) for c in record.channels]
-    return record.run, record.sample_rate_hz, sorted(record.overloaded), sorted(record.notes), channels
+    return record.run, record.sample_rate_hz, sorted(record.overloaded), sorted(own_notes(record)), channels
 
 
 def _lost(campaign: Campaign) -> list[str]:

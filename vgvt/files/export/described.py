@@ -38,7 +38,7 @@ def sidecar_of(campaign: Campaign, form: Form, files: Sequence[Path], hashes: Se
             nodes=_moved(table, record, campaign.runs),
             names={a.name: b.name for a, b in zip(table, record.channels, strict=True) if a.name != b.name},
             overloaded=[a.name for a, b in zip(table, record.channels, strict=True) if b.name in record.overloaded],
-            notes=_own_notes(record),
+            notes=own_notes(record),
         )
         for k, record in enumerate(campaign.runs)
     ]
@@ -46,7 +46,7 @@ def sidecar_of(campaign: Campaign, form: Form, files: Sequence[Path], hashes: Se
         name=campaign.name,
         band_hz=[float(f) for f in campaign.band_hz],
         notes=dict(campaign.notes),
-        records={"format": form.value, "sample_rate_hz": first.sample_rate_hz, **_layout(form, len(table))},
+        records={"format": form.value, "sample_rate_hz": first.sample_rate_hz, **_layout(form, campaign.runs)},
         nodes=_nodes(campaign.geometry),
         outline_m=[np.asarray(outline, dtype=float).tolist() for outline in campaign.geometry.outline_m],
         channel=[_row(k, channel, campaign.runs, form) for k, channel in enumerate(table)],
@@ -60,9 +60,12 @@ def _said(**table: Any) -> dict[str, Any]:
     return {key: value for key, value in table.items() if value is not None and value != [] and value != {}}
 
 
-def _layout(form: Form, channels: int) -> dict[str, Any]:
+def _layout(form: Form, runs: Sequence[Record]) -> dict[str, Any]:
+    channels = len(runs[0].channels)
     if form is Form.MATLAB:
-        return {"samples": SAMPLES, "time_s": TIME, "columns": channels}
+        # One sample has no time axis that a rate could be held against.
+        axis = {"time_s": TIME} if all(record.samples.shape[1] > 1 for record in runs) else {}
+        return {"samples": SAMPLES, **axis, "columns": channels}
     if form is Form.TEXT:
         return {"skip_rows": HEADING_ROWS, "columns": channels + 1}
     return {"columns": channels}
@@ -117,9 +120,10 @@ def _moved(table: Sequence[Channel], record: Record, runs: Sequence[Record]) -> 
     return nodes
 
 
-def _own_notes(record: Record) -> list[str]:
+def own_notes(record: Record) -> list[str]:
     """The notes of a run without those that reading adds again."""
-    added = {
+    told = (
         not_finite_note(channel.name, samples) for channel, samples in zip(record.channels, record.samples, strict=True)
-    }
+    )
+    added = {note for note in told if note}
     return [note for note in record.notes if note not in added]
