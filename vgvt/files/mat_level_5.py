@@ -96,9 +96,12 @@ class _Element:
         if not self.compressed:
             return self._read(self.size)
         size = self._unpacked(zlib.decompressobj().decompress(self._read(_START_BYTES), 8))[1]
-        content = zlib.decompressobj().decompress(self._read(self.size), 8 + size + 1)[8:]
+        unpacking = zlib.decompressobj()
+        content = unpacking.decompress(self._read(self.size), 8 + size + 1)[8:]
         if len(content) != size:
             raise DamagedMatError(f"{len(content)} bytes unpacked where {size} are announced")
+        if not unpacking.eof:  # only at its end the checksum is compared
+            raise DamagedMatError("a compressed variable has no end")
         return content
 
     def _read(self, size: int) -> bytes:
