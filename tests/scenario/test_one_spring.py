@@ -41,3 +41,9 @@ def test_without_their_numbers_it_says_how(tmp_path: Path) -> None:
 
 def test_one_table_under_the_heading_of_an_array(tmp_path: Path) -> None:
     assert "Write its heading as [suspension]." in refused(tmp_path, spring(3600.0, "[0.7, 0.0, 0.2]"))
+
+
+def test_no_spring_and_springs_without_end(tmp_path: Path) -> None:
+    assert "suspension: is an empty array, but must be one table" in refused(tmp_path, "suspension = []\n")
+    said = refused(tmp_path, spring(float("inf"), "[0.5, 0.0, 0.2]") * 2)
+    assert "is 2 tables" in said and "nan" not in said

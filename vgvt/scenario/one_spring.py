@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -20,6 +21,8 @@ def one_suspension(given: Any) -> Any:
     tables = [table for table in given if isinstance(table, Mapping)]
     if len(given) == 1 and tables:
         raise MisfitError((), "is an array of tables, but must be one table", "Write its heading as [suspension].")
+    if not given:
+        raise MisfitError((), "is an empty array, but must be one table", "Write [suspension] with hook_m.")
     together = f" with {_together(tables)}" if len(tables) == len(given) and _complete(tables) else ""
     raise MisfitError(
         (),
@@ -30,7 +33,7 @@ def one_suspension(given: Any) -> Any:
 
 
 def _complete(tables: list[Mapping[str, Any]]) -> bool:
-    """Whether every table has a stiffness above zero and a hook of three numbers."""
+    """Whether every table has a stiffness above zero and a hook of three numbers, all finite."""
     return all(
         _number(table.get("stiffness_n_per_m"))
         and table["stiffness_n_per_m"] > 0
@@ -49,4 +52,4 @@ def _together(tables: list[Mapping[str, Any]]) -> str:
 
 
 def _number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
