@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -120,6 +121,24 @@ def test_names_that_the_format_cannot_hold(tmp_path: Path) -> None:
     assert header["model_name"].strip() == "-1 " + "x" * 77
     assert len(rest) == 14
     assert [one["id1"].strip() for one in rest if one["type"] == 58][5:8] == ["drive", "force, left", "a2 ?"]
+
+
+class GermanMarch(datetime):
+    """A clock in a program that has set a German locale, as those with windows do."""
+
+    @classmethod
+    def now(cls, tz: object = None) -> GermanMarch:
+        return cls(2027, 3, 7, 8, 9, 10)
+
+    def strftime(self, form: str) -> str:
+        return super().strftime(form.replace("%b", "Mär"))
+
+
+def test_the_date_is_in_the_words_of_the_format_in_any_locale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vgvt.files.uff.write.datetime", GermanMarch)
+    export_campaign(rich_campaign(), tmp_path / "x.uff", text=True)
+    header = sets_of(tmp_path / "x.uff")[0]
+    assert (header["date_db_created"].strip(), header["time_db_created"].strip()) == ("07-MAR-27", "08:09:10")
 
 
 def loaded(path: Path) -> dict[str, Any]:

@@ -19,6 +19,8 @@ _LINE = 80
 _HEADER_LINES = 11
 _LITTLE_ENDIAN, _IEEE = 1, 2
 _NUMBERS_A_LINE = 8
+# Not by strftime: where a program around has set a locale, months are in its language, and not in ASCII.
+_MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,8 @@ class Function:
 def header_151(name: str, program: str) -> bytes:
     """Dataset 151: what the file is of, and which program wrote it, now."""
     now = datetime.now(UTC)
-    moment = f"{now:%d-%b-%y}".upper().ljust(10) + f"{now:%H:%M:%S}".ljust(10)
+    day = f"{now.day:02d}-{_MONTHS[now.month - 1]}-{now.year % 100:02d}"
+    moment = day.ljust(10) + f"{now:%H:%M:%S}".ljust(10)
     rows = [_words(name), "NONE", _words(program), moment + f"{0:10d}{0:10d}{0:10d}", moment, _words(program), moment]
     return _dataset(151, rows)
 
