@@ -46,6 +46,17 @@ def test_what_holds_no_real_numbers_is_told_in_matlabs_words(tmp_path: Path, pac
         read_mat(tmp_path / "a.mat", ["celt"])
 
 
+def test_the_text_at_the_start_is_free(tmp_path: Path) -> None:
+    """Other programs than MATLAB write their own; version and order of bytes behind it say what the file is."""
+    scipy.io.savemat(tmp_path / "a.mat", {"x": np.eye(3)})
+    content = (tmp_path / "a.mat").read_bytes()
+    (tmp_path / "a.mat").write_bytes(b"Data logger 12, MAT-file of version 5".ljust(124) + content[124:])
+    np.testing.assert_array_equal(read_mat(tmp_path / "a.mat", ["x"])["x"], np.eye(3))
+    (tmp_path / "a.mat").write_bytes(b"Data logger 12".ljust(400))
+    with pytest.raises(InputError, match=r"a\.mat: not a MAT file"):
+        read_mat(tmp_path / "a.mat", ["x"])
+
+
 @pytest.mark.parametrize(("order", "mark"), [("<", b"IM"), (">", b"MI")])
 def test_doubles_in_small_types_and_either_order_of_bytes(tmp_path: Path, order: str, mark: bytes) -> None:
     """MATLAB stores doubles that are whole as whole numbers, and up to four bytes within their tag."""

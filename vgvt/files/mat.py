@@ -16,6 +16,7 @@ from vgvt.files import mat_hdf5, mat_level_5
 from vgvt.files.mat_level_5 import MatVariable
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_LEVEL_5 = (b"\0\1IM", b"\1\0MI")  # version and order of bytes; the text before them is free
 _LEVEL_4_BYTES, _LONGEST_NAME = 20, 64
 
 
@@ -33,7 +34,7 @@ def read_mat(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
         raise InputError(str(path), "the file is empty", "copy or download the file again")
     if start.startswith(_HDF5_SIGNATURE) or start[512:520] == _HDF5_SIGNATURE:
         found, known = _read_hdf5(path, names)
-    elif start.startswith(b"MATLAB"):
+    elif start.startswith(b"MATLAB") or start[124:128] in _LEVEL_5:
         found, known = _read_level_5(path, names)
     else:
         raise _no_mat(path, start)
