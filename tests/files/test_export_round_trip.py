@@ -108,6 +108,22 @@ def test_a_run_of_one_sample_comes_back(tmp_path: Path, name: str, text: bool) -
     same(open_campaign(exported.sidecar or exported.files[0]), campaign, 1e-12 if text else 0.0)
 
 
+@pytest.mark.parametrize(("name", "text"), FORMS[:4])
+def test_numbers_of_numpy_are_numbers(tmp_path: Path, name: str, text: bool) -> None:
+    """A rate is often 1 / np.mean(np.diff(t)); of it no sidecar had been made, for the truth value of an array."""
+    campaign = rich_campaign()
+    geometry, band = campaign.geometry, campaign.band_hz
+    numpy_ones = replace(
+        campaign,
+        runs=tuple(replace(r, run=np.int64(r.run), sample_rate_hz=np.float64(r.sample_rate_hz)) for r in campaign.runs),
+        geometry=replace(geometry, nodes=tuple(map(np.int64, geometry.nodes))),
+        band_hz=(np.float64(band[0]), np.float64(band[1])),
+    )
+    exported = export_campaign(numpy_ones, tmp_path / name, text=text)
+    assert exported.remarks == ()
+    same(open_campaign(exported.sidecar or name), campaign, 1e-12 if text else 0.0)
+
+
 def test_a_manifest_goes_into_a_campaign_file(tmp_path: Path) -> None:
     exported = export_campaign(rich_campaign(), tmp_path / "x.nc", manifest={"converted_from": "y.toml"})
     assert exported.form is Form.CAMPAIGN

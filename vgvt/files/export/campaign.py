@@ -15,7 +15,7 @@ from vgvt.data import Campaign, Record
 from vgvt.files.atomically import check_space, replacing
 from vgvt.files.campaign_file import write_campaign
 from vgvt.files.export import matlab, table, universal
-from vgvt.files.export.described import own_notes, sidecar_of
+from vgvt.files.export.described import UnsayableError, own_notes, sidecar_of
 from vgvt.files.export.form import Form, form_of
 from vgvt.files.manifest import file_sha256
 from vgvt.files.measured_records import read_measured
@@ -105,7 +105,7 @@ def _why_no_sidecar(campaign: Campaign, form: Form, files: Sequence[Path]) -> st
         sidecar_of(campaign, form, files, None)
     except ValidationError as error:
         return str(error.errors()[0]["msg"]).removeprefix("Value error, ").partition("; ")[0]
-    except ValueError as error:
+    except UnsayableError as error:
         return str(error)
     return ""
 

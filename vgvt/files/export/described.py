@@ -19,22 +19,26 @@ from vgvt.files.units import QUANTITIES
 _WORDS = {quantity: word for word, quantity in QUANTITIES.items()}
 
 
+class UnsayableError(ValueError):
+    """No sidecar can say a campaign; the words are why."""
+
+
 def sidecar_of(campaign: Campaign, form: Form, files: Sequence[Path], hashes: Sequence[str] | None) -> Sidecar:
     """The sidecar that reads a campaign back from its files: one for all runs, or one a run.
 
-    ``hashes`` are theirs. ValueError says why there is none.
+    ``hashes`` are theirs. UnsayableError, or pydantic's ValidationError, says why there is none.
     """
     table = _common_channels(campaign.runs)
     if not campaign.band_hz[0] > 0:
-        raise ValueError("its band begins at 0 Hz")
+        raise UnsayableError("its band begins at 0 Hz")
     together, first = len(files) == 1, campaign.runs[0]
     runs = [
         _said(
-            run=record.run,
+            run=int(record.run),
             file=files[0 if together else k].name,
             sha256=hashes[0 if together else k] if hashes else None,
             index=k + 1 if together and len(campaign.runs) > 1 else None,
-            sample_rate_hz=None if record.sample_rate_hz == first.sample_rate_hz else record.sample_rate_hz,
+            sample_rate_hz=None if record.sample_rate_hz == first.sample_rate_hz else float(record.sample_rate_hz),
             nodes=_moved(table, record, campaign.runs),
             names={a.name: b.name for a, b in zip(table, record.channels, strict=True) if a.name != b.name},
             overloaded=[a.name for a, b in zip(table, record.channels, strict=True) if b.name in record.overloaded],
@@ -46,7 +50,7 @@ def sidecar_of(campaign: Campaign, form: Form, files: Sequence[Path], hashes: Se
         name=campaign.name,
         band_hz=[float(f) for f in campaign.band_hz],
         notes=dict(campaign.notes),
-        records={"format": form.value, "sample_rate_hz": first.sample_rate_hz, **_layout(form, campaign.runs)},
+        records={"format": form.value, "sample_rate_hz": float(first.sample_rate_hz), **_layout(form, campaign.runs)},
         nodes=_nodes(campaign.geometry),
         outline_m=[np.asarray(outline, dtype=float).tolist() for outline in campaign.geometry.outline_m],
         channel=[_row(k, channel, campaign.runs, form) for k, channel in enumerate(table)],
@@ -72,16 +76,16 @@ def _layout(form: Form, runs: Sequence[Record]) -> dict[str, Any]:
 
 
 def _common_channels(runs: Sequence[Record]) -> tuple[Channel, ...]:
-    """The channel table of all runs; ValueError where one run has another."""
+    """The channel table of all runs; UnsayableError where one run has another."""
     first = runs[0]
     for record in runs[1:]:
         if [_kind(c) for c in record.channels] != [_kind(c) for c in first.channels]:
-            raise ValueError(f"run {record.run} has other channels than run {first.run}")
+            raise UnsayableError(f"run {record.run} has other channels than run {first.run}")
     for channel in first.channels:
         if channel.quantity not in _WORDS:
-            raise ValueError(f"{channel.name} measures {channel.quantity.name.replace('_', ' ').lower()}")
+            raise UnsayableError(f"{channel.name} measures {channel.quantity.name.replace('_', ' ').lower()}")
         if channel.unit != channel.quantity.si_unit:
-            raise ValueError(f"{channel.name} is in {channel.unit}, and not in SI")
+            raise UnsayableError(f"{channel.name} is in {channel.unit}, and not in SI")
     return first.channels
 
 
