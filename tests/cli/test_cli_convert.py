@@ -49,6 +49,13 @@ def test_a_sidecar_becomes_a_campaign_file(vgvt, campaign_file: Path, plate_camp
     assert read_manifest("back.nc")["converted_from"] == "x.toml"
 
 
+def test_a_copy_says_which_scenario_and_seed_it_is_of(vgvt, tmp_path: Path, plate_campaign: Campaign) -> None:
+    write_campaign(tmp_path / "made.nc", plate_campaign, {"scenario": "plate", "seed": 7})
+    vgvt("convert", "made.nc", "copy.nc")
+    found = read_manifest("copy.nc")
+    assert (found["scenario"], found["seed"], found["converted_from"]) == ("plate", 7, "made.nc")
+
+
 def test_a_universal_file_describes_itself(vgvt, campaign_file: Path) -> None:
     vgvt("convert", campaign_file, "x.uff")
     Path("x.toml").unlink()

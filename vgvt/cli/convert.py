@@ -82,7 +82,18 @@ def _refuse_to_replace(files: Sequence[Path], read: Sequence[Path], force: bool)
 def _campaign(campaign: Campaign, file: Path, text: bool, source: str) -> Exported:
     from vgvt.files.export.campaign import export_campaign
 
-    return export_campaign(campaign, file, text=text, manifest={"converted_from": Path(source).name})
+    return export_campaign(campaign, file, text=text, manifest=_made(source) | {"converted_from": Path(source).name})
+
+
+def _made(source: str) -> dict[str, Any]:
+    """How a campaign file came to be, like scenario and seed; nothing of measured records."""
+    from vgvt.files.campaign_file import ADDED_FACTS, read_manifest
+    from vgvt.files.open import files_of
+
+    first = files_of(source)[0]
+    if first.suffix == ".toml":
+        return {}
+    return {key: value for key, value in read_manifest(first).items() if key not in ADDED_FACTS}
 
 
 def _responses(campaign: Campaign, file: Path, band: tuple[float, float] | None, text: bool) -> Exported:

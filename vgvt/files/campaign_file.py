@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 FORMAT = "vgvt campaign"
 FORMAT_VERSION = 1
+ADDED_FACTS = ("format", "format_version", "vgvt_version", "created", "name", "content_sha256")
+"""What writing adds to a manifest."""
 _CHANNEL_COLUMNS = ("name", "quantity", "role", "dof", "unit", "sensitivity_v_per_unit", "range_v")
 
 
@@ -80,8 +82,7 @@ def read_manifest(path: str | Path) -> dict[str, Any]:
     root = read_group(path)
     check_format(path, root, FORMAT, FORMAT_VERSION)
     manifest: dict[str, Any] = json.loads(field(path, root, "manifest"))
-    added = ("format", "format_version", "vgvt_version", "created", "name", "content_sha256")
-    return manifest | {k: v.item() if isinstance(v := field(path, root, k), np.generic) else v for k in added}
+    return manifest | {k: v.item() if isinstance(v := field(path, root, k), np.generic) else v for k in ADDED_FACTS}
 
 
 def content_hash(campaign: Campaign) -> str:
