@@ -140,6 +140,18 @@ def test_the_campaign_of_a_run_folder_is_never_replaced(vgvt, campaign_file: Pat
     assert "converted_from" not in read_manifest("runs/campaign.nc")
 
 
+def test_a_scenario_is_never_replaced_by_a_sidecar(vgvt, campaign_file: Path) -> None:
+    """Of my-wing.toml the run is runs/my-wing, and its records are soon called my-wing.uff."""
+    Path("my-wing.toml").write_text('extends = "quick"\nname = "my-wing"\n')
+    for options in ((), ("--force",)):
+        result = vgvt("convert", campaign_file, "my-wing.uff", *options, "--json")
+        assert result.status == 2
+        assert result.document["error"]["message"].startswith("my-wing.toml: is a scenario")
+        assert "--force" not in result.document["error"]["advice"]
+    assert Path("my-wing.toml").read_text().startswith("extends")
+    assert vgvt("convert", campaign_file, "my-wing.uff", "--frf").status == 0
+
+
 def test_the_how_to_asks_for_nothing_that_is_refused(vgvt, campaign_file: Path) -> None:
     """Its commands one after the other, with a campaign in place of the simulated and of the measured one."""
     document = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "convert.md"

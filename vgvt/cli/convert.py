@@ -71,10 +71,13 @@ def convert(
 
 def _refuse_to_replace(files: Sequence[Path], read: Sequence[Path], force: bool) -> None:
     from vgvt.data import InputError
+    from vgvt.files.open import is_scenario
 
     for path in files:
         if path.exists() and any(path.samefile(one) for one in read):
             raise InputError(str(path), "is what is read, and would be replaced", "give FILE another name")
+        if path.suffix == ".toml" and is_scenario(path):
+            raise InputError(str(path), "is a scenario, and a sidecar would replace it", "give FILE another name")
         if os.path.lexists(path) and not force:
             raise InputError(str(path), "is there already", "give FILE another name, or replace it with --force")
 

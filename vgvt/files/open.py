@@ -117,15 +117,20 @@ def _records_folder(path: Path, sidecar: Sidecar) -> Path:
     return find_dataset(records.dataset, first) / records.folder
 
 
-def _not_a_scenario(path: Path, error: InputError) -> InputError:
-    """The same mistake, unless the file describes no records at all but an aircraft and its test."""
+def is_scenario(path: Path) -> bool:
+    """Whether a TOML file describes an aircraft and its test, and no records."""
     import tomllib
 
     try:
         keys = set(tomllib.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError):
-        return error
-    if not keys & _OF_SCENARIOS or keys & _OF_SIDECARS:
+        return False
+    return bool(keys & _OF_SCENARIOS) and not keys & _OF_SIDECARS
+
+
+def _not_a_scenario(path: Path, error: InputError) -> InputError:
+    """The same mistake, unless the file describes no records at all but an aircraft and its test."""
+    if not is_scenario(path):
         return error
     return InputError(
         str(path),
