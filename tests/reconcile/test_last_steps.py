@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from vgvt.effects import available_effects
@@ -46,6 +47,7 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
         return ("judged",)
 
     monkeypatch.setattr(last_steps, "against", against)
+    monkeypatch.setattr(last_steps, "distinct", list)
 
     def gone_on(word: str) -> Any:
         return lambda found, *_, **__: SimpleNamespace(**{**vars(found), "name": f"{found.name}, {word}"})
@@ -66,6 +68,22 @@ def test_a_fit_is_gone_on_with_unless_it_has_arrived_or_becomes_worse(monkeypatc
     assert finished.finished(arrived, told) is arrived
     further.evidence_nats = 10.0
     assert finished.finished(stopped, told) is stopped
+
+
+def test_two_starts_that_meet_at_their_end_are_one_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else what is named stood beside itself, as what explains the data as well."""
+
+    def at(size: float, evidence_nats: float) -> Any:
+        fit = SimpleNamespace(hypotheses=(AIR,), e=np.array([size]), evidence_nats=evidence_nats, converged=False)
+        return SimpleNamespace(fit=fit, gain_nats=evidence_nats, lasting_nats=evidence_nats, held_out=None)
+
+    low, high, elsewhere = at(0.4, 20.0), at(0.9, 19.0), at(5.0, 18.0)
+    ends = {0.4: at(0.61, 24.0).fit, 0.9: at(0.6, 25.0).fit, 5.0: at(5.0, 22.0).fit}
+    monkeypatch.setattr(last_steps, "_in_reach", lambda confirmed, set_nats: {id(r) for r in confirmed})
+    monkeypatch.setattr(last_steps, "_at_its_end", lambda found, tell: ends[float(found.e[0])])
+    monkeypatch.setattr(last_steps, "against", lambda current, fits: tuple(fits))
+    rivals = (low, high, elsewhere)
+    assert last_steps.ended(NULL, rivals, rivals, NEEDS, told) == (ends[0.9], ends[5.0])
 
 
 @pytest.mark.parametrize("converged", [True, False])

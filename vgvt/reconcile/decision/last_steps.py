@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vgvt.reconcile.evidence.rivals import Rival, against
+from vgvt.reconcile.evidence.rivals import Rival, against, distinct
 from vgvt.reconcile.fitting.finished import finished
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.spare_sizes import leaner, sizes_of
@@ -31,7 +31,7 @@ def ended(
     tell: Progress,
     team: Team = ALONE,
 ) -> tuple[Rival, ...]:
-    """The rivals judged anew, those that may win at the end of their fits, not on their way.
+    """The rivals judged anew, those that may win at the end of their fits, not on their way; one of two that meet.
 
     These are the best of the confirmed, by evidence and, where much is left and held-out data decide, by these, what
     gains most of all, which held-out data may have refused on its way, and what gains a name but for what lasts, which
@@ -46,7 +46,7 @@ def ended(
     fits = [r.fit for r in rivals]
     for k, there in zip(going, team.work_off([(_at_its_end, (fits[k],)) for k in going], tell), strict=True):
         fits[k] = there
-    return against(current, fits)
+    return against(current, distinct(fits))
 
 
 def _in_reach(confirmed: Sequence[Rival], set_nats: float) -> set[int]:
