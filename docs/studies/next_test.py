@@ -48,7 +48,7 @@ from vgvt.reconcile.work.progress import silent
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.streams import named_stream
-from vgvt.simulation import simulate
+from vgvt.simulation import simulated_campaign
 
 Row = dict[str, Any]
 NOISE = 0.01
@@ -197,7 +197,7 @@ def _measured(pair: Pair, true: Scenario, stated: Scenario, which: str, sweeps: 
 
     Of averaged ``sweeps`` the mean stands for all.
     """
-    campaign: Campaign = simulate(true, engine="linear").campaign
+    campaign: Campaign = simulated_campaign(true, engine="linear")
     noisy = lab.read_by_instruments(campaign, stated, pair.stream("instruments", which), NOISE / sweeps**0.5)
     return measured_frfs(noisy, lines=LINES, floor=stated.tolerances.model_form)
 

@@ -16,7 +16,8 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulate, simulated_campaign
-from vgvt.simulation.assembly import driven_rig, plans
+from vgvt.simulation.assembly import Rig, driven_rig, plans
+from vgvt.simulation.linear import joint_force, stiffness_matrix
 from vgvt.simulation.state_space import state_space
 from vgvt.simulation.stepping import substeps
 
@@ -43,6 +44,35 @@ def test_records_with_their_truth_and_alone(
 ) -> None:
     """Who makes many campaigns and judges them by something else has no use for each one's modes."""
     assert benchmark.pedantic(made, args=(short_hati,), kwargs={"engine": "linear"}, rounds=2)
+
+
+@pytest.fixture(scope="module")
+def fine_rig() -> Rig:
+    """The first run of Hati with 60 cells a wing."""
+    hati = load_scenario("hati-unsymmetric")
+    wing = hati.airframe.beam[0].model_copy(update={"cells": 60})
+    airframe = hati.airframe.model_copy(update={"beam": (wing,)})
+    return driven_rig(plans(hati.model_copy(update={"airframe": airframe}))[0], 0)
+
+
+@pytest.mark.benchmark(group="hati, stiffness with 60 cells a wing")
+def test_stiffness(benchmark: BenchmarkFixture, fine_rig: Rig) -> None:
+    """Without the dampers of modes, which do nothing at rest."""
+    data = mujoco.MjData(fine_rig.model)
+    benchmark.pedantic(stiffness_matrix, args=(fine_rig.model, data, fine_rig.qpos), rounds=3)
+
+
+@pytest.mark.benchmark(group="hati, stiffness with 60 cells a wing")
+def test_stiffness_with_every_damper(benchmark: BenchmarkFixture, fine_rig: Rig) -> None:
+    """As many forces as that takes, of the whole model."""
+    data = mujoco.MjData(fine_rig.model)
+    data.qpos[:] = fine_rig.qpos
+
+    def forces() -> None:
+        for _ in range(2 * fine_rig.model.nv):
+            joint_force(fine_rig.model, data)
+
+    benchmark.pedantic(forces, rounds=3)
 
 
 @pytest.mark.benchmark(group="hati, ten runs of two seconds")

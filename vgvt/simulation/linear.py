@@ -8,6 +8,7 @@ every passive element. Sensor rows are analytic Jacobians of their sites.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 
 import mujoco
@@ -121,13 +122,35 @@ def stiffness_matrix(
     By differences of a ``step`` to either side, m or rad.
     """
 
+    resting = _without_modal_dampers(model)
+
     def force_at(change: NDArray[np.float64]) -> NDArray[np.float64]:
         data.qpos[:] = qpos + change
-        return joint_force(model, data)
+        return joint_force(resting, data)
 
     stiffness = -_central_differences(force_at, model.nv, step)
     data.qpos[:] = qpos
     return stiffness
+
+
+def _without_modal_dampers(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The model, or a copy in which tendons over joints that only damp reach nothing: for forces at rest.
+
+    MuJoCo adds such a tendon's joints to its row one by one, past all that are there: with 60 cells a wing the dampers
+    of six modes are nine tenths of the work of a force, and at rest they do nothing.
+    """
+    over_joints = np.zeros(model.ntendon, dtype=bool)
+    over_joints[model.tendon_num > 0] = (
+        model.wrap_type[model.tendon_adr[model.tendon_num > 0]] == mujoco.mjtWrap.mjWRAP_JOINT
+    )
+    pushing = (model.tendon_stiffness != 0) | model.tendon_stiffnesspoly.any(axis=1)
+    pushing[model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]] = True
+    idle = over_joints & ~pushing
+    if not idle.any():
+        return model
+    resting = copy(model)
+    resting.tendon_num[idle] = 0
+    return resting
 
 
 def site_row(
