@@ -15,10 +15,11 @@ import scipy.signal
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import simulate, simulated_campaign
+from vgvt.simulation import compiled_dampers, simulate, simulated_campaign
 from vgvt.simulation.assembly import Rig, driven_rig, plans
 from vgvt.simulation.linear import joint_force, stiffness_matrix
-from vgvt.simulation.state_space import state_space
+from vgvt.simulation.mujoco_engine import step_runs
+from vgvt.simulation.state_space import exciter_names, state_space
 from vgvt.simulation.stepping import substeps
 
 
@@ -73,6 +74,26 @@ def test_stiffness_with_every_damper(benchmark: BenchmarkFixture, fine_rig: Rig)
             joint_force(fine_rig.model, data)
 
     benchmark.pedantic(forces, rounds=3)
+
+
+@pytest.mark.benchmark(group="dampers of modes")
+@pytest.mark.parametrize("worth_s", [pytest.param(0.0, id="compiled"), pytest.param(np.inf, id="tendons")])
+@pytest.mark.parametrize("name", ["hati-unsymmetric", "bff", "skoll-gvt1"])
+def test_stepped_with_the_dampers_of_modes(
+    benchmark: BenchmarkFixture, monkeypatch: pytest.MonkeyPatch, name: str, worth_s: float
+) -> None:
+    """Records of half a second, the first run, compiled before."""
+    monkeypatch.setattr(compiled_dampers, "_WORTH_S", worth_s)
+    scenario = load_scenario(name)
+    layouts = plans(scenario)[:1]
+    rigs = [driven_rig(layout, run) for run, layout in enumerate(layouts)]
+    poles = np.linalg.eigvals(state_space(layouts[0], rigs[0], layouts[0].points).state_matrix)
+    rate = scenario.acquisition.sample_rate_hz
+    count = substeps(poles, rate, scenario.simulation.step_s)
+    rigs[0].model.opt.timestep = 1 / (rate * count)
+    steps = round(0.5 * rate) * count + 1
+    command = 0.1 * np.random.default_rng(0).standard_normal((len(exciter_names(layouts[0])), steps))
+    benchmark.pedantic(step_runs, args=(layouts, rigs, [command], count, rate), rounds=2, warmup_rounds=1)
 
 
 @pytest.mark.benchmark(group="hati, ten runs of two seconds")

@@ -10,8 +10,8 @@ from vgvt.simulation.modes import driven_vectors, eigenpairs
 
 def unsymmetric(freedoms: int) -> LinearModel:
     """A chain whose stiffness is a hundredth short of symmetry, two of its poles 1e-4 apart."""
-    random = np.random.default_rng(4)
-    lean = random.standard_normal((freedoms, freedoms))
+    generator = np.random.default_rng(4)
+    lean = generator.standard_normal((freedoms, freedoms))
     squares = np.linspace(10.0, 60.0, freedoms) ** 2
     squares[3] = squares[2] * 1.0002
     return LinearModel(

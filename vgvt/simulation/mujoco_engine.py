@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 
 import mujoco
 import mujoco.batch
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.simulation.assembly import Plan, Rig
+from vgvt.simulation.compiled_dampers import compiled_dampers
 from vgvt.simulation.rig import HAMMER, STINGER, numbered
 from vgvt.simulation.silence import silent
 from vgvt.simulation.state_space import exciter_names, mass_above_element_kg
@@ -46,9 +48,10 @@ def step_runs(
         groups.setdefault(tuple(getattr(rig.model, size) for size in _SIZES), []).append(run)
     readings: dict[int, NDArray[np.float64]] = {}
     for k, runs in enumerate(groups.values()):
-        with silent():
+        models, steps = [rigs[run].model for run in runs], commands_v[runs[0]].shape[-1]
+        with silent(), compiled_dampers(models, steps) as stepped:
             kept = _step_together(
-                [rigs[run] for run in runs],
+                [replace(rigs[run], model=model) for run, model in zip(runs, stepped, strict=True)],
                 np.array([commands_v[run] for run in runs]),
                 exciter_names(layouts[runs[0]]),
                 steps_per_sample,
