@@ -25,9 +25,9 @@ import numpy as np
 from vgvt.simulation.damping import MODAL_DAMPING
 
 # What MuJoCo needs for every place in a tendon's row that it goes past, s, and how often a step of RK4 asks for forces.
-_GONE_PAST_S, _STAGES = 1e-9, 4
-# What must be saved, s: compiling takes one.
-_WORTH_S = 2.0
+_GONE_PAST_S, _STAGES = 2e-9, 4
+# What must be saved, s: to load what compiles, and where its structs are, takes half of it, the first time all.
+_WORTH_S = 1.0
 # MuJoCo's structs are smaller by far.
 _FURTHEST = 1 << 20
 _TENDONS = 11

@@ -1,7 +1,7 @@
 """What the dampers of modes push, in machine code that MuJoCo calls itself: Python stays outside the time loop.
 
-Compiling takes a second, once: machine code is kept beside this file, or in the user's cache (NUMBA_CACHE_DIR says
-where). Where the structs of this MuJoCo hold the arrays is no constant of it, and compiled in for each process.
+Machine code is kept beside this file, or in the user's cache (NUMBA_CACHE_DIR says where). Where the structs of this
+MuJoCo hold the arrays is no constant of it, and compiled in by every process.
 """
 
 from __future__ import annotations
