@@ -125,6 +125,16 @@ def test_somebody_elses_callback_stays(hati: mujoco.MjModel) -> None:
         mujoco.set_mjcb_passive(None)
 
 
+def test_who_replaces_it_is_told_and_keeps_its_own(hati: mujoco.MjModel) -> None:
+    def own(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Nothing."""
+
+    with pytest.raises(RuntimeError, match="set_mjcb_passive"), compiled_dampers([hati], MANY):
+        mujoco.set_mjcb_passive(own)
+    assert mujoco.get_mjcb_passive() is own
+    mujoco.set_mjcb_passive(None)
+
+
 @pytest.mark.parametrize("broken", ["no addresses", "another order"])
 def test_what_is_not_as_expected_leaves_the_tendons(
     hati: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch, broken: str

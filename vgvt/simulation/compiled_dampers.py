@@ -40,7 +40,8 @@ _users = 0
 def compiled_dampers(models: Sequence[mujoco.MjModel], steps: int) -> Iterator[list[mujoco.MjModel]]:
     """Models to be stepped ``steps`` times each within the block, their modes' dampers compiled where that pays.
 
-    Others are the models themselves. Outside of the block the copies have no such dampers.
+    Others are the models themselves. Outside of the block the copies have no such dampers. RuntimeError where somebody
+    else has replaced the callback within it, without which what was stepped is not damped.
     """
     callback = _probed() if steps * sum(map(_wasted_s, models)) >= _WORTH_S else None
     if callback is None or not _installed(callback):
@@ -48,8 +49,10 @@ def compiled_dampers(models: Sequence[mujoco.MjModel], steps: int) -> Iterator[l
         return
     try:
         yield [_relieved(model) for model in models]
+        if mujoco.get_mjcb_passive() is not callback:
+            raise RuntimeError("mujoco.set_mjcb_passive was called while records were stepped: step them again without")
     finally:
-        _released()
+        _released(callback)
 
 
 def _wasted_s(model: mujoco.MjModel) -> float:
@@ -80,11 +83,12 @@ def _installed(callback: Any) -> bool:
         return True
 
 
-def _released() -> None:
+def _released(callback: Any) -> None:
+    """Take the callback away behind its last user, and nobody else's."""
     global _users
     with _lock:
         _users -= 1
-        if _users == 0:
+        if _users == 0 and mujoco.get_mjcb_passive() is callback:
             mujoco.set_mjcb_passive(None)
 
 
@@ -107,7 +111,7 @@ def _probed() -> Any | None:
     try:
         mujoco.mj_forward(relieved, data)
     finally:
-        _released()
+        _released(callback)
     return callback if np.allclose(data.qfrc_passive, wanted, rtol=1e-12, atol=0.0) else None
 
 
