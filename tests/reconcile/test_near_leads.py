@@ -7,9 +7,12 @@ from typing import Any
 
 import pytest
 
+from vgvt.effects import available_effects
 from vgvt.reconcile.decision import near_leads
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.near_leads import beside_a_lead, nearly_as_near, with_nearly_as_near
+from vgvt.reconcile.decision.verdict import NamedEffect
+from vgvt.reconcile.outcome import account
 
 
 @pytest.fixture(autouse=True)
@@ -73,3 +76,16 @@ def test_what_only_held_out_data_put_first_is_told_so() -> None:
 def test_a_lead_that_takes_nothing_of_held_out_data_stands_alone(before: float | None, held_out: float | None) -> None:
     case = lead(rival("suspension-surge", 25.8), before=before, held_out=held_out)
     assert with_nearly_as_near(case) is case
+
+
+def test_each_has_its_own_test_beside_it() -> None:
+    known = available_effects()
+    winner, near, alike = (
+        SimpleNamespace(name=name, hypothesis=SimpleNamespace(cls=known[name]), held_out=25.0)
+        for name in ("root-compliance", "suspension-surge", "added-mass")
+    )
+    addition: Any = Addition(winner, (winner, near, alike), (winner, near, alike), 38.6)
+    told = NamedEffect("root-compliance", "", {}, {}, 4105.0, ("suspension-surge",), 38.6, 25.0)
+    (row,) = account._effects([told], [addition])
+    assert row.separating_test == known["root-compliance"].separating_test
+    assert row.tests_of_equivalent == {"suspension-surge": known["suspension-surge"].separating_test}
