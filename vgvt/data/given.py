@@ -20,6 +20,14 @@ def bound(kind: str, limits: Mapping[str, Any]) -> str:
     return f"{words} {limits[limit]:g}"
 
 
+def miscounted(detail: Mapping[str, Any]) -> bool:
+    """Whether a list is called short although it is not: the validator counts the entries that it found right."""
+    value = detail["input"]
+    return (
+        detail["type"] == "too_short" and isinstance(value, list | tuple) and len(value) >= detail["ctx"]["min_length"]
+    )
+
+
 def shown(value: Any) -> str:
     """A value as TOML has it, cut where it is long."""
     if isinstance(value, bool):

@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from vgvt.data import InputError
-from vgvt.data.given import BOUNDS, bound, shown
+from vgvt.data.given import BOUNDS, bound, miscounted, shown
 from vgvt.data.suggestion import choose_one_of
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -38,7 +38,8 @@ def load_table(path: Path, model: type[_T]) -> _T:
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        found = [_explain(model, dict(detail)) for detail in error.errors(include_url=False)]
+        details = [dict(detail) for detail in error.errors(include_url=False)]
+        found = [_explain(model, detail) for detail in details if not miscounted(detail)]
         lines = list({told[0]: told for told in reversed(found)}.values())[::-1]
         where, problem, advice = lines[0]
         rest = "".join(f"\n  also {w}: {p}; {a}" if a else f"\n  also {w}: {p}" for w, p, a in lines[1:6])

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from vgvt.data.given import BOUNDS, bound, shown
+from vgvt.data.given import BOUNDS, bound, miscounted, shown
 from vgvt.scenario.base import MisfitError, Table
 from vgvt.scenario.vocabulary import TOP, fixed_length, guess, inner_table, meaning_of, table_at
 
@@ -36,19 +36,11 @@ def problems_of(error: ValidationError) -> tuple[Problem, ...]:
     """Every finding of the validator in plain words, one a key."""
     found: dict[Key, Problem] = {}
     for detail in error.errors(include_url=False):
-        if _miscounted(dict(detail)):
+        if miscounted(dict(detail)):
             continue
         problem = _explained(dict(detail))
         found.setdefault(problem.key, problem)
     return tuple(found.values())
-
-
-def _miscounted(detail: Mapping[str, Any]) -> bool:
-    """Whether a list is called short although it is not: the validator counts the entries that it found right."""
-    value = detail["input"]
-    return (
-        detail["type"] == "too_short" and isinstance(value, list | tuple) and len(value) >= detail["ctx"]["min_length"]
-    )
 
 
 def _explained(detail: Mapping[str, Any]) -> Problem:
