@@ -135,6 +135,17 @@ def test_who_replaces_it_is_told_and_keeps_its_own(hati: mujoco.MjModel) -> None
     mujoco.set_mjcb_passive(None)
 
 
+def test_dampers_that_grow_with_speed_stay_tendons() -> None:
+    """An effect's drag, of which the callback knows nothing."""
+    model = model_of("spoiled-amplitude-dependent-damping")
+    modal = [t for t in range(model.ntendon) if model.tendon(t).name.startswith(MODAL_DAMPING)]
+    assert model.tendon_dampingpoly[modal].any(axis=1).all()
+    wanted = passive_force(model)
+    with compiled_dampers([model, model_of("hati-unsymmetric")], MANY) as (dragged, other):
+        assert (other.tendon_num < 0).any()
+        np.testing.assert_array_equal(passive_force(dragged), wanted)
+
+
 @pytest.mark.parametrize("broken", ["no addresses", "another order"])
 def test_what_is_not_as_expected_leaves_the_tendons(
     hati: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch, broken: str

@@ -61,7 +61,9 @@ def _wasted_s(model: mujoco.MjModel) -> float:
 
 
 def _modal(model: mujoco.MjModel) -> list[int]:
-    return [t for t in range(model.ntendon) if model.tendon(t).name.startswith(MODAL_DAMPING)]
+    """The dampers that the callback can stand for: an effect may let them grow with speed, which stays with MuJoCo."""
+    modal = [t for t in range(model.ntendon) if model.tendon(t).name.startswith(MODAL_DAMPING)]
+    return [t for t in modal if not model.tendon_dampingpoly[t].any()]
 
 
 def _relieved(model: mujoco.MjModel) -> mujoco.MjModel:
