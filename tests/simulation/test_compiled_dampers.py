@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 
 import mujoco
@@ -146,7 +147,7 @@ def test_dampers_that_grow_with_speed_stay_tendons() -> None:
         np.testing.assert_array_equal(passive_force(dragged), wanted)
 
 
-@pytest.mark.parametrize("broken", ["no addresses", "another order"])
+@pytest.mark.parametrize("broken", ["no addresses", "another order", "no place for machine code", "no compiler"])
 def test_what_is_not_as_expected_leaves_the_tendons(
     hati: mujoco.MjModel, monkeypatch: pytest.MonkeyPatch, broken: str
 ) -> None:
@@ -154,6 +155,15 @@ def test_what_is_not_as_expected_leaves_the_tendons(
     places = compiled._places
     if broken == "no addresses":
         monkeypatch.setattr(compiled, "_places", lambda model, data: None)
+    elif broken == "no compiler":
+
+        def refused(places: object) -> None:
+            raise RuntimeError("nothing compiles here")
+
+        monkeypatch.setattr("vgvt.simulation.compiled_push.compiled_push", refused)
+    elif broken == "no place for machine code":
+        # That is told while the module is imported.
+        monkeypatch.setitem(sys.modules, "vgvt.simulation.compiled_push", None)
     else:
 
         def swapped(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, int] | None:

@@ -105,9 +105,12 @@ def _probed() -> Any | None:
     places = _places(model, data)
     if places is None or mujoco.get_mjcb_passive() is not None:
         return None
-    from vgvt.simulation.compiled_push import Places, compiled_push
+    try:
+        from vgvt.simulation.compiled_push import Places, compiled_push
 
-    callback, relieved = compiled_push(Places(**places)), _relieved(model)
+        callback, relieved = compiled_push(Places(**places)), _relieved(model)
+    except Exception:  # noqa: BLE001  nowhere to keep machine code, NUMBA_DISABLE_JIT: errors have no common kind
+        return None
     if not _installed(callback):
         return None
     try:
