@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import mujoco
 import numpy as np
@@ -145,6 +147,32 @@ def test_dampers_that_grow_with_speed_stay_tendons() -> None:
     with compiled_dampers([model, model_of("hati-unsymmetric")], MANY) as (dragged, other):
         assert (other.tendon_num < 0).any()
         np.testing.assert_array_equal(passive_force(dragged), wanted)
+
+
+def test_threads_that_ask_at_once_share_one(hati: mujoco.MjModel) -> None:
+    compiled._probed.cache_clear()
+    together = threading.Barrier(4, timeout=60)
+
+    def stepped(_: int) -> bool:
+        together.wait()
+        with compiled_dampers([hati], MANY) as (model,):
+            together.wait()
+            return model is not hati
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(stepped, range(4)))
+
+
+def test_somebody_elses_callback_is_in_the_way_only_while_it_is_there(hati: mujoco.MjModel) -> None:
+    compiled._probed.cache_clear()
+    mujoco.set_mjcb_passive(lambda model, data: None)
+    try:
+        with compiled_dampers([hati], MANY) as (same,):
+            assert same is hati
+    finally:
+        mujoco.set_mjcb_passive(None)
+    with compiled_dampers([hati], MANY) as (relieved,):
+        assert relieved is not hati
 
 
 @pytest.mark.parametrize("broken", ["no addresses", "another order", "no place for machine code", "no compiler"])

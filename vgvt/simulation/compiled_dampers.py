@@ -32,7 +32,7 @@ _WORTH_S = 1.0
 _FURTHEST = 1 << 20
 _TENDONS = 11
 
-_lock = threading.Lock()
+_lock, _probing = threading.Lock(), threading.Lock()
 _users = 0
 
 
@@ -43,7 +43,7 @@ def compiled_dampers(models: Sequence[mujoco.MjModel], steps: int) -> Iterator[l
     Others are the models themselves. Outside of the block the copies have no such dampers. RuntimeError where somebody
     else has replaced the callback within it, without which what was stepped is not damped.
     """
-    callback = _probed() if steps * sum(map(_wasted_s, models)) >= _WORTH_S else None
+    callback = _ready() if steps * sum(map(_wasted_s, models)) >= _WORTH_S else None
     if callback is None or not _installed(callback):
         yield list(models)
         return
@@ -92,6 +92,14 @@ def _released(callback: Any) -> None:
         _users -= 1
         if _users == 0 and mujoco.get_mjcb_passive() is callback:
             mujoco.set_mjcb_passive(None)
+
+
+def _ready() -> Any | None:
+    """The one callback, however many threads ask for it first; None beside somebody else's, for as long as that is."""
+    with _probing:
+        with _lock:
+            taken = _users == 0 and mujoco.get_mjcb_passive() is not None
+        return None if taken else _probed()
 
 
 @cache
