@@ -137,6 +137,36 @@ def test_at_one_level_joints_are_begun_there_where_something_is_seen_not_to_be_l
     assert set(asked) == (set(joints) if looked_at else set())
 
 
+@pytest.mark.parametrize(("per_value", "both"), [(0.9, False), (1.6, True)])
+def test_joints_that_do_not_meet_the_data_beside_their_likeness_are_begun_from_where_its_fit_began_too(
+    stated: Fit, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch, per_value: float, both: bool
+) -> None:
+    """A soft root's fit that arrived at its bottom had bent the unknowns by 73 deviations: no joint came back."""
+    joints = [h for h in offered if not h.linear]
+    root = next(h for h in offered if h.name == "root-compliance" and h.settings["side"] == "both")
+    bent = replace(stated, hypotheses=(root,), u=np.full(stated.u.size, 9.0), e=np.zeros(len(root.parameters)))
+    begun: list[tuple[float, str]] = []
+
+    def begin(
+        current: Fit, scores: np.ndarray, variants: Sequence[Hypothesis], stages: object, tell: Progress
+    ) -> Screened:
+        away = scores[0] == 0.0
+        assert stages == (likeness.GENTLY[:1], likeness.GENTLY[1:])
+        begun.append((float(scores[0]), variants[0].name))
+        left = 0.5 if away else per_value
+        return Screened(variants[0], {}, 0.0, remaining=left * current.points, start=scores)
+
+    monkeypatch.setattr(likeness, "from_stated", lambda *_: (Screened(root, {}, 0.0, start=np.zeros(stated.u.size)),))
+    monkeypatch.setattr(likeness, "_fitted", lambda *_: bent)
+    monkeypatch.setattr(likeness, "_begun", begin)
+    starts = beside_likeness(stated, joints, offered, silent)
+    names = sorted({h.name for h in joints})
+    wanted = [(9.0, name) for name in names] + [(0.0, name) for name in names] * both
+    assert sorted(begun) == sorted(wanted)
+    assert [s.remaining for s in starts] == sorted(s.remaining for s in starts)
+    assert len(starts) == len(wanted)
+
+
 @pytest.mark.parametrize(("named", "asked"), [(False, True), (True, False)])
 def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     stated: Fit, offered: tuple[Hypothesis, ...], monkeypatch: pytest.MonkeyPatch, named: bool, asked: bool

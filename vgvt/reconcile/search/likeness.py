@@ -33,6 +33,8 @@ GENTLY = ((0.3, 6), (0.1, 4), (0.03, 4), (0.0, 20))
 """For a start with peaks that overlap, and a size that may be anything."""
 _FROM_STATED = (FORGIVING, ((0.03, 4), (0.0, 30)))
 """For one from the stated values: while its size is looked for, and afterwards."""
+# What starts leave per value, of what data are judged by, where they have not met them.
+_MISSED = 1.5
 # Shares of a plausible range: of what says how big an effect is, of the rest, and of the rest around the best of these.
 _SIZES, _OTHERS = (0.2, 0.5, 0.8), tuple(np.linspace(0.1, 0.95, 18).tolist())
 _BETWEEN = tuple(np.linspace(-0.04, 0.04, 9).tolist())
@@ -43,29 +45,40 @@ def beside_likeness(
 ) -> tuple[Screened, ...]:
     """Starts of ``joints``, one of each effect, beside the best of ``linear`` effects that these could be taken for.
 
-    Only variants of its side are looked at. Where no such effect stands out from the stated values, or none of its side
-    is asked for, all are, from there, if runs are of several levels or show by themselves that something is not linear;
-    else nothing.
+    Only variants of its side are looked at; where none of these meets the data, also from where the fit of that effect
+    began. Where no such effect stands out from the stated values, or none of its side is asked for, all are, from
+    there, if runs are of several levels or show by themselves that something is not linear; else nothing.
     """
     alike = {name for h in joints for name in _alike(h)}
     found = from_stated(current, [h for h in linear if h.linear and h.name in alike], part(tell, 0.0, 0.3), team)
     near = _fitted(current, found[0], GENTLY, part(tell, 0.3, 0.4)) if found else None
-    stages: tuple[_Stages, _Stages] = (GENTLY[:1], GENTLY[1:])
-    looked: list[Hypothesis] = []
+    starts: list[Screened] = []
     if near is not None:
         chosen, side = near.hypotheses[-1].name, near.hypotheses[-1].settings.get("side")
         looked = [h for h in joints if chosen in _alike(h) and h.settings.get("side") == side]
-    if near is not None and looked:
-        scores = near.scores[: current.scores.size]
-    elif several_levels(current.problem) or answers_jaggedly(current.problem.measured.harmonics):
-        looked, stages = list(joints), _FROM_STATED
-        scores = np.concatenate([np.zeros(current.u.size), current.e])
-    else:
-        return ()
+        gently, before = (GENTLY[:1], GENTLY[1:]), found[0].start
+        starts += _started(current, near.scores[: current.scores.size], looked, gently, part(tell, 0.4, 0.6), team)
+        # A fit that went down to its bottom may have bent the unknowns to where no joint beside them leads back from.
+        if starts and before is not None and min(s.remaining for s in starts) > _MISSED * current.points:
+            starts += _started(current, before, looked, gently, part(tell, 0.6, 0.8), team)
+    if not starts and (several_levels(current.problem) or answers_jaggedly(current.problem.measured.harmonics)):
+        stated = np.concatenate([np.zeros(current.u.size), current.e])
+        starts += _started(current, stated, joints, _FROM_STATED, part(tell, 0.8, 1.0), team)
+    return tuple(sorted(starts, key=lambda s: s.remaining))
+
+
+def _started(
+    current: Fit,
+    scores: Array,
+    looked: Sequence[Hypothesis],
+    stages: tuple[_Stages, _Stages],
+    tell: Progress,
+    team: Team,
+) -> list[Screened]:
+    """One start of each effect among the joints that are ``looked`` at, from unknowns at ``scores``."""
     names = dict.fromkeys(h.name for h in looked)
     tasks: list[Task] = [(_begun, (current, scores, [h for h in looked if h.name == n], stages)) for n in names]
-    starts = team.work_off(tasks, part(tell, 0.4, 1.0))
-    return tuple(sorted((s for s in starts if s is not None), key=lambda s: s.remaining))
+    return [s for s in team.work_off(tasks, tell) if s is not None]
 
 
 def _begun(
