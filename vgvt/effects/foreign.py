@@ -140,8 +140,9 @@ def _of_element(element: Element, nodes: set[int], built: set[str], stated: set[
 def _of_what_moves(element: Element, shakers: int) -> Iterator[str]:
     """What is wrong with the exciter that an element is at, among the ``shakers``, and with the branches it has."""
     what = type(element).__name__
-    exciter: object = getattr(element, "exciter", None)
-    if exciter is not None and not (isinstance(exciter, int | np.integer) and 0 <= exciter < shakers):
+    exciter: object = getattr(element, "exciter", 0)
+    known = isinstance(exciter, int | np.integer) and 0 <= exciter < shakers
+    if hasattr(element, "exciter") and not known:
         there = "0" if shakers == 1 else f"0 to {shakers - 1}"
         yield f"{what}.exciter is {exciter!r}: give {there}, as the scenario has {shakers}, counted from 0"
     if isinstance(element, MountCompliance):
