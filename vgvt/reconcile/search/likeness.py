@@ -64,7 +64,10 @@ def beside_likeness(
     if not starts and (several_levels(current.problem) or answers_jaggedly(current.problem.measured.harmonics)):
         stated = np.concatenate([np.zeros(current.u.size), current.e])
         starts += _started(current, stated, joints, _FROM_STATED, part(tell, 0.8, 1.0), team)
-    return tuple(sorted(starts, key=lambda s: s.remaining))
+    best: dict[str, Screened] = {}
+    for s in sorted(starts, key=lambda s: s.remaining):
+        best.setdefault(s.hypothesis.name, s)
+    return tuple(best.values())
 
 
 def _started(
