@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from vgvt.scenario import load_scenario
-from vgvt.simulation.assembly import _hung_spec, hung_rig, plans
-from vgvt.simulation.damping import undamped
+from vgvt.simulation.assembly import hung_rig, plans
 from vgvt.simulation.linear import damping_matrix, joint_force, settle
 
 
@@ -54,15 +53,3 @@ def test_what_is_damped_otherwise_is_asked_by_differences(hung: tuple[mujoco.MjM
     assert np.abs(wet - dry).max() > 1e-6 * np.abs(dry).max()
     assert np.abs(wet - by_differences(model, data)).max() < 1e-8 * np.abs(wet).max()
     assert not data.qvel.any()
-
-
-def test_what_only_damps_is_nothing_to_an_aircraft_at_rest() -> None:
-    """Without the modes' dampers it hangs as with them, to the last digit; what has a spring of its own stays."""
-    layout = next(iter(plans(load_scenario("hati-unsymmetric"))))
-    spec, springs = _hung_spec(layout, 0, 0.05)
-    whole, still = spec.compile(), undamped(spec).compile()
-    assert not springs
-    assert whole.ntendon > still.ntendon == 1
-    assert still.tendon_stiffness.all()
-    assert whole.ntendon == spec.compile().ntendon
-    np.testing.assert_array_equal(settle(still), settle(whole))

@@ -20,7 +20,6 @@ from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts
-from vgvt.simulation.damping import undamped
 from vgvt.simulation.elements import TRIMMED, add_elements, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
@@ -278,7 +277,7 @@ def _transducer_side_mass(layout: Plan) -> float:
 
 def _settle(layout: Plan, spec: mujoco.MjSpec, springs: list[str]) -> NDArray[np.float64]:
     """The equilibrium (nq,) without the springs that will be trimmed to it: put on last, they hold nothing."""
-    model = undamped(spec).compile()
+    model = spec.compile()
     for name in springs:
         model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:

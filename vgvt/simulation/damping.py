@@ -149,11 +149,3 @@ def add_structural_damping(spec: mujoco.MjSpec, found: StructuralDamping) -> Non
         tendon = spec.add_tendon(name=f"{MODAL_DAMPING}{r + 1}", damping=[coefficient, 0.0, 0.0])
         for name, weight in zip(found.joints, weights, strict=True):
             tendon.wrap_joint(name, weight)
-
-
-def undamped(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """A copy without the modes' dampers: at rest they push nothing, and their rows are most of the work of asking."""
-    still = spec.copy()
-    for tendon in [t for t in still.tendons if t.name.startswith(MODAL_DAMPING)]:
-        still.delete(tendon)
-    return still
