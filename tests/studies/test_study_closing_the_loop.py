@@ -167,6 +167,20 @@ def test_what_no_data_could_tell_from_the_truth_is_counted_by_itself() -> None:
     assert "as well as the truth itself would (5 nats) | ≥ 90 % | 1 of 3, " in said
 
 
+def test_a_name_that_the_catalogue_warns_of_is_counted_by_itself() -> None:
+    """A suspension's damper may be told as one at a point, but not together with a mass, which it is not taken for."""
+
+    def row(named: str, truth: str = "suspension-damping") -> loop_results.Row:
+        return {"group": "removed", "verdict": "explained", "near": False, "truth": truth, "named": named,
+                "answer": "wrong", "core": "c"}  # fmt: skip
+
+    named = ["nonproportional-damper", "added-mass or nonproportional-damper", "nonproportional-damper | added-mass"]
+    other = [row("added-mass"), row("channel-delay", "anti-alias-delay")]
+    said = loop_results.headline([*map(row, named), *other])
+    assert "| removed from the catalogue: unknown, or partly with its place | ≥ 90 % | 0 of 5, " in said
+    assert "a name that the catalogue says it could be taken for |  | 3 of 5, " in said
+
+
 def test_a_fit_that_is_told_does_not_gain_by_having_no_choice() -> None:
     """The same fit with a share of a tenth of its prior is behind by that, and not by what data say."""
     few, many = (SimpleNamespace(share=share) for share in (0.5, 0.1))
