@@ -7,9 +7,12 @@ from the same scenario with its effects taken out.
 
 from __future__ import annotations
 
+import argparse
 import json
+import os
 import sys
 import tomllib
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import lru_cache
 from pathlib import Path
@@ -22,8 +25,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from effect_panels import CLEAN, SPOILED, Pair, draw_panel, panel_of
 from numpy.typing import NDArray
+from studies.command_line import BEGIN_AGAIN, one_of, parser_of, raise_if_asked, worked_off
+from studies.kept_documents import read_kept
 
+from vgvt.bench.executors import leave_with_parent
 from vgvt.effects import Family, available_effects
+from vgvt.files.atomically import replacing
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulate
 from vgvt.simulation.campaign import SimulationResult
@@ -103,8 +110,8 @@ def draw(effect: str, path: Path, folder: Path) -> float:
     )
     left.legend(loc="lower right", framealpha=0.8)
     draw_panel(right, panel_of(effect), pair, sensor)
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / f"{effect}.png", dpi=100, metadata={"Software": None}, pil_kwargs={"optimize": True})
+    with replacing(folder / f"{effect}.png") as part:
+        figure.savefig(part, format="png", dpi=100, metadata={"Software": None}, pil_kwargs={"optimize": True})
     plt.close(figure)
     return float(change.max())
 
@@ -137,22 +144,44 @@ def _caption(name: str, effect: Any, change: float) -> str:
     return f"{signature} A/F changes by {share}; right: {panel_of(name).says}."
 
 
-def main(chosen: list[str]) -> None:
-    """Draw the chosen effects only, or all of them, and write the page."""
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line; ``effects`` are those to draw."""
+    parser, names = parser_of(__doc__), list(spoiled_scenarios())
+    said = "an effect that comes with vgvt (all of them if nothing is said)"
+    parser.add_argument("effects", nargs="*", type=one_of(names), metavar="EFFECT", help=said)
+    given = parser.parse_args(words)
+    given.effects = given.effects or names
+    return given
+
+
+def fill(names: Sequence[str]) -> None:
+    """Draw some effects, and write the page of all that were ever drawn."""
     scenarios = spoiled_scenarios()
-    names = chosen or list(scenarios)
-    with ProcessPoolExecutor() as pool:
+    advice = "restore it, or remove it and draw all effects: python docs/make_effect_figures.py"
+    kept = read_kept(CHANGES, advice) if CHANGES.exists() else {}
+    pool = ProcessPoolExecutor(initializer=leave_with_parent, initargs=(os.getpid(),))
+    try:
         drawn = pool.map(draw, names, [scenarios[name] for name in names], [IMAGES] * len(names))
         changes = {}
         for name, change in zip(names, drawn, strict=True):
+            raise_if_asked()
             changes[name] = float(f"{change:.3g}")
             sys.stdout.write(f"{name}: A/F changes by {100 * change:.3g} %\n")
             sys.stdout.flush()
-    kept = json.loads(CHANGES.read_text(encoding="utf-8")) if CHANGES.exists() else {}
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
     changes = {name: kept[name] for name in scenarios if name in kept} | changes
-    CHANGES.write_text(json.dumps(changes, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-    PAGE.write_text(gallery(changes), encoding="utf-8")
+    with replacing(CHANGES) as part:
+        part.write_text(json.dumps(changes, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    with replacing(PAGE) as part:
+        part.write_text(gallery(changes), encoding="utf-8")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: fill(given.effects), BEGIN_AGAIN)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    sys.exit(main())

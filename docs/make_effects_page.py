@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from studies.command_line import BEGIN_AGAIN, parser_of, worked_off
+
 from vgvt.effects import Family, available_effects, parameters_of
+from vgvt.files.atomically import replacing
 
 PAGE = Path(__file__).parent / "reference" / "effects.md"
 
@@ -165,5 +171,22 @@ def _text(value: object) -> str:
     return f"`{value!r}`" if isinstance(value, str) else f"{value}"
 
 
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line, on which there is nothing to choose."""
+    return parser_of(__doc__).parse_args(words)
+
+
+def fill() -> None:
+    """Write the page."""
+    with replacing(PAGE) as part:
+        part.write_text(effects_page(), encoding="utf-8")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    arguments(words)
+    return worked_off(fill, BEGIN_AGAIN)
+
+
 if __name__ == "__main__":
-    PAGE.write_text(effects_page(), encoding="utf-8")
+    sys.exit(main())

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -10,9 +12,11 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from studies.command_line import BEGIN_AGAIN, parser_of, worked_off
 
-from vgvt.data import FrequencyResponseSet, InputError, ModalModel
+from vgvt.data import FrequencyResponseSet, ModalModel
 from vgvt.files import read_campaign
+from vgvt.files.atomically import replacing
 from vgvt.files.claim import read_claim
 from vgvt.files.truth import read_truth
 from vgvt.signals import estimate_frf
@@ -46,9 +50,9 @@ def sigma_picture(folder: Path) -> Path:
     axes.grid(alpha=0.3)
     axes.legend(loc="lower right", framealpha=0.9)
 
-    IMAGES.mkdir(exist_ok=True)
-    path = IMAGES / f"sigma-{folder.name}.svg"
-    figure.savefig(path, metadata={"Date": None})
+    path = IMAGES / f"sigma-{folder.absolute().name}.svg"
+    with replacing(path) as part:
+        figure.savefig(part, format="svg", metadata={"Date": None})
     plt.close(figure)
     return path
 
@@ -59,9 +63,36 @@ def _on_curve(claim: ModalModel, frf: FrequencyResponseSet) -> tuple[list[float]
     return frequency, [1.35 * float(np.interp(f, frf.frequency_hz, frf.sigma())) for f in frequency]
 
 
+def run_folder(text: str) -> Path:
+    """The type of an argument that names what ``vgvt run`` has left."""
+    if not (Path(text) / "campaign.nc").is_file():
+        raise argparse.ArgumentTypeError(f"{text} holds no campaign.nc: name a folder that vgvt run has written")
+    return Path(text)
+
+
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line; ``folders`` are those of the runs to draw."""
+    parser, said = parser_of(__doc__), "a run's folder (runs/quick if nothing is said)"
+    parser.add_argument("folders", nargs="*", type=run_folder, metavar="FOLDER", help=said)
+    given = parser.parse_args(words)
+    if not given.folders:
+        given.folders = [Path("runs/quick")]
+        if not (given.folders[0] / "campaign.nc").is_file():
+            parser.error("runs/quick holds no campaign.nc: write vgvt run quick first, or name another run's folder")
+    return given
+
+
+def fill(folders: Sequence[Path]) -> None:
+    """Draw every run, and say where its picture is."""
+    for folder in folders:
+        sys.stdout.write(f"{sigma_picture(folder)}\n")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: fill(given.folders), BEGIN_AGAIN)
+
+
 if __name__ == "__main__":
-    try:
-        for argument in sys.argv[1:] or ["runs/quick"]:
-            sys.stdout.write(f"{sigma_picture(Path(argument))}\n")
-    except InputError as error:
-        sys.exit(f"{error}")
+    sys.exit(main())

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from studies.command_line import BEGIN_AGAIN, parser_of, worked_off
+
+from vgvt.files.atomically import replacing
 from vgvt.scenario import Scenario
 from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.vocabulary import inner_table, unit_of
@@ -110,5 +116,22 @@ def _default(entry: dict[str, Any], required: bool) -> str:
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line, on which there is nothing to choose."""
+    return parser_of(__doc__).parse_args(words)
+
+
+def fill() -> None:
+    """Write the page."""
+    with replacing(PAGE) as part:
+        part.write_text(keys_page(), encoding="utf-8")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    arguments(words)
+    return worked_off(fill, BEGIN_AGAIN)
+
+
 if __name__ == "__main__":
-    PAGE.write_text(keys_page(), encoding="utf-8")
+    sys.exit(main())

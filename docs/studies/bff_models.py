@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
+import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
+from command_line import BEGIN_AGAIN, parser_of, worked_off
 from numpy.typing import NDArray
-from virtual_lab import IMAGES, PAGES, nearest, table, with_fields, write_results
+from virtual_lab import IMAGES, PAGES, nearest, save_figure, table, with_fields, write_results
 
 from vgvt.data import Campaign, FrequencyResponseSet, FrfFit, ModalModel
 from vgvt.identification import run_identifier
@@ -154,12 +158,28 @@ def picture(outcome: Outcome) -> None:
     axes[2].set(xlabel="frequency in Hz", ylabel="ν-gap", xlim=BAND_HZ, ylim=(0, 0.4))
     for one in axes:
         one.grid(alpha=0.3)
-    figure.savefig(IMAGES / "study-bff-models.svg", metadata={"Date": None})
+    save_figure(figure, IMAGES / "study-bff-models.svg")
     plt.close(figure)
 
 
-if __name__ == "__main__":
-    write_results(PAGES / "bff-models.md", hangs(), "of the hang")
-    answer = pipeline(*measure())
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line, on which there is nothing to choose."""
+    return parser_of(__doc__).parse_args(words)
+
+
+def fill() -> None:
+    """Measure, and fill the page and its figure."""
+    hung, answer = hangs(), pipeline(*measure())
+    write_results(PAGES / "bff-models.md", hung, "of the hang")
     write_results(PAGES / "bff-models.md", results(answer))
     picture(answer)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    arguments(words)
+    return worked_off(fill, BEGIN_AGAIN)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import matplotlib.pyplot as plt
 import numpy as np
+from command_line import BEGIN_AGAIN, parser_of_seeds, whole_number, worked_off
 from numpy.typing import NDArray
-from virtual_lab import IMAGES, PAGES, mean_interval, nearest, reduced_hati, table, with_fields, write_results
+from virtual_lab import (
+    IMAGES,
+    PAGES,
+    mean_interval,
+    nearest,
+    reduced_hati,
+    save_figure,
+    table,
+    with_fields,
+    write_results,
+)
 
 from vgvt.data import Campaign, ChannelRole, ModalModel, Record, modal_assurance
 from vgvt.identification import make_identifier
@@ -203,11 +215,27 @@ def picture() -> None:
     axes.set(xlabel="frequency in Hz", ylabel="force per command,\nclay over glue, in dB")
     axes.grid(alpha=0.3)
     axes.legend()
-    figure.savefig(IMAGES / "study-clay-or-glue.svg", metadata={"Date": None})
+    save_figure(figure, IMAGES / "study-clay-or-glue.svg")
     plt.close(figure)
 
 
-if __name__ == "__main__":
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    # An interval needs two.
+    return parser_of_seeds(__doc__, whole_number(2), SEEDS, "a mount").parse_args(words)
+
+
+def fill(count: int) -> None:
+    """Measure, and fill the page and its figure."""
     write_results(PAGES / "clay-or-glue.md", results(range(count)))
     picture()
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: fill(given.seeds), BEGIN_AGAIN)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -8,6 +8,7 @@ there.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -17,6 +18,17 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
+from command_line import (
+    add_how_long,
+    cases_asked_for,
+    cases_stay,
+    made,
+    one_of,
+    parser_of_cases,
+    raise_if_asked,
+    whole_number,
+    worked_off,
+)
 from loop_cases import NOISE, SECOND, SHORT, SIMULATION, SIZES, Case, linear_effects, second_laboratory_effects
 from loop_results import (
     JUDGED,
@@ -45,6 +57,7 @@ from vgvt.scenario.streams import named_stream
 PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
 # Every fortieth campaign comes from MuJoCo's time domain: each of them takes as long as ten others.
 IN_TIME = 40
+GROUPS = ("placebo", "effect", "never", "removed", "pair")
 
 
 def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, short: bool = False) -> list[Case]:
@@ -153,6 +166,7 @@ def run(
     """Work off the cases with progress and the time left."""
     console, fresh, start = Console(stderr=True), 0, time.monotonic()
     for done, (case, found, old) in enumerate(results_of(cases, folder, workers, minutes, do), 1):
+        raise_if_asked()
         if not old:
             fresh += 1
             left_min = (time.monotonic() - start) / fresh * (len(cases) - done) / 60
@@ -206,45 +220,67 @@ def report(fresh: Sequence[Row], folder: Path, cases: Path = CASES) -> None:
 
 
 def report_alone(rows: Sequence[Row]) -> None:
-    """Fill that part of the page and write its baseline."""
+    """Fill that part of the page and write its baseline; InputError where there is nothing to fill it from."""
+    if not judged(rows, "alone"):
+        raise InputError("--report --alone", "the folder keeps no such case", "run it first: --alone without --report")
     write_results(PAGES / "closing-the-loop.md", alone(rows), "of each effect alone")
     write_rows(judged(rows, "alone"), BASELINES / "closing-the-loop-alone.csv")
 
 
-def arguments() -> argparse.Namespace:
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="where the cases are kept")
-    parser.add_argument("--small", action="store_true", help="a handful of cases instead of all")
+    parser = parser_of_cases(__doc__)
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--small", action="store_true", help="a handful of cases instead of all")
+    which.add_argument("--alone", action="store_true", help="each effect with itself alone to choose from")
     parser.add_argument("--short", action="store_true", help="a catalogue of twenty effects instead of all")
-    parser.add_argument("--alone", action="store_true", help="each effect with itself alone to choose from")
-    parser.add_argument("--draws", type=int, default=DRAWS, help="campaigns an effect")
-    parser.add_argument("--placebos", type=int, default=PLACEBOS)
-    parser.add_argument("--only", default="", help="only this group: placebo, effect, never, removed or pair")
+    parser.add_argument("--draws", type=whole_number(1), default=DRAWS, help="campaigns an effect")
+    parser.add_argument("--placebos", type=whole_number(0), default=PLACEBOS, help="campaigns without any effect")
+    parser.add_argument("--only", type=one_of(GROUPS), help=f"only this group: {', '.join(GROUPS)}")
     parser.add_argument("--in-turn", action="store_true", help="groups in turn, each in random order: a fair sample")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin nothing after that")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--report", action="store_true", help="fill the page from what is done")
-    return parser.parse_args()
+    add_how_long(parser)
+    parser.add_argument("--seed", type=int, default=1, help="a whole number: each draws a study of its own")
+    given = cases_asked_for(parser, words)
+    if given.alone and (given.only or given.short):
+        parser.error("--alone is a group of its own, and a catalogue: write neither --only nor --short beside it")
+    return given
 
 
-if __name__ == "__main__":
-    given = arguments()
+def asked_for(given: argparse.Namespace) -> list[Case]:
+    """The cases that the command line asks for."""
     if given.small:
         every = small_plan(given.seed, given.short)
     elif given.alone:
         every = alone_plan(given.draws, given.seed)
     else:
         every = plan(given.draws, given.placebos, OPEN_DRAWS, PAIRS, given.seed, given.short)
-    every = [c for c in every if given.only in ("", c.group)]
-    if given.in_turn:
-        every = in_turn(every, given.seed)
-    given.folder.mkdir(parents=True, exist_ok=True)
-    if not given.report:
+    every = [c for c in every if given.only in (None, c.group)]
+    return in_turn(every, given.seed) if given.in_turn else every
+
+
+def go_on(given: argparse.Namespace) -> None:
+    """Run what is not there yet, or fill the page."""
+    if given.report:
+        rows = kept(given.folder)
+    else:
+        made(given.folder)
+        every = asked_for(given)
+        ours = {case.key for case in every}
+        kept(given.folder, ours)  # what is cut is told before the work and not after it
         run(every, given.folder, given.workers, given.minutes)
-    write_rows(kept(given.folder), given.folder / "cases.csv")
+        rows = kept(given.folder, ours)
+    write_rows(rows, given.folder / "cases.csv")
     if given.report and given.alone:
-        report_alone(kept(given.folder))
+        report_alone(rows)
     elif given.report:
-        report(kept(given.folder), given.folder)
+        report(rows, given.folder)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: go_on(given), cases_stay(given.folder))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

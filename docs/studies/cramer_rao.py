@@ -6,19 +6,22 @@ on where it was stopped and a new method costs its own time only.
 
 from __future__ import annotations
 
+import argparse
 import csv
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from command_line import identifier_named, parser_of_seeds, raise_if_asked, whole_number, worked_off
+from kept_documents import cut_off
 from numpy.typing import NDArray
 from told_noise import told_the_noise
 from virtual_lab import PAGES, table, write_results
 
-from vgvt.data import ModalModel
+from vgvt.data import InputError, ModalModel
 from vgvt.identification import Needs, available_identifiers, make_identifier, run_identifier
 from vgvt.identification.bound import cramer_rao_bound
 from vgvt.identification.conformance import without_force
@@ -87,24 +90,52 @@ def _values(model: ModalModel, k: int | None) -> tuple[str, ...]:
 def collected(methods: list[str], seeds: range, kept: Path = KEPT) -> dict[str, Outcomes]:
     """The outcomes of methods: all seeds that are kept, and those of ``seeds`` that are not yet, now."""
     done = {(r["method"], int(r["seed"])) for r in _rows(kept)}
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    with kept.open("a", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream)
-        if not done and stream.tell() == 0:
-            writer.writerow(HEAD)
-        for seed in seeds:
-            for method in methods:
-                if (method, seed) not in done:
-                    writer.writerows(identified(method, seed))
-                    stream.flush()
-    rows = list(_rows(kept))
+    left = [(m, seed) for seed in seeds for m in methods if (m, seed) not in done]
+    if left:
+        _begin(kept)
+        with kept.open("a", encoding="utf-8", newline="") as stream:
+            for method, seed in left:
+                csv.writer(stream).writerows(identified(method, seed))
+                stream.flush()
+                raise_if_asked()
+    rows = _rows(kept)
     return {m: outcomes_of([tuple(r.values()) for r in rows if r["method"] == m]) for m in methods}
 
 
-def _rows(kept: Path) -> Iterator[dict[str, str]]:
-    if kept.exists():
-        with kept.open(encoding="utf-8", newline="") as stream:
-            yield from csv.DictReader(stream)
+def _begin(kept: Path) -> None:
+    """Let rows be added: below the head of the table, and not behind half a line."""
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    data = kept.read_bytes() if kept.exists() else b""
+    if b"\n" not in data:
+        kept.write_text(f"{','.join(HEAD)}\n", encoding="utf-8")
+    elif not data.endswith(b"\n"):
+        with kept.open("a", encoding="utf-8") as stream:
+            stream.write(len(HEAD) * "," + "\n")  # too long now to be taken for a row
+
+
+def _rows(kept: Path) -> list[dict[str, str]]:
+    """The rows of every seed that has a whole one of each mode; of what was done twice the later ones.
+
+    InputError for a file that is something else.
+    """
+    data = kept.read_bytes() if kept.exists() else b""
+    lines = csv.DictReader(data[: data.rfind(b"\n") + 1].decode("utf-8", errors="replace").splitlines())
+    if tuple(lines.fieldnames or HEAD) != HEAD:
+        raise cut_off(kept, "move it away: the study begins a new one")
+    cases: dict[tuple[str, str], dict[str, dict[str, str]]] = {}
+    for row in lines:
+        if _is_whole(row):
+            cases.setdefault((row["method"], row["seed"]), {})[row["mode"]] = row
+    return [row for case in cases.values() if len(case) == len(EXAMPLE.frequency_hz) for row in case.values()]
+
+
+def _is_whole(row: dict[str, str]) -> bool:
+    try:
+        for name in HEAD[1:]:
+            float(row[name])
+    except (TypeError, ValueError):
+        return False
+    return tuple(row) == HEAD
 
 
 def outcomes_of(rows: list[tuple[str, ...]]) -> Outcomes:
@@ -199,12 +230,31 @@ def _without_luck(outcomes: dict[str, Outcomes]) -> str:
     return f"The likelihood methods with the luck of the draw taken out:\n\n{table(['method', 'seeds', *names], rows)}"
 
 
-def main(seeds: int = SEEDS, methods: list[str] | None = None) -> None:
-    """Identify what is missing and write the table of all that is kept."""
-    collected(methods or sorted(available_identifiers()), range(seeds))
-    outcomes = collected(sorted({row["method"] for row in _rows(KEPT)}), range(0))
-    write_results(PAGES / "cramer-rao.md", report(outcomes))
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    parser = parser_of_seeds(__doc__, whole_number(1), SEEDS, "a method")
+    said = "an installed identifier (all of them if nothing is said)"
+    parser.add_argument("methods", nargs="*", type=identifier_named, metavar="METHOD", help=said)
+    parser.add_argument("--page", action="store_true", help="only fill the page from what is kept")
+    return parser.parse_args(words)
+
+
+def go_on(seeds: int, methods: Sequence[str], page_alone: bool) -> None:
+    """Identify what is missing and write the table of all that is kept; InputError where nothing is."""
+    if not page_alone:
+        collected(list(methods) or sorted(available_identifiers()), range(seeds))
+    found = sorted({row["method"] for row in _rows(KEPT)})
+    if not found:
+        raise InputError("--page", f"{KEPT} keeps nothing", "run the study first: the same without --page")
+    write_results(PAGES / "cramer-rao.md", report(collected(found, range(0))))
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    kept = f"every seed that is done is kept in {KEPT}; the same command goes on from there"
+    return worked_off(lambda: go_on(given.seeds, given.methods, given.page), kept)
 
 
 if __name__ == "__main__":
-    main(*(int(a) for a in sys.argv[1:2]), methods=sys.argv[2:] or None)
+    sys.exit(main())

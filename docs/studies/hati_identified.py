@@ -6,32 +6,37 @@ method share one process. What is there already is not done again:
     python docs/studies/hati_identified.py [METHOD ...]
 
 Without names all installed identifiers. Results lie under docs/_build/hati-identified and are derived from records
-under the MIT licence (PAAW/mAEWing1). ``--again`` does the named methods anew, ``--page`` only writes page and figure.
+under the MIT licence (PAAW/mAEWing1).
 """
 
 from __future__ import annotations
 
-import json
+import argparse
 import os
 import resource
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from command_line import identifier_named, parser_of, raise_if_asked, worked_off
+from kept_documents import cut_off, keep, read_kept
 from virtual_lab import PAGES
 
 from vgvt.bench.entry import Entry
 from vgvt.bench.umpire import Limits, attempt
-from vgvt.data import Campaign, ModalModel
+from vgvt.cli.boundary import INTERRUPTED
+from vgvt.data import Campaign, InputError, ModalModel
 from vgvt.files import open_campaign
 from vgvt.identification.registry import available_identifiers, make_identifier
 from vgvt.identification.run import run_identifier
 
 RAW, COPY = "hati-2015-09-24", "hati-2015-09-24-200hz"
 FOLDER = PAGES.parent / "_build" / "hati-identified"
+RUNS = range(1, 11)
 LIMITS = Limits(time_s=900.0, memory_mib=4096.0)
 
 
@@ -61,15 +66,21 @@ def file_of(method: str, part: str) -> Path:
 
 
 def stored(method: str, part: str) -> Finding | None:
-    """A finding that is there already."""
+    """A finding that is there already; InputError where its file is cut off."""
     path = file_of(method, part)
     if not path.is_file():
         return None
-    values = json.loads(path.read_text(encoding="utf-8"))
+    values = read_kept(path, _advice(method))
+    if not isinstance(values, dict) or values.keys() != set(Finding.__dataclass_fields__):
+        raise cut_off(path, _advice(method))
     for key, value in values.items():
         if isinstance(value, list):
             values[key] = tuple(tuple(v) if isinstance(v, list) else v for v in value)
     return Finding(**values)
+
+
+def _advice(method: str) -> str:
+    return f"remove it, and the script does it again; or all of that method: --again {method}"
 
 
 def parts_of(campaign: Campaign) -> dict[str, Campaign]:
@@ -122,9 +133,8 @@ def _kept(
         () if claim is None else (claim.flags or ((),) * modes),
         wall_s, used, memory, os.getloadavg()[0],
     )  # fmt: skip
-    FOLDER.mkdir(parents=True, exist_ok=True)
     values: dict[str, Any] = {name: getattr(found, name) for name in Finding.__dataclass_fields__}
-    file_of(method, part).write_text(json.dumps(values, indent=1), encoding="utf-8")
+    keep(file_of(method, part), values)
     return found
 
 
@@ -153,11 +163,18 @@ print(modes, wall, own, idle, peak, os.getloadavg()[0])
 """
 
 
+def _file_of_times(method: str) -> Path:
+    return FOLDER / f"timed-{method}.json"
+
+
 def timed(method: str) -> tuple[float, ...] | None:
     """Modes, wall and processor seconds, memory before and at most (MiB) and load, on the copy at 200 Hz; kept."""
-    path = FOLDER / f"timed-{method}.json"
+    path = _file_of_times(method)
     if path.is_file():
-        return tuple(json.loads(path.read_text(encoding="utf-8")))
+        known = read_kept(path, _advice(method))
+        if not isinstance(known, list) or len(known) != 6:
+            raise cut_off(path, _advice(method))
+        return tuple(known)
     one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", _TIMED, COPY, method],
@@ -165,43 +182,81 @@ def timed(method: str) -> tuple[float, ...] | None:
     )  # fmt: skip
     if done.returncode:
         return None
-    FOLDER.mkdir(parents=True, exist_ok=True)
     values = tuple(float(v) for v in done.stdout.split())
-    path.write_text(json.dumps(values), encoding="utf-8")
+    keep(path, values, indent=None)
     return values
 
 
-def main(arguments: list[str]) -> None:
-    """Attempt what is missing, then write the page's tables and figure."""
-    methods = [a for a in arguments if not a.startswith("--")] or sorted(available_identifiers())
-    if "--again" in arguments:
-        for method in methods:
-            for path in (
-                *FOLDER.glob(f"{method}-all.json"),
-                *FOLDER.glob(f"{method}-run-*.json"),
-                *FOLDER.glob(f"timed-{method}.json"),
-            ):
-                path.unlink()
-    if "--worker" in arguments:
-        find_alone(methods[0], open_campaign(RAW))
-        return
-    if "--page" not in arguments:
-        for method in methods:
-            if any(stored(method, f"run-{k}") is None for k in range(1, 11)):
-                subprocess.run([sys.executable, "-W", "ignore", __file__, "--worker", method], check=False)
-                print(f"{method}: single runs done", flush=True)  # noqa: T201
-        campaign = open_campaign(RAW) if any(stored(m, "all") is None for m in methods) else None
-        for method in methods:
-            if campaign is not None and stored(method, "all") is None:
-                found = find(method, campaign)
-                said = found.reason or f"{len(found.frequency_hz)} modes"
-                print(f"all runs, {method}: {said}", flush=True)  # noqa: T201
-        for method in methods:
-            timed(method)
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    parser = parser_of(__doc__)
+    said = "an installed identifier (all of them if nothing is said)"
+    parser.add_argument("methods", nargs="*", type=identifier_named, metavar="METHOD", help=said)
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--again", action="store_true", help="do the named methods anew")
+    how.add_argument("--page", action="store_true", help="only write page and figure")
+    # What the script starts for the single runs of one method.
+    how.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
+    given = parser.parse_intermixed_args(words)
+    if given.page and given.methods:
+        parser.error("--page writes the page of all that is kept: name no METHOD beside it")
+    given.methods = given.methods or sorted(available_identifiers())
+    return given
+
+
+def go_on(methods: Sequence[str], again: bool) -> None:
+    """Attempt what is missing, or all of it again, then write the page's tables and figure."""
+    parts = ("all", *(f"run-{k}" for k in RUNS))
+    # Before any work, and before anything is done away with: what is cut off, or records that are not there.
+    if again or None in [stored(m, part) for m in methods for part in parts]:
+        open_campaign(RAW)
+    if again:
+        for path in (p for m in methods for p in (*(file_of(m, part) for part in parts), _file_of_times(m))):
+            path.unlink(missing_ok=True)
+    for method in methods:
+        if any(stored(method, part) is None for part in parts[1:]):
+            _single_runs(method)
+    campaign = open_campaign(RAW) if any(stored(m, "all") is None for m in methods) else None
+    for method in methods:
+        if campaign is not None and stored(method, "all") is None:
+            found = find(method, campaign)
+            said = found.reason or f"{len(found.frequency_hz)} modes"
+            print(f"all runs, {method}: {said}", flush=True)  # noqa: T201
+            raise_if_asked()
+    for method in methods:
+        timed(method)
+    write_page()
+
+
+def _single_runs(method: str) -> None:
+    """The single runs of a method that are missing, in a process of their own."""
+    worker = [sys.executable, "-W", "ignore", __file__, "--worker", method]
+    status = subprocess.run(worker, check=False).returncode
+    if status == INTERRUPTED:
+        raise KeyboardInterrupt
+    said = "done" if status == 0 else f"broken off with status {status}"
+    print(f"{method}: single runs {said}", flush=True)  # noqa: T201
+
+
+def write_page() -> None:
+    """Page, table and figure of all that is kept; InputError where nothing is."""
     import hati_identified_page
 
-    hati_identified_page.write(sorted({p.stem.removesuffix("-all") for p in FOLDER.glob("*-all.json")}))
+    methods = sorted({p.stem.removesuffix("-all") for p in FOLDER.glob("*-all.json")})
+    if not methods:
+        raise InputError("--page", f"{FOLDER} keeps nothing", "run the study first: the same without --page")
+    hati_identified_page.write(methods)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    if given.worker:
+        # Interrupted it says nothing: who started it does.
+        return worked_off(lambda: find_alone(given.methods[0], open_campaign(RAW)), "")
+    kept = f"every finding that is done is kept in {FOLDER}; the same command goes on from there, less --again"
+    return worked_off(write_page if given.page else lambda: go_on(given.methods, given.again), kept)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    sys.exit(main())

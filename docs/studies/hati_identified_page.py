@@ -6,10 +6,11 @@ import csv
 
 import matplotlib.pyplot as plt
 import numpy as np
-from hati_identified import COPY, FOLDER, Finding, stored, timed
-from virtual_lab import IMAGES, PAGES, shorten_paths, table, write_results
+from hati_identified import COPY, FOLDER, RUNS, Finding, stored, timed
+from virtual_lab import IMAGES, PAGES, save_figure, shorten_paths, table, write_results
 
 from vgvt.files import open_campaign
+from vgvt.files.atomically import replacing
 from vgvt.signals import estimate_frf
 
 PAGE, TABLE = PAGES / "hati-identified.md", PAGES / "hati-identified.csv"
@@ -24,7 +25,6 @@ PAPER = (
 )
 """Table 3 of the paper: frequency to look near, and its columns quadrature / CFDD as printed."""
 LOG = (7.797, 19.058, 23.819, 31.784)
-RUNS = range(1, 11)
 
 
 def write(methods: list[str]) -> None:
@@ -50,7 +50,7 @@ def groups(frequency_hz: list[float]) -> list[tuple[float, float]]:
 
 
 def _write_csv(findings: list[Finding]) -> None:
-    with TABLE.open("w", encoding="utf-8", newline="") as stream:
+    with replacing(TABLE) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(
             ("method", "runs", "frequency_hz", "frequency_std_hz", "damping_ratio", "damping_ratio_std", "flags")
@@ -185,7 +185,7 @@ def picture(merged: dict[str, Finding], alone: dict[str, list[Finding]]) -> None
     low.plot([], [], "|", color="0.6", markersize=6, label="one run alone")
     low.plot([], [], "--", color="tab:red", linewidth=0.8, label="the paper's Table 3 (CFDD)")
     figure.legend(*low.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    figure.savefig(IMAGES / "study-hati-identified.svg", metadata={"Date": None})
-    figure.savefig(FOLDER / "look.png", dpi=110)
+    save_figure(figure, IMAGES / "study-hati-identified.svg")
+    save_figure(figure, FOLDER / "look.png", dpi=110)
     plt.close(figure)
     shorten_paths(IMAGES / "study-hati-identified.svg")

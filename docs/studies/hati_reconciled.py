@@ -12,22 +12,26 @@ is derived from records under the MIT licence (PAAW/mAEWing1).
 
 from __future__ import annotations
 
-import json
+import argparse
 import os
 import resource
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from command_line import one_of, parser_of, raise_if_asked, worked_off
+from kept_documents import cut_off, keep, read_kept
 from loop_work import core
 from numpy.typing import NDArray
 from virtual_lab import PAGES
 
-from vgvt.data import Campaign, ChannelRole
+from vgvt.data import Campaign, ChannelRole, InputError
 from vgvt.effects.registry import available_effects
 from vgvt.files import open_campaign
+from vgvt.files.atomically import replacing
 from vgvt.reconcile.evidence.localise import localise
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import Rival
@@ -62,9 +66,14 @@ def nominal() -> Scenario:
 
 
 def stored(stage: str) -> Document | None:
-    """What a stage came to, if it is there."""
+    """What a stage came to, if it is there; InputError where its file is cut off."""
     path = FOLDER / f"{stage}.json"
-    found: Document | None = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    if not path.is_file():
+        return None
+    advice = f"remove it and run the stage again: {stage}"
+    found: Document = read_kept(path, advice)
+    if not isinstance(found, dict):
+        raise cut_off(path, advice)
     return found
 
 
@@ -73,6 +82,7 @@ def run_whole(stage: str, campaign: Campaign, scenario: Scenario, **choices: Any
     wall, worked = time.perf_counter(), _processor_s()
 
     def tell(fraction: float, message: str, left: float | None) -> None:
+        raise_if_asked()
         print(f"{stage} {time.strftime('%H:%M:%S')} {fraction:.0%} {message}", flush=True)  # noqa: T201
 
     verdict = reconcile(campaign, scenario, folder=FOLDER / stage, workers=WORKERS, progress=tell, **choices)
@@ -118,13 +128,18 @@ def _compared(found: Fit) -> Document:
 def _keep_arrays(stage: str, before: Fit, after: Fit) -> None:
     measured, limits = before.problem.measured, stored_thresholds()
     left = residual(before, limits)
-    np.savez(
-        FOLDER / f"{stage}.npz",
+    _save(
+        stage,
         frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
         before=before.foretold, after=after.foretold, train=before.problem.split.train,
         run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
         table_before=left.table, table_after=residual(after, limits).table, bands_hz=left.bands_hz,
     )  # fmt: skip
+
+
+def _save(stage: str, **arrays: Any) -> None:
+    with replacing(FOLDER / f"{stage}.npz") as part, part.open("wb") as stream:
+        np.savez(stream, **arrays)
 
 
 def shuffled(campaign: Campaign, seed: int) -> Campaign:
@@ -242,8 +257,8 @@ def run_null() -> Document:
             "lag_one": left.lag_one, "smooth_per_dof": left.smooth_per_dof,
         }  # fmt: skip
     measured = problem.measured
-    np.savez(
-        FOLDER / "null.npz",
+    _save(
+        "null",
         frequency_hz=measured.frequency_hz, values=measured.values, noise=measured.noise, sigma=measured.sigma,
         before=stated.foretold, after=calibrated.foretold, train=problem.split.train,
         run=[c.run_number for c in measured.channels], node=[c.dof.node for c in measured.channels],
@@ -251,7 +266,7 @@ def run_null() -> Document:
         bands_hz=np.array(document["stated"]["bands_hz"]),
     )  # fmt: skip
     document["calibration_s"] = [time.perf_counter() - wall, time.process_time() - own, os.getloadavg()[0]]
-    (FOLDER / "null-without-places.json").write_text(json.dumps(document, default=float), encoding="utf-8")
+    keep(FOLDER / "null-without-places.json", document, indent=None, default=float)
     found = localise(calibrated)
     document["localisation"] = [
         {"place": p.label, "explained": p.explained, "type": p.type, "size": p.size, "unit": p.unit}
@@ -280,29 +295,55 @@ def work(stage: str) -> Document:
         return run_whole(stage, shuffled(open_campaign(RAW), scenario.seed), scenario)
     main = stored("main") or stored("first")
     if main is None:
-        raise SystemExit("the stage 'main' comes first")
+        raise InputError(f"stage {stage}", "wants what 'main' or 'first' names", f"write main {stage}")
     if stage == "without":
         return run_whole(stage, open_campaign(RAW), scenario, effects=without(main))
     return run_splits(main) if stage == "splits" else run_wrong_places(main)
 
 
 STAGES = ("null", "main", "without", "splits", "wrong-place", "shuffled", "fine-floor")
+LATER = ("without", "splits", "wrong-place")
+"""Stages that need what the stage main, or first, came to."""
 
 
-def run(stages: tuple[str, ...]) -> None:
-    """Do what is missing of some stages, and write the page."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    for stage in stages:
-        if stored(stage) is None:
-            document = work(stage)
-            (FOLDER / f"{stage}.json").write_text(json.dumps(document, indent=1, default=float), encoding="utf-8")
+def run(stages: Sequence[str]) -> None:
+    """Do what is missing of some stages."""
+    for stage in [stage for stage in stages if stored(stage) is None]:
+        keep(FOLDER / f"{stage}.json", work(stage), default=float)
 
 
-if __name__ == "__main__":
-    chosen = tuple(a for a in sys.argv[1:] if not a.startswith("--"))
-    if "--page" not in sys.argv:
-        run(chosen or STAGES)
-    if not chosen or "--page" in sys.argv:
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line; ``stages`` are those to run."""
+    parser = parser_of(__doc__)
+    said = "what to run (all but first, and the page, if nothing is said)"
+    parser.add_argument("stages", nargs="*", type=one_of((*STAGES, "first")), metavar="STAGE", help=said)
+    parser.add_argument("--page", action="store_true", help="only write the page of what is kept")
+    given = parser.parse_intermixed_args(words)
+    if given.page and given.stages:
+        parser.error("--page writes the page of all that is kept: name no STAGE beside it")
+    known = any((FOLDER / f"{stage}.json").is_file() for stage in ("main", "first"))
+    for k, stage in enumerate(given.stages):
+        if stage in LATER and not known and not {"main", "first"} & set(given.stages[:k]):
+            parser.error(f"stage {stage} needs what the whole catalogue names, which was not run: write main {stage}")
+    return given
+
+
+def go_on(stages: Sequence[str], page_alone: bool) -> None:
+    """Run what is missing; write the page where no stage is named."""
+    if not page_alone:
+        run(stages or STAGES)
+    if not stages:
         import hati_reconciled_page
 
         hati_reconciled_page.write()
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    kept = f"stages that are done are kept in {FOLDER}; the same command goes on from there"
+    return worked_off(lambda: go_on(given.stages, given.page), kept)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

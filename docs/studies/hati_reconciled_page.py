@@ -5,12 +5,17 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import matplotlib.pyplot as plt
 import numpy as np
 from hati_reconciled import FOLDER, Document, stored
+from kept_documents import cut_off
 from matplotlib.colors import LogNorm
-from virtual_lab import IMAGES, PAGES, shorten_paths, table, write_results
+from virtual_lab import IMAGES, PAGES, save_figure, shorten_paths, table, write_results
+
+from vgvt.data import InputError
+from vgvt.files.atomically import replacing
 
 PAGE, PARAMETERS = PAGES / "hati-reconciled.md", PAGES / "hati-reconciled-parameters.csv"
 PARTS = {"train": "fitted", "held_out": "held out", "held_runs": "held-out runs", "held_channels": "held-out channels"}
@@ -20,7 +25,7 @@ def write() -> None:
     """All tables of the stages that are there, the parameters as CSV, and the figures; what was not run is said."""
     null = stored("null")
     if null is None:
-        raise SystemExit("the stage 'null' comes first")
+        raise InputError("the page", "wants the stage null, which was not run", "run it first: name it as the STAGE")
     blocks = [_null(null), _bands()]
     for stage, title in (
         ("main", "The whole catalogue, model-form error 3 %"),
@@ -98,8 +103,16 @@ def _word(converged: bool) -> str:
     return "converged" if converged else "stopped at its limit of iterations"
 
 
+def _arrays(stage: str) -> Any:
+    path = FOLDER / f"{stage}.npz"
+    try:
+        return np.load(path)
+    except (OSError, ValueError, EOFError, BadZipFile) as error:
+        raise cut_off(path, f"remove {stage}.json beside it and run the stage again: {stage}") from error
+
+
 def _bands() -> str:
-    with np.load(FOLDER / "null.npz") as a:
+    with _arrays("null") as a:
         edges, rows = a["bands_hz"], []
         train = a["train"]
         for k in range(edges.size - 1):
@@ -117,7 +130,7 @@ def _value(row: dict[str, Any]) -> str:
 
 def _parameters(null: Document, after: Document | None) -> str:
     later = {} if after is None else {r["name"]: r for r in after["posterior"]}
-    with PARAMETERS.open("w", encoding="utf-8", newline="") as stream:
+    with replacing(PARAMETERS) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(
             ("name", "score", "std", "factor_or_shift", "score_after", "std_after", "factor_or_shift_after")
@@ -211,12 +224,12 @@ def _splits() -> str:
 
 def _overlays(named: Document | None) -> None:
     stage = "main" if stored("main") is not None else "first"
-    with np.load(FOLDER / "null.npz") as a:
+    with _arrays("null") as a:
         f, held = a["frequency_hz"], np.flatnonzero(~a["train"])
         lines = [("before", "nominal as stated", "tab:orange"), ("after", "calibrated, no effect added", "tab:red")]
         curves = [(a[key], label, colour) for key, label, colour in lines]
         if named is not None and (named["effects"] or named["leads"]):
-            with np.load(FOLDER / f"{stage}.npz") as b:
+            with _arrays(stage) as b:
                 label = "with what was named" if named["effects"] else "with what comes nearest"
                 curves.append((b["after"], label, "tab:blue"))
         figure, axes = plt.subplots(3, 2, figsize=(8.2, 7.6), sharex=True, layout="constrained")
@@ -237,7 +250,7 @@ def _overlays(named: Document | None) -> None:
 
 
 def _maps() -> None:
-    with np.load(FOLDER / "null.npz") as a:
+    with _arrays("null") as a:
         order = np.argsort(a["node"])
         figure, axes = plt.subplots(1, 2, figsize=(8.2, 4.4), sharey=True, layout="constrained")
         for ax, key, title in zip(
@@ -258,7 +271,7 @@ def _maps() -> None:
 
 def _save(figure: Any, name: str) -> None:
     path: Path = IMAGES / f"{name}.svg"
-    figure.savefig(path, metadata={"Date": None}, dpi=130)
-    figure.savefig(FOLDER / f"{name}.png", dpi=110)
+    save_figure(figure, path, dpi=130)
+    save_figure(figure, FOLDER / f"{name}.png", dpi=110)
     plt.close(figure)
     shorten_paths(path)

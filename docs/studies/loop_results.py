@@ -10,9 +10,10 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from virtual_lab import IMAGES, table
+from virtual_lab import IMAGES, save_figure, table
 
 from vgvt.effects.registry import available_effects
+from vgvt.files.atomically import replacing
 from vgvt.reconcile.placebo import Placebo, calibrated_thresholds, write_thresholds
 
 Row = dict[str, Any]
@@ -286,7 +287,8 @@ def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:
 def write_matrix(counts: Counter[tuple[str, str]], file: Path) -> None:
     """The confusion matrix as a long table."""
     lines = ["truth,answer,cases", *(f"{t},{a},{n}" for (t, a), n in sorted(counts.items()))]
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with replacing(file) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def picture(counts: Counter[tuple[str, str]], file: Path = IMAGES / "study-closing-the-loop.svg") -> None:
@@ -310,5 +312,5 @@ def picture(counts: Counter[tuple[str, str]], file: Path = IMAGES / "study-closi
     axes.grid(which="minor", color="0.9")
     axes.tick_params(which="minor", length=0)
     axes.set(xlabel="answer", ylabel="truth")
-    figure.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
+    save_figure(figure, file)
     plt.close(figure)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import csv
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from kept_documents import cut_off, read_kept
 from loop_cases import SHORT
 from virtual_lab import PAGES
 
@@ -26,10 +26,28 @@ _FLAGS = {"True": True, "False": False}
 _CASE = ("seed", "group", "truth", "draw", "size", "noise", "source", "engine", "catalogue")
 
 
-def kept(folder: Path) -> list[Row]:
-    """The rows of every case in a folder, whichever plan it belongs to."""
-    files = sorted((folder / "cells").glob("*.json"))
-    return [row for file in files for row in json.loads(file.read_text(encoding="utf-8"))["rows"]]
+def kept(folder: Path, done_again: Container[str] = ()) -> list[Row]:
+    """The rows of every case in a folder, whichever plan it belongs to.
+
+    InputError for one that is cut off, unless it is among those that are done again, which it is without a word.
+    """
+    rows: list[Row] = []
+    for file in sorted((folder / "cells").glob("*.json")):
+        try:
+            rows += _rows(file)
+        except InputError:
+            if file.stem not in done_again:
+                raise
+    return rows
+
+
+def _rows(file: Path) -> list[Row]:
+    advice = "remove it: the case is done again when the study goes on in this folder"
+    document = read_kept(file, advice)
+    rows: list[Row] | None = document.get("rows") if isinstance(document, dict) else None
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise cut_off(file, advice)
+    return rows
 
 
 def write_rows(rows: Sequence[Row], file: Path) -> None:

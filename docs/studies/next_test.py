@@ -11,22 +11,32 @@ import argparse
 import dataclasses
 import hashlib
 import json
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import loop_truth as lab
 import numpy as np
-from closing_the_loop import kept, run
+from closing_the_loop import run
+from command_line import (
+    add_how_long,
+    cases_asked_for,
+    cases_stay,
+    made,
+    parser_of_cases,
+    whole_number,
+    worked_off,
+)
 from loop_cases import LINES, expected
 from loop_results import rate
+from loop_rows import kept
 from loop_work import core
 from virtual_lab import PAGES, table, write_results
 
-from vgvt.data import Campaign
+from vgvt.data import Campaign, InputError
 from vgvt.effects import available_effects
 from vgvt.effects.registry import effects_of
 from vgvt.reconcile.evidence.rivals import Rival, against
@@ -249,16 +259,31 @@ def results(rows: Sequence[Row]) -> str:
     )
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="where the cases are kept")
-    parser.add_argument("--draws", type=int, default=2, help="campaigns a pair and direction")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin nothing after that")
-    parser.add_argument("--report", action="store_true", help="fill the page from what is done")
-    given = parser.parse_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
-    if given.report:
-        write_results(PAGES / "next-test.md", results(kept(given.folder)))
-    else:
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    parser = parser_of_cases(__doc__)
+    parser.add_argument("--draws", type=whole_number(1), default=2, help="campaigns a pair and direction (2)")
+    add_how_long(parser)
+    return cases_asked_for(parser, words)
+
+
+def go_on(given: argparse.Namespace) -> None:
+    """Run what is not there yet, or fill the page."""
+    if not given.report:
+        made(given.folder)
         run(pairs(given.draws), given.folder, given.workers, given.minutes, work)
+        return
+    rows = kept(given.folder)
+    if not rows:
+        raise InputError(str(given.folder), "keeps no case", "run the study first: the same without --report")
+    write_results(PAGES / "next-test.md", results(rows))
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: go_on(given), cases_stay(given.folder))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

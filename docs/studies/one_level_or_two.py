@@ -10,21 +10,31 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
+import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, Literal
 
 import loop_truth as lab
+from command_line import (
+    cases_asked_for,
+    cases_stay,
+    made,
+    one_of,
+    parser_of_cases,
+    raise_if_asked,
+    worked_off,
+)
+from kept_documents import cut_off, keep, read_kept
 from loop_cases import LINES, SECOND, SHORT, SIMULATION, find_the_second_laboratory
 from loop_work import core
 from rich.console import Console
 from virtual_lab import PAGES, table, write_results
 
-from vgvt.data import Campaign, Record
+from vgvt.data import Campaign, InputError, Record
 from vgvt.effects import available_effects
 from vgvt.files.atomically import replacing
 from vgvt.reconcile import Verdict, reconcile
@@ -223,10 +233,26 @@ def results(rows: Iterable[dict[str, str]]) -> str:
     return table(COLUMNS, lines)
 
 
+def kept(file: Path) -> dict[str, Any]:
+    """The row of a case; InputError where its file is cut off."""
+    advice = "remove it: the case is done again when the study goes on in this folder"
+    row: dict[str, Any] = read_kept(file, advice)
+    if not isinstance(row, dict) or not row.keys() >= {"truth", "levels", "verdict", "named"}:
+        raise cut_off(file, advice)
+    return row
+
+
+def is_done(file: Path) -> bool:
+    """Whether a case is there, and whole."""
+    try:
+        return file.is_file() and bool(kept(file))
+    except InputError:
+        return False
+
+
 def report(folder: Path) -> None:
     """Fill the page from the cases in a folder, and from those that were shown last where there is none."""
-    files = sorted(folder.glob("*.json"))
-    rows = merged(known(), [printed(json.loads(f.read_text(encoding="utf-8"))) for f in files])
+    rows = merged(known(), [printed(kept(file)) for file in sorted(folder.glob("*.json"))])
     with replacing(BASELINE) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
         writer.writeheader()
@@ -234,27 +260,36 @@ def report(folder: Path) -> None:
     write_results(PAGES / "one-level-or-two.md", results(rows))
 
 
-def main() -> None:
-    """Run what is not there yet, or fill the page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="where the cases are kept")
-    parser.add_argument("--only", default="", help="this truth alone: 'run-drift', 'root-friction, second laboratory'")
-    parser.add_argument("--report", action="store_true", help="fill the page from what is done")
-    given = parser.parse_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    parser = parser_of_cases(__doc__)
+    names = dict.fromkeys(name for t in TRUTHS for name in (t.name, t.title))
+    said = f"this truth alone, of both laboratories or of one: {'; '.join(repr(n) for n in names)}"
+    parser.add_argument("--only", type=one_of(names), metavar="TRUTH", help=said)
+    return cases_asked_for(parser, words)
+
+
+def go_on(folder: Path, only: str | None) -> None:
+    """Run what is not there yet."""
+    made(folder)
     console = Console(stderr=True)
     for truth in TRUTHS:
         for levels in (2, 1):
-            file = given.folder / f"{truth.title.replace(', ', '-').replace(' ', '-')}-{levels}.json"
-            if given.report or file.is_file() or given.only not in ("", truth.name, truth.title):
+            file = folder / f"{truth.title.replace(', ', '-').replace(' ', '-')}-{levels}.json"
+            if only not in (None, truth.name, truth.title) or is_done(file):
                 continue
             row = row_of(truth, levels)
-            with replacing(file) as part_file:
-                part_file.write_text(json.dumps(row, indent=1), encoding="utf-8")
+            keep(file, row)
             console.print(f"{truth.title}, levels {levels}: {row['verdict']} {row['named']}", highlight=False)
-    if given.report:
-        report(given.folder)
+            raise_if_asked()
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run what is not there yet, or fill the page; returns the exit status."""
+    given = arguments(words)
+    work = partial(report, given.folder) if given.report else partial(go_on, given.folder, given.only)
+    return worked_off(work, cases_stay(given.folder))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
+import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from command_line import BEGIN_AGAIN, parser_of, worked_off
 from paper_claims import CLAIMED, Claimed
 from unequal_wings import unequal_wings
 from virtual_lab import PAGES, nearest, table, write_results
@@ -166,9 +170,29 @@ def _false(card: Scorecard) -> str:
     return ", ".join(claimed) or "none"
 
 
-if __name__ == "__main__":
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line, on which there is nothing to choose."""
+    return parser_of(__doc__).parse_args(words)
+
+
+def fill() -> None:
+    """Judge, and fill the page."""
     page, tests = PAGES / "paper-tables.md", [judge(name) for name in TESTS]
-    write_results(page, results(tests))
-    write_results(page, poles(tests), "of the poles")
-    write_results(page, paper_modes(tests), "of the paper")
-    write_results(page, unequal_wings(), "of unequal wings")
+    told = {
+        "of the script": results(tests),
+        "of the poles": poles(tests),
+        "of the paper": paper_modes(tests),
+        "of unequal wings": unequal_wings(),
+    }
+    for part, text in told.items():
+        write_results(page, text, part)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    arguments(words)
+    return worked_off(fill, BEGIN_AGAIN)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
+from command_line import BEGIN_AGAIN, parser_of_seeds, whole_number, worked_off
 from numpy.typing import NDArray
-from virtual_lab import IMAGES, PAGES, deviation_ratio, nearest, reduced_hati, table, write_results
+from virtual_lab import IMAGES, PAGES, deviation_ratio, nearest, reduced_hati, save_figure, table, write_results
 
 from vgvt.identification import make_identifier
 from vgvt.simulation import simulate, truth_of
@@ -16,7 +19,7 @@ from vgvt.simulation import simulate, truth_of
 START_HZ = 3.0
 NARROW_HZ, WIDE_HZ = 13.0, 35.0
 STOPS_HZ = (NARROW_HZ, 19.0, WIDE_HZ)
-SEEDS = 400
+SEEDS, SEED_STEP = 400, 1000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,13 +126,29 @@ def picture(sweeps: list[Sweep]) -> None:
     axes.set(xlabel="width of the sweep in Hz", ylabel="standard deviation over that of 3–13 Hz")
     axes.grid(alpha=0.3)
     axes.legend()
-    figure.savefig(IMAGES / "study-sweep-width.svg", metadata={"Date": None})
+    save_figure(figure, IMAGES / "study-sweep-width.svg")
     plt.close(figure)
 
 
-if __name__ == "__main__":
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    # A spread needs two, and the next sweep's own seeds begin a step further on.
+    return parser_of_seeds(__doc__, whole_number(2, SEED_STEP), SEEDS, "a sweep").parse_args(words)
+
+
+def fill(count: int) -> None:
+    """Measure, and fill the page and its figure."""
     # Seeds of their own for every sweep: the F interval wants independent samples.
-    measured = [repeat(stop, range(1000 * k, 1000 * k + count)) for k, stop in enumerate(STOPS_HZ)]
+    measured = [repeat(stop, range(SEED_STEP * k, SEED_STEP * k + count)) for k, stop in enumerate(STOPS_HZ)]
     write_results(PAGES / "sweep-width.md", results(measured))
     picture(measured)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: fill(given.seeds), BEGIN_AGAIN)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import itertools
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
+from command_line import BEGIN_AGAIN, parser_of_seeds, whole_number, worked_off
 from numpy.typing import NDArray
-from virtual_lab import IMAGES, PAGES, reduced_hati, share_interval, table, with_fields, write_results
+from virtual_lab import IMAGES, PAGES, reduced_hati, save_figure, share_interval, table, with_fields, write_results
 
 from vgvt.data import ModeStatus
 from vgvt.identification import make_identifier
@@ -166,11 +169,26 @@ def picture() -> None:
     axes.set(xlabel="drive point aft of the nose in m", ylabel="bound on std(f) in mHz")
     axes.grid(alpha=0.3, which="both")
     axes.legend(fontsize=8)
-    figure.savefig(IMAGES / "study-torsion-drive-point.svg", metadata={"Date": None})
+    save_figure(figure, IMAGES / "study-torsion-drive-point.svg")
     plt.close(figure)
 
 
-if __name__ == "__main__":
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    return parser_of_seeds(__doc__, whole_number(1), SEEDS, "a point and level").parse_args(words)
+
+
+def fill(count: int) -> None:
+    """Measure, and fill the page and its figure."""
     write_results(PAGES / "torsion-drive-point.md", results(count))
     picture()
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    given = arguments(words)
+    return worked_off(lambda: fill(given.seeds), BEGIN_AGAIN)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

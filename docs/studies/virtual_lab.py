@@ -10,9 +10,11 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import scipy.stats
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from vgvt.data import ModalModel
+from vgvt.data import InputError, ModalModel
+from vgvt.files.atomically import replacing
 from vgvt.scenario import Scenario, load_scenario
 
 mpl.use("Agg")
@@ -41,6 +43,13 @@ def reduced_hati(
     )
 
 
+def save_figure(figure: Figure, path: Path, **options: Any) -> None:
+    """Draw a figure into a file, which holds the old one until the new one is whole."""
+    dated: dict[str, Any] = {"metadata": {"Date": None}} if path.suffix == ".svg" else {}
+    with replacing(path) as part:
+        figure.savefig(part, format=path.suffix.removeprefix("."), **dated, **options)
+
+
 def shorten_paths(path: Path) -> None:
     """Two decimals are enough for the lines of a drawing; what scales its letters keeps all of them."""
 
@@ -48,7 +57,8 @@ def shorten_paths(path: Path) -> None:
         return re.sub(r"(\d+\.\d{2})\d+", r"\1", found[0])
 
     text = path.read_text(encoding="utf-8")
-    path.write_text(re.sub(r'\bd="[^"]*"', shortened, text), encoding="utf-8")
+    with replacing(path) as part:
+        part.write_text(re.sub(r'\bd="[^"]*"', shortened, text), encoding="utf-8")
 
 
 def with_fields(scenario: Scenario, table: str, **values: Any) -> Scenario:
@@ -91,8 +101,11 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def write_results(page: Path, text: str, of: str = "of the script") -> None:
-    """Replace what stands between the two marks of a page, or of a part of it."""
+    """Replace what stands between the two marks of a page, or of a part of it; InputError where a mark is gone."""
     start, end = (mark.replace("of the script", of) for mark in (START, END))
-    before, rest = page.read_text(encoding="utf-8").split(start)
-    after = rest.split(end)[1]
-    page.write_text(f"{before}{start}\n\n{text}\n\n{end}{after}", encoding="utf-8")
+    old = page.read_text(encoding="utf-8")
+    if old.count(start) != 1 or old.count(end) != 1 or old.index(end) < old.index(start):
+        raise InputError(str(page), "has no one place for the results", f"write {start} and, below it, {end}")
+    before, after = old.split(start)[0], old.split(end)[1]
+    with replacing(page) as part:
+        part.write_text(f"{before}{start}\n\n{text}\n\n{end}{after}", encoding="utf-8")

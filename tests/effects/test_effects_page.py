@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import json
 from pathlib import Path
 from types import ModuleType
@@ -13,24 +13,21 @@ from vgvt.cli import main
 from vgvt.effects import available_effects, parameters_of
 
 
-def page_maker(root: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location("make_effects_page", root / "docs" / "make_effects_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def maker(repository_root: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The script that writes the page, as a module."""
+    monkeypatch.syspath_prepend(repository_root / "docs")
+    return importlib.import_module("make_effects_page")
 
 
-def test_the_catalogue_page_is_up_to_date(repository_root: Path) -> None:
+def test_the_catalogue_page_is_up_to_date(maker: ModuleType, repository_root: Path) -> None:
     """The committed page is what the script writes; renew it with python docs/make_effects_page.py."""
     page = (repository_root / "docs" / "reference" / "effects.md").read_text(encoding="utf-8")
-    assert page == page_maker(repository_root).effects_page()
+    assert page == maker.effects_page()
 
 
-def test_the_catalogue_page_has_a_section_for_every_effect(repository_root: Path) -> None:
+def test_the_catalogue_page_has_a_section_for_every_effect(maker: ModuleType) -> None:
     """Every effect with every parameter, so that the comparison above compares something."""
-    maker = page_maker(repository_root)
     page = maker.effects_page()
     assert {"run-drift", "root-friction"} <= set(maker.own_effects())
     for name, effect in maker.own_effects().items():

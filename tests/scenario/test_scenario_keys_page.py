@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -14,16 +15,11 @@ from vgvt.scenario.vocabulary import unit_of
 
 
 @pytest.fixture(scope="module")
-def maker(repository_root: Path) -> ModuleType:
+def maker(repository_root: Path) -> Iterator[ModuleType]:
     """The script that writes the page."""
-    spec = importlib.util.spec_from_file_location(
-        "make_scenario_keys", repository_root / "docs" / "make_scenario_keys.py"
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(repository_root / "docs")
+        yield importlib.import_module("make_scenario_keys")
 
 
 def test_the_page_is_up_to_date(maker: ModuleType) -> None:
