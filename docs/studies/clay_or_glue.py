@@ -32,7 +32,7 @@ from vgvt.simulation import simulate, truth_of
 BAND_HZ = (3.0, 35.0)
 MODES = ("1st symmetric bending", "1st antisymmetric bending", "2nd symmetric bending")
 ROD_N_M_PER_RAD = 84.0
-SEEDS = 30
+SEEDS = 20
 
 
 @dataclass(frozen=True, slots=True)
