@@ -21,7 +21,7 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     ``asked`` are the scores at which its misfit was asked for.
     """
-    case = SimpleNamespace(here=None, predicted=None, asked=[], bent=1.0)
+    case = SimpleNamespace(here=None, predicted=None, asked=[], bent=1.0, follows=None)
 
     def predicted(u: Any) -> Any:
         return np.array([STEEP * (u[1] - case.bent * u[0] ** 2), 30 * (u[0] - BOTTOM)])
@@ -37,10 +37,10 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> Any:
             case.asked.append(u)
             return predicted(u)
 
+        structures = SimpleNamespace(whole=False, follows=case.follows)
         return SimpleNamespace(
-            problem=aircraft, hypotheses=(), structures=SimpleNamespace(whole=False), origin=origin, assembled=None,
-            predict=predict,
-        )  # fmt: skip
+            problem=aircraft, hypotheses=(), structures=structures, origin=origin, assembled=None, predict=predict
+        )
 
     def slopes(anchored: Any, u: Any, e: Any, predicted: Any, sigma: Any) -> Any:
         return np.array([[-2 * STEEP * case.bent * u[0], STEEP], [30.0, 0.0]])
@@ -138,6 +138,44 @@ def test_where_a_step_keeps_less_than_half_the_next_has_its_own_slopes(
     # A rough one keeps them.
     broken = step_from(valley, HERE, 0.1, rough=True)
     assert broken is not None and broken.here.origin is None
+
+
+class Followed:
+    """What joints show, known of some scores; ``forgotten`` how often it was not to be."""
+
+    def __init__(self, scores: Any) -> None:
+        self.scores, self.forgotten = scores, 0
+
+    def at(self, scores: Any) -> bool:
+        return self.scores is None or np.array_equal(self.scores, scores)
+
+    def forget(self) -> None:
+        self.scores, self.forgotten = None, self.forgotten + 1
+
+
+@pytest.mark.parametrize("known", [HERE, BOTTOM * np.ones(2)])
+def test_what_joints_show_elsewhere_is_forgotten_before_a_step_is_shortened(
+    valley: Any, monkeypatch: pytest.MonkeyPatch, known: Any
+) -> None:
+    """Slopes of elsewhere point away from the bottom; where they are of here, no step is found."""
+    right, follows = descent.jacobian, Followed(known)
+    monkeypatch.setattr(descent, "jacobian", lambda *given: right(*given) * (1.0 if follows.forgotten else -1.0))
+    valley.bent, valley.follows = 0.0, follows
+    step = step_from(valley, HERE, 0.1)
+    assert (step is None) == (known is HERE)
+    assert follows.forgotten == (known is not HERE)
+    if step is not None:
+        assert len(valley.asked) == 2
+
+
+@pytest.mark.parametrize(("kept", "forgotten"), [(0.5, 0), (2.0, 1)])
+def test_where_a_step_keeps_little_what_joints_show_is_asked_anew(
+    valley: Any, monkeypatch: pytest.MonkeyPatch, kept: float, forgotten: int
+) -> None:
+    monkeypatch.setattr(descent, "_TRUE", kept)
+    valley.bent, valley.follows = 0.0, Followed(HERE)
+    assert step_from(valley, HERE, 0.1) is not None
+    assert valley.follows.forgotten == forgotten
 
 
 def test_badly_scaled_systems_are_solved_without_a_word() -> None:

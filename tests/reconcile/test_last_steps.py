@@ -59,12 +59,14 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
 
 def test_a_fit_is_gone_on_with_unless_it_has_arrived_or_becomes_worse(monkeypatch: pytest.MonkeyPatch) -> None:
     further: Any = SimpleNamespace(evidence_nats=30.0, converged=True)
-    monkeypatch.setattr(finished, "fit", lambda *given, exact: further)
+    monkeypatch.setattr(finished, "fit", lambda *given, exact, follow: further)
     monkeypatch.setattr(finished, "origin_at", lambda *_: None)
+    monkeypatch.setattr(finished, "depends_on_level", lambda problem, hypothesis: False)
     effect = SimpleNamespace(name="it")
-    stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, problem=None, hypotheses=(effect,), u=0, e=0)
+    known: dict[str, Any] = {"problem": None, "hypotheses": (effect,), "u": None, "e": None, "followed": False}
+    stopped: Any = SimpleNamespace(converged=False, evidence_nats=20.0, **known)
     assert finished.finished(stopped, told) is further
-    arrived: Any = SimpleNamespace(converged=True, problem=None, u=None, e=None, hypotheses=(effect,))
+    arrived: Any = SimpleNamespace(converged=True, **known)
     assert finished.finished(arrived, told) is arrived
     further.evidence_nats = 10.0
     assert finished.finished(stopped, told) is stopped

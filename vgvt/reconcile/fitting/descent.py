@@ -113,12 +113,15 @@ def taken(
                 damping *= _FREER
             elif kept < _KEEPS_LITTLE:
                 damping *= _HELD_BACK
+            if kept < _TRUE and here.structures.follows is not None:
+                here.structures.follows.forget()
             anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
             there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
             gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
             return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free, cost)
-        if not rough and _misled(here, u, e):
-            here = _sloped(here, here, u, e, anew=True)
+        misled = not rough and _misled(here, u, e)
+        if _forgotten(here, u, e) or misled:
+            here = _sloped(here, here, u, e, anew=misled)
             slopes = _Slopes.of(here, u, e, predicted, sigma)
         else:
             damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
@@ -157,6 +160,15 @@ def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Arra
 def _misled(here: Anchor, u: Array, e: Array) -> bool:
     """Whether slopes of ``here`` may be to blame for a broken promise, and others are to be had at u and e."""
     return not here.structures.whole and from_elsewhere(here.problem, u, e, here.origin, here.hypotheses)
+
+
+def _forgotten(here: Anchor, u: Array, e: Array) -> bool:
+    """Whether how what joints show follows was known of elsewhere, which may be to blame: it is forgotten then."""
+    follows = here.structures.follows
+    if follows is None or follows.at(np.concatenate([u, e])):
+        return False
+    follows.forget()
+    return True
 
 
 def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> Anchor:

@@ -18,6 +18,7 @@ from vgvt.reconcile.fitting.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.carried import Structures
 from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.level_following import Following
 from vgvt.reconcile.prediction.local_slopes import SERVE, Origin, origin_at
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
 from vgvt.reconcile.prediction.unheard import unheard
@@ -38,6 +39,8 @@ FORGIVING = ((0.6, 8), (0.15, 8))
 """From the stated values towards what is far from them, sharp resonances too: nothing of it is judged by less."""
 TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
+FOLLOWED = (0.0, 30)
+"""For the last steps beside a joint whose stiffness depends on level, with slopes that follow what it shows."""
 # What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
 # are nearly met, at this much a value. A share of the cost is the more nats the more data there are.
 _ENOUGH, _ENOUGH_NATS, _NEARLY_MET = 1e-3, 0.5, 1.5
@@ -61,6 +64,7 @@ class Fit:
     ``sigma`` (fitted channels, L) is what it was judged by where that is not the data's. ``unseen`` (k, scores) is by
     how much things that the model has no unknown for may have moved its scores (:mod:`vgvt.reconcile.evidence.unseen`).
     ``origin`` is where its slopes in the unknowns were taken, None for the problem's own: evidence hangs on them.
+    ``followed`` says that they hold how what joints show follows the unknowns.
     """
 
     problem: Problem
@@ -77,6 +81,7 @@ class Fit:
     sigma: Array | None = None
     unseen: Array | None = None
     origin: Origin | None = None
+    followed: bool = False
 
     def __repr__(self) -> str:
         held = self.held_out_chi2_per_dof
@@ -203,6 +208,7 @@ def fit(
     exact: bool = False,
     whole: bool = False,
     origin: Origin | None = None,
+    follow: bool = False,
 ) -> Fit:
     """Fit u and the hypotheses' e jointly from a start; NoStructureError where the start describes no aircraft.
 
@@ -210,6 +216,8 @@ def fit(
     far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on. ``whole``
     has no others, and those of the aircraft with the hypotheses: for a fit whose parameters and errors are told.
     ``origin`` is where the first slopes are taken, by default those of the stated values serve until they mislead.
+    ``follow`` goes on to the end with slopes that know how what joints show follows the unknowns, where there is one:
+    a march of every run for each unknown, and for what is told.
     """
     phases = _phases(stages, exact, whole)
     structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
@@ -226,6 +234,10 @@ def fit(
             # Something rings there that did not where it began: the last stage once more, with slopes of either kind.
             last = [phase for phase in phases if phase[0] == phases[-1][0]]
             u, e, here, predicted, converged = _walked(here, u, e, predicted, last, progress)
+    if follow and any(group.levels is not None for group in here.groups):
+        here.structures.follows = Following()
+        here, predicted = _assembled(here, u, e)
+        u, e, here, predicted, converged = _walked(here, u, e, predicted, [(*FOLLOWED, True)], progress)
     return _posterior(here, u, e, predicted, converged, coarse_sigma(problem, judged))
 
 
@@ -331,5 +343,5 @@ def _posterior(here: Anchor, u: Array, e: Array, predicted: ComplexArray, conver
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     return Fit(
         problem, here.hypotheses, u, e, predicted, tangent, covariance, chi2, misfit.size, evidence, converged, sigma,
-        origin=here.origin,
+        origin=here.origin, followed=here.structures.follows is not None,
     )  # fmt: skip

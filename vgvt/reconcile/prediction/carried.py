@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.prediction.adjacent import adjacent
 from vgvt.reconcile.prediction.following import leaders
 from vgvt.reconcile.prediction.grouping import Group, assembled, cells_at, effects_at, sensor_mass
+from vgvt.reconcile.prediction.level_following import Following
 from vgvt.reconcile.prediction.local_slopes import slopes_for
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import MATRICES, Problem
@@ -29,12 +30,14 @@ class Structures:
     """What a fit asks for at its scores, keeping what it assembled last.
 
     ``coarse`` while steps forgive misplaced peaks: structures are then carried along. ``whole`` where slopes are those
-    of the aircraft with all that acts on it, as it is there: dear, and for what is told.
+    of the aircraft with all that acts on it, as it is there: dear, and for what is told. ``follows`` where what joints
+    show follows the unknowns, with what is known of that: as dear, and for the last steps of a fit.
     """
 
     problem: Problem
     coarse: bool = False
     whole: bool = False
+    follows: Following | None = None
     _bare: tuple[Array, Groups] | None = None
     _others: dict[tuple[Hypothesis, ...], tuple[Array, Groups]] = field(default_factory=dict)
 

@@ -26,7 +26,8 @@ class Levels:
     """Nonlinear joints of a group of runs, and the stiffness ``shown`` (R, J, L) that they show at each run's level.
 
     ``left_out`` (C, L) is what the ends of records add to accelerances because of what the joints have set ringing.
-    ``slopes`` (effects, R, J, L) and ``left_out_slopes`` (effects, C, L) are changes with the scores of the effects.
+    ``slopes`` (effects, R, J, L) and ``left_out_slopes`` (effects, C, L) are changes with the scores of the effects,
+    ``follows`` the same pair with the amounts of the unknowns; None where both are held as these change.
     """
 
     joints: Joints
@@ -34,6 +35,7 @@ class Levels:
     left_out: ComplexArray
     slopes: ComplexArray
     left_out_slopes: ComplexArray
+    follows: tuple[ComplexArray, ComplexArray] | None = None
 
     def moved(self, scores: Array) -> tuple[ComplexArray, ComplexArray]:
         """The stiffness shown (R, J, L) and what is left out (C, L), the effects' scores moved by (effects,)."""
@@ -41,6 +43,15 @@ class Levels:
             return self.shown, self.left_out
         shown = self.shown + np.tensordot(scores, self.slopes, axes=1)
         return shown, np.asarray(self.left_out + np.tensordot(scores, self.left_out_slopes, axes=1))
+
+    def with_unknowns(self, rate: Array) -> tuple[ComplexArray, ComplexArray]:
+        """What is shown (k, R, J, L) and left out (k, C, L) a score of k unknowns with rates (k,); zeros where held."""
+        if self.follows is None:
+            shown, rung = (np.zeros((rate.size, *of.shape), dtype=complex) for of in (self.shown, self.left_out))
+        else:
+            shown, rung = self.follows
+        by: ComplexArray = rate.astype(complex)
+        return by[:, None, None, None] * shown, by[:, None, None] * rung
 
     def sloped(self, sides: list[tuple[Levels, Levels, float] | None]) -> Levels:
         """The same with its slopes, from what it is on either side (and how far apart) in every effect's score."""
@@ -67,17 +78,33 @@ def levels_of(measured: Measured, group: Group, basis: Array, matrices: Matrices
     joints = joints_of(group.plan, group.structure, basis, group.rows, rows, group.masses_kg)
     if joints is None:
         return None
+    shown, left_out = marched_runs(measured, runs, rows, joints, group.masses_kg * roving, matrices)
+    none, none_left_out = (np.zeros((0, *of.shape), dtype=complex) for of in (shown, left_out))
+    return Levels(joints, shown, left_out, none, none_left_out)
+
+
+def marched_runs(
+    measured: Measured,
+    runs: NDArray[np.intp],
+    rows: tuple[NDArray[np.intp], ...],
+    joints: Joints,
+    masses_kg: Array,
+    matrices: Matrices,
+) -> tuple[ComplexArray, ComplexArray]:
+    """Stiffness (R, J, L) that joints show in ``runs`` of a structure, and what the records' ends leave out (C, L).
+
+    ``rows`` are the rows of ``matrices`` in each run, ``masses_kg`` (C,) what these do not hold of their sensors.
+    """
     top = float(measured.frequency_hz[-1])
-    shown, left_out = [], np.zeros((group.channels.size, measured.lines.size), dtype=complex)
+    shown, left_out = [], np.zeros((matrices.axis.shape[0], measured.lines.size), dtype=complex)
     for run, own, laws in zip(runs, rows, joints.laws, strict=True):
         ending = measured.endings[run] if measured.endings else None
         push = Push(measured.pushed[run], measured.sample_rate_hz, measured.lines, top, ending)
-        heavy = loaded_by(matrices, own, group.masses_kg[own] * roving)
+        heavy = loaded_by(matrices, own, masses_kg[own])
         there = replace(heavy, axis=matrices.axis[own], tilt=matrices.tilt[own], spare=matrices.spare[own])
         stiffness, left_out[own] = marched_run(there, joints, laws, push)
         shown.append(stiffness)
-    none = np.zeros((0, *np.shape(shown))), np.zeros((0, *left_out.shape))
-    return Levels(joints, np.array(shown), left_out, *(n.astype(complex) for n in none))
+    return np.array(shown), left_out
 
 
 def level_accelerances(

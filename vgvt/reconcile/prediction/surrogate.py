@@ -31,6 +31,7 @@ from vgvt.reconcile.prediction.grouping import (
     spare_flexibility,
 )
 from vgvt.reconcile.prediction.left_out import spare_slopes
+from vgvt.reconcile.prediction.level_following import Following
 from vgvt.reconcile.prediction.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.prediction.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
 from vgvt.reconcile.prediction.riding import across_by_rows, carried_by, riding
@@ -151,12 +152,12 @@ class Anchor:
                 of_group = None if wanted is None else wanted[group.channels]
                 out[:, group.channels] = accelerance_slopes(*of, changes, endings, of_group)
             else:
-                # What a joint shows and sets ringing is held in the unknowns.
-                shown = np.concatenate([np.zeros((len(known), *group.levels.shown.shape)), group.levels.slopes])
+                follows, rung = group.levels.with_unknowns(rate[: len(known)])
+                shown = np.concatenate([follows, group.levels.slopes])
                 out[:, group.channels] = level_accelerance_slopes(
                     group.matrices, group.levels.joints, group.levels.shown, shown, omega, group.runs, masses, changes
                 )
-                out[len(known) :, group.channels] += group.levels.left_out_slopes
+                out[:, group.channels] += np.concatenate([rung, group.levels.left_out_slopes])
                 if endings:
                     out[:, group.channels] += left_out_slopes(*of, endings, changes)
         return out if wanted is None else out[:, wanted]
@@ -223,8 +224,20 @@ def anchor(
         )
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
+    if slopes and kept.follows is not None:
+        reduced = _following(problem, u, scores, reduced, kept.follows)
     filtered = any(g.filtered for g in groups)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin, kept)
+
+
+def _following(
+    problem: Problem, u: Array, e: Array, groups: tuple[Reduced, ...], known: Following
+) -> tuple[Reduced, ...]:
+    """Groups whose joints follow the unknowns, by what is known of that, else by marches here."""
+    rates = np.array([k.rate(float(a)) for k, a in zip(problem.unknowns, u, strict=False)])
+    of = [(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes) for g in groups]
+    levels = known.followed(problem.measured, of, rates, np.concatenate([u, e]))
+    return tuple(replace(group, levels=there) for group, there in zip(groups, levels, strict=True))
 
 
 def _reduced(

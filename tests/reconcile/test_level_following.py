@@ -1,0 +1,126 @@
+"""Slopes in the unknowns that know how what joints show follows, against differences of whole predictions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from reconciled_case import small_scenario, without_instrument_noise
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.fitting import finished
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.prediction import level_following
+from vgvt.reconcile.prediction.carried import Structures
+from vgvt.reconcile.prediction.level_following import Following
+from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
+from vgvt.simulation import simulated_campaign
+
+SLIPS = Hypothesis(available_effects()["root-friction"], {"kind": "bending", "side": "both"})
+TRUE = {"friction_n_m": 0.3, "root_stiffness_n_m_per_rad": 2000.0}
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A short sweep of a small aircraft over its first two bending modes."""
+    scenario = without_instrument_noise(small_scenario())
+    sweep = scenario.excitation.model_copy(update={"stop_hz": 19.0, "duration_s": 8.0, "amplitude_v": 1.0})
+    scenario = scenario.model_copy(update={"excitation": sweep})
+    campaign = simulated_campaign(scenario, engine="linear")
+    return make_problem(campaign, scenario, lines=120, cache=tmp_path_factory.mktemp("cache"))
+
+
+def as_stated(case: Problem) -> NDArray[np.float64]:
+    """Scores of the scenario as stated, cells included."""
+    scores = np.zeros(case.size)
+    scores[case.unknowns.index(CELLS)] = -10 / CELLS.sd
+    return scores
+
+
+def mechanical(case: Problem, u: NDArray[np.float64], e: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return anchor(case, u, (SLIPS,), e, slopes=False).mechanical(u, e)
+
+
+@pytest.mark.parametrize("name", ["EI wing", "Ixx body", "damping 1", "mass winglet"])
+def test_slopes_follow_what_a_joint_shows(case: Problem, name: str) -> None:
+    """Held, they are wrong by a fifth and more where the joint slips."""
+    u, e, k = as_stated(case), SLIPS.scores(TRUE), case.names.index(name)
+    aside = 0.01 * np.eye(u.size)[k]
+    wanted = (mechanical(case, u + aside, e) - mechanical(case, u - aside, e)) / 0.02
+    held, followed = (
+        anchor(case, u, (SLIPS,), e, structures=Structures(case, follows=follows)).slopes()[k]
+        for follows in (None, Following())
+    )
+    size = float(np.linalg.norm(wanted))
+    assert np.linalg.norm(followed - wanted) < 0.03 * size
+    assert np.linalg.norm(held - wanted) > 0.2 * size
+
+
+def test_slopes_in_the_joint_itself_stay(case: Problem) -> None:
+    u, e = as_stated(case), SLIPS.scores(TRUE)
+    held, followed = (
+        anchor(case, u, (SLIPS,), e, structures=Structures(case, follows=follows)).slopes()[-2:]
+        for follows in (None, Following())
+    )
+    assert np.array_equal(held, followed)
+
+
+def test_they_are_kept_until_they_mislead(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    taken = level_following.slopes_of
+    monkeypatch.setattr(level_following, "slopes_of", lambda *given: asked.append(1) or taken(*given))
+    u, e, known = as_stated(case), SLIPS.scores(TRUE), Structures(case, follows=Following())
+    assert known.follows is not None and not known.follows.at(np.concatenate([u, e]))
+    first = anchor(case, u, (SLIPS,), e, structures=known)
+    assert known.follows.at(np.concatenate([u, e]))
+    anchor(case, u + 0.1, (SLIPS,), e, structures=known)
+    assert sum(asked) == len(first.groups)
+    known.follows.forget()
+    anchor(case, u + 0.1, (SLIPS,), e, structures=known)
+    assert sum(asked) == 2 * len(first.groups)
+    assert known.follows.at(np.concatenate([u + 0.1, e]))
+
+
+@pytest.mark.slow
+def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem) -> None:
+    """To data that it foretells itself: with held slopes it ends on the valley's side, with no step that leads down."""
+    rng = np.random.default_rng(5)
+    u = as_stated(case)
+    known = np.array([name != CELLS.name for name in case.names])
+    true = u + np.where(known, 0.7 * rng.standard_normal(u.size), 0.0)
+    e = SLIPS.scores(TRUE)
+    values = anchor(case, true, (SLIPS,), e, slopes=False).predict(true, e)
+    there = replace(case, measured=replace(case.measured, values=values))
+    begun = SLIPS.scores({"friction_n_m": 0.31, "root_stiffness_n_m_per_rad": 2100.0})
+    near = true + np.where(known, 0.3 * rng.standard_normal(u.size), 0.0)
+    stages = ((0.1, 4), (0.03, 4), *TO_THE_END)
+    held, followed = (fit(there, (SLIPS,), near, begun, stages, follow=follow) for follow in (False, True))
+    assert not held.followed and followed.followed and followed.converged
+    costs = [f.chi2 + f.scores @ f.scores for f in (followed, held)]
+    assert costs[0] < 0.1 * costs[1]
+
+
+@pytest.mark.parametrize(
+    ("followed", "linear", "again"), [(False, False, True), (True, False, False), (False, True, False)]
+)
+def test_an_ended_fit_beside_a_joint_is_followed_once(
+    monkeypatch: pytest.MonkeyPatch, followed: bool, linear: bool, again: bool
+) -> None:
+    more: Any = SimpleNamespace(evidence_nats=1.0)
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(finished, "origin_at", lambda *_: None)
+    monkeypatch.setattr(finished, "depends_on_level", lambda problem, h: not h.linear)
+    monkeypatch.setattr(finished, "fit", lambda *_, **kw: given.update(kw) or more)
+    h = SimpleNamespace(name="root-friction", linear=linear, label="root-friction")
+    found: Any = SimpleNamespace(
+        problem=None, u=None, e=None, hypotheses=(h,), converged=True, followed=followed, evidence_nats=0.0
+    )
+    reached: Fit = finished.finished(found, lambda *_: None)
+    assert reached is (more if again else found)
+    assert not again or given["follow"]
