@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.reconcile.mechanics.compiled_steps import stepped
 from vgvt.reconcile.mechanics.law import Law
 
 Array = NDArray[np.float64]
@@ -44,9 +45,6 @@ def marched(linear: Array, memory: Memory, laws: Sequence[Sequence[Law]], step_s
     with friction constant in each, so that a force that stops the joint's motion does not ring. Where a trial step of
     a fit makes of a joint what runs away, the rest of its run is not a number.
     """
-    # Here, as loading a compiler takes a third of a second and few campaigns need it.
-    from vgvt.reconcile.mechanics.march_steps import stepped
-
     rubbing = any(law.friction > 0 for row in laws for law in row)
     grown, new, pushed = _step(memory, step_s, held=rubbing)
     yields = (memory.out @ new).real + memory.at_once

@@ -1,12 +1,10 @@
-"""The time loop of a march, compiled: a step of one joint is a handful of operations, too few for array calls.
+"""The time loop of a march: a step of one joint is a handful of operations, too few for array calls.
 
-Compiling takes seconds, once: machine code is kept beside this file, or in the user's cache where that cannot be
-written (NUMBA_CACHE_DIR says otherwise).
+It is plain Python in what :mod:`vgvt.reconcile.mechanics.compiled_steps` makes machine code of, and does without that.
 """
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +15,6 @@ ComplexArray = NDArray[np.complex128]
 _SWEEPS, _SETTLED = 30, 1e-9
 
 
-@numba.njit(cache=True, error_model="numpy")
 def stepped(
     moved: Array, grown: ComplexArray, pushed: ComplexArray, out: ComplexArray, yields: Array, laws: Array
 ) -> Array:
@@ -59,10 +56,10 @@ def stepped(
                         # Sticking first: what would it take to hold the joint where it was?
                         needed[j] = (free[j] - x[j]) / yields[j, j] - spring[j]
                         rubbed[j] = min(max(needed[j], -law[4]), law[4])
-                        spring[j] = _spring(free[j] - yields[j, j] * rubbed[j], law, yields[j, j])
+                        spring[j] = spring_force(free[j] - yields[j, j] * rubbed[j], law, yields[j, j])
                         g[j] = rubbed[j] + spring[j]
                     else:
-                        g[j] = _spring(free[j], law, yields[j, j])
+                        g[j] = spring_force(free[j], law, yields[j, j])
                     change, size = max(change, abs(g[j] - before)), max(size, abs(g[j]))
                 if change <= _SETTLED * size:
                     break
@@ -78,8 +75,7 @@ def stepped(
     return reaction
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _spring(free: float, law: Array, own: float) -> float:
+def spring_force(free: float, law: Array, own: float) -> float:
     """The spring's extra force where it moves its joint to free - own g about rest."""
     rest, offset, soft, band, firm, cubic, reach = law[0], law[1], law[2], law[3], law[5], law[6], law[7]
     q = free + offset
