@@ -12,8 +12,8 @@ from vgvt.planning.system import seen_by, systems_of
 from vgvt.scenario import load_scenario
 from vgvt.simulation.assembly import plans
 from vgvt.simulation.command import sample_times_s, sent_commands
+from vgvt.simulation.command_spectra import command_spectra
 from vgvt.simulation.fisher import accelerance
-from vgvt.simulation.information import command_spectra
 from vgvt.simulation.truth import driven_state_space, truth_of
 
 

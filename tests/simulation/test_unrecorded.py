@@ -13,8 +13,8 @@ from vgvt.scenario import Scenario
 from vgvt.scenario.instruments import NoiseSpectrum
 from vgvt.simulation import simulate, simulated_campaign
 from vgvt.simulation.assembly import plans
+from vgvt.simulation.command_spectra import command_spectra
 from vgvt.simulation.fisher import Lines
-from vgvt.simulation.information import command_spectra
 
 LATE_S = 1.0
 

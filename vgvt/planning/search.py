@@ -146,12 +146,12 @@ def _judged(
     wish: Wish,
 ) -> float:
     """The worst target's relative deviation of damping over all runs of a trial, sensor masses at their average."""
-    swept = _with_sweep(system, trial)
-    seen = seen_by(swept)
     low, high = trial.excitation.recorded_band_hz
     frequency = system.modes.natural_frequency_hz[wanted]
     if (frequency < low).any() or (frequency > high).any():
         return float("inf")
+    swept = _with_sweep(system, trial)
+    seen = seen_by(swept)
     index = {p.node: i for i, p in enumerate(measured)}
     runs = dealt(nodes, wish.run_count(trial)) if nodes is not None else trial.acquisition.runs
     total = None

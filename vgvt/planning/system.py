@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError, ModalModel
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.assembly import Plan, plans
+from vgvt.simulation.assembly import Plan, bare_rig, plans
 from vgvt.simulation.fisher import RunInformation
 from vgvt.simulation.force_path import ForcePath
 from vgvt.simulation.information import Seen, seen_in_run
 from vgvt.simulation.state_space import StateSpace
-from vgvt.simulation.truth import assemble_truth, driven_state_space
+from vgvt.simulation.truth import bare_modes, driven_state_space, modes_as_tested
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -58,14 +58,14 @@ def systems_of(scenario: Scenario) -> tuple[System, ...]:
         return tuple(system for system in systems_of(once) for _ in range(repeats))
     layouts = plans(scenario)
     driven = [driven_state_space(layout, run)[1] for run, layout in enumerate(layouts)]
-    truth = assemble_truth(layouts, driven)
+    bare = bare_modes(layouts[0], bare_rig(layouts[0]))
     return tuple(
-        _system(layout, run, model, modes, truth.bare)
-        for run, (layout, model, modes) in enumerate(zip(layouts, driven, truth.as_tested, strict=True))
+        _system(layout, run, model, bare) for run, (layout, model) in enumerate(zip(layouts, driven, strict=True))
     )
 
 
-def _system(layout: Plan, run: int, driven: StateSpace, modes: ModalModel, bare: ModalModel) -> System:
+def _system(layout: Plan, run: int, driven: StateSpace, bare: ModalModel) -> System:
+    modes = modes_as_tested(layout, run, driven)
     index = {dof.node: i for i, dof in enumerate(modes.dofs)}
     sensors = tuple(index[node] for node in layout.scenario.acquisition.run_nodes[run])
     return System(layout, modes, bare, ForcePath.of(driven), sensors)

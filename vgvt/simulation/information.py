@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import ModalModel
 from vgvt.simulation.assembly import Plan
-from vgvt.simulation.command import sent_commands
+from vgvt.simulation.command_spectra import command_spectra
 from vgvt.simulation.fisher import (
     Forces,
     Lines,
@@ -42,7 +42,6 @@ Complex = NDArray[np.complex128]
 Points = NDArray[np.intp] | tuple[int, ...]
 
 _BEYOND = 1.15  # modes as near to the band as this factor may make the responses change within it
-_SAMPLES_PER_CYCLE = 8
 _TOLD_APART = 1e-6  # of their power, that commands must differ by to be more than one
 
 
@@ -123,29 +122,6 @@ def seen_in_run(layout: Plan, run: int, path: ForcePath, modes: ModalModel, sens
     moved = np.einsum("srk,rk->sk", measured, forces.spectra)
     asked = unknowns(lines, poles, inside, _weight(noise, felt, measured), moved, forces)
     return Seen(lines, asked.modes, asked.background, forces, noise, felt, residues, response)
-
-
-def command_spectra(layout: Plan, run: int, lines: Lines) -> Complex:
-    """Products U_i U_j* of the inputs' transforms, (unit s)² (K, I, I), averaged over the width of each line."""
-    excitation = layout.scenario.excitation
-    # A hit is shorter than a cycle of the band's end.
-    struck = layout.strike is not None
-    rate = layout.scenario.acquisition.sample_rate_hz if struck else _SAMPLES_PER_CYCLE * excitation.band_hz[1]
-    time = np.arange(round(excitation.whole_s * rate) + 1) / rate
-    # What was sent before the record began tells nothing, but of what still rings then.
-    sent = sent_commands(layout, run, time)[:, time >= excitation.before_record_s]
-    spectra = np.fft.rfft(sent) / rate
-    line_hz = rate / sent.shape[1]
-    axis = np.arange(spectra.shape[1] + 1) * line_hz - 0.5 * line_hz
-    # A line is averaged over its own bin at least: below that a record knows nothing.
-    half = np.maximum(lines.width_hz, line_hz) / 2
-    products = np.empty((lines.frequency_hz.size, len(spectra), len(spectra)), dtype=complex)
-    for i, one in enumerate(spectra):
-        for j, other in enumerate(spectra):
-            total = np.concatenate([[0.0], np.cumsum(one * other.conj()) * line_hz])
-            above, below = (np.interp(lines.frequency_hz + h, axis, total) for h in (half, -half))
-            products[:, i, j] = (above - below) / (2 * half)
-    return products
 
 
 def _root(products: Complex) -> Complex:

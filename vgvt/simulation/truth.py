@@ -34,7 +34,7 @@ def assemble_truth(layouts: list[Plan], driven: list[StateSpace]) -> Truth:
     return Truth(
         scenario=layouts[0].scenario.name,
         rigid_body=rigid_body(bare),
-        bare=_modes(layouts[0], bare),
+        bare=bare_modes(layouts[0], bare),
         runs=tuple(range(1, len(layouts) + 1)),
         as_tested=tuple(
             _as_tested(layout, run, model) for run, (layout, model) in enumerate(zip(layouts, driven, strict=True))
@@ -59,9 +59,26 @@ def driven_state_space(layout: Plan, run: int) -> tuple[Rig, StateSpace]:
     return rig, state_space(layout, rig, layout.points)
 
 
-def _modes(layout: Plan, rig: Rig) -> ModalModel:
-    """The modes of a rig at all points, with the drive points of the shakers as references."""
-    return _modes_seen(layout, rig, layout.points, range(len(layout.grid), len(layout.points)))
+def bare_modes(layout: Plan, bare: Rig) -> ModalModel:
+    """The modes of the bare airframe at all points, with the drive points of the shakers as references."""
+    return _modes_seen(layout, bare, layout.points, _drives(layout))
+
+
+def modes_as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
+    """The modes as the sensors of a run (from 0) feel them, at all points, the shakers' drive points as references.
+
+    ``driven`` is the run's state-space model with the shaker attached.
+    """
+    return _modes_felt(layout, gauged_rig(layout, run, driven.linear.equilibrium))
+
+
+def _modes_felt(layout: Plan, rig: Rig) -> ModalModel:
+    above_kg = 0.0 if layout.strike is not None else mass_above_element_kg(layout)
+    return _modes_seen(layout, rig, layout.points, _drives(layout), above_kg)
+
+
+def _drives(layout: Plan) -> range:
+    return range(len(layout.grid), len(layout.points))
 
 
 def _modes_seen(
@@ -97,9 +114,7 @@ def _seen_from_the_gauges(
 def _as_tested(layout: Plan, run: int, driven: StateSpace) -> ModalModel:
     """The modes as a run's sensors feel them, with the least standard deviations that the run allows."""
     rig = gauged_rig(layout, run, driven.linear.equilibrium)
-    references = range(len(layout.grid), len(layout.points))
-    above_kg = 0.0 if layout.strike is not None else mass_above_element_kg(layout)
-    modes = forced = _modes_seen(layout, rig, layout.points, references, above_kg)
+    modes = forced = _modes_felt(layout, rig)
     if layout.strike is not None:
         # The truth keeps one reference for all runs, wherever the hammer roves; what it allows to know does not. Which
         # way along the axis a hit goes is a sign, on which nothing of that hangs.
