@@ -310,6 +310,19 @@ def test_power_before_the_test_of_what_could_show_nowhere_is_no_table(vgvt, beam
     assert "no variant of swapped-sensors" in ran.err
 
 
+def test_power_before_the_test_tells_what_the_aircraft_cannot_have(vgvt, beam: Path) -> None:
+    """A shaker on a beam puts no moment on the body: no table calls that invisible, as if another test could see it."""
+    arguments = ("reconcile", "--power", "--scenario", beam, "--only", "stinger-moment", "--lines", 60)
+    ran = vgvt(*arguments)
+    assert ran.status == 2
+    assert "no variant of stinger-moment" in ran.err
+    assert "a moment can only be put on the centre body" in ran.err
+    ran = vgvt(*arguments, "--only", "mains-hum", "--json")
+    assert ran.document["invisible"] == ["mains-hum"]
+    assert list(ran.document["cannot_have"]) == ["stinger-moment"]
+    assert "no variant of stinger-moment is possible" in ran.err
+
+
 @pytest.mark.slow
 def test_the_whole_loop_on_a_coarse_beam(vgvt, tmp_path: Path, beam: Path) -> None:
     from vgvt.scenario import load_scenario

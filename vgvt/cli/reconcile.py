@@ -210,9 +210,12 @@ def _tried(verdict: Verdict, effects: Mapping[str, type]) -> tuple[Hypothesis, .
     That nothing explains the data is no answer where nothing was asked.
     """
     from vgvt.cli.reconcile_power import some_variant
-    from vgvt.reconcile.search.candidates import candidates
+    from vgvt.reconcile.search.candidates import candidates, cannot_have
 
-    return some_variant(candidates(verdict.attribution.null.problem, effects), effects)
+    problem = verdict.attribution.null.problem
+    tried = candidates(problem, effects)
+    without = {} if tried else {name: error.problem for name, error in cannot_have(problem, effects).items()}
+    return some_variant(tried, effects, without)
 
 
 def _power(verdict: Verdict, tried: tuple[Hypothesis, ...], report: Any) -> tuple[Any, ...]:

@@ -31,7 +31,7 @@ def power_before_the_test(
     from vgvt.reconcile.next_test.power import power
     from vgvt.reconcile.next_test.power_rows import confusable, invisible, power_rows
     from vgvt.reconcile.question.suitable import check_excitation, within_excited
-    from vgvt.reconcile.search.candidates import candidates
+    from vgvt.reconcile.search.candidates import candidates, cannot_have
 
     check_excitation(scenario)
     if band is not None:
@@ -39,9 +39,12 @@ def power_before_the_test(
     with progress(f"power of {scenario.name}") as report:
         fit = expected_fit(scenario, lines=lines, band_hz=band, progress=lambda f, m: report(_SIMULATED * f, m))
         report(_LINED_UP, "derivatives")
-        tried = some_variant(candidates(fit.problem, effects), effects)
+        without = {name: error.problem for name, error in cannot_have(fit.problem, effects).items()}
+        tried = some_variant(candidates(fit.problem, effects), effects, without)
         found = power(fit, tried, lambda f, m: report(_LINED_UP + (1 - _LINED_UP) * f, m))
     rows = power_rows(found)
+    for name, why in without.items():
+        log(f"no variant of {name} is possible on {scenario.name}: {why}")
     document = {
         "scenario": scenario.name,
         "band_hz": [float(fit.problem.measured.frequency_hz[0]), float(fit.problem.measured.frequency_hz[-1])],
@@ -49,6 +52,7 @@ def power_before_the_test(
         "places": [_places(r) for r in rows if r.variants > 1],
         "invisible": invisible(rows),
         "confusable": confusable(found),
+        "cannot_have": without,
     }
     if out is not None:
         _write(out, scenario, document, rows)
@@ -61,14 +65,17 @@ def power_before_the_test(
     return 0
 
 
-def some_variant(tried: tuple[Hypothesis, ...], effects: Mapping[str, type]) -> tuple[Hypothesis, ...]:
-    """The variants to try; InputError where there are none."""
+def some_variant(
+    tried: tuple[Hypothesis, ...], effects: Mapping[str, type], without: Mapping[str, str]
+) -> tuple[Hypothesis, ...]:
+    """The variants to try; InputError where there are none, with why the scenario is ``without`` some, by name."""
     from vgvt.data import InputError
 
     if not tried:
+        why = "".join(f"; {name}: {problem}" for name, problem in sorted(without.items()))
         raise InputError(
             "--only and --without",
-            f"leave nothing to try: no variant of {', '.join(sorted(effects))} could show in this campaign",
+            f"leave nothing to try: no variant of {', '.join(sorted(effects))} could show in this campaign{why}",
             "choose another effect",
         )
     return tried

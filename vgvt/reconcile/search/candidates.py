@@ -40,6 +40,8 @@ _TIED = ("x_m", "y_m", "other_x_m", "other_y_m")
 _MOST = 1024
 # Stated or not they can be there once more, as factors are: a reconciled scenario states what was calibrated.
 _AGAIN = {"channel-gain", "gain-drift"}
+# Shares of what is plausible at which an effect is asked whether a scenario can have it; in the middle many are nothing.
+_ASKED_AT = (0.25, 0.75)
 
 
 def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
@@ -47,7 +49,8 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
 
     Places (``x_m``, ``y_m``) are settings here: a fit may free them. They reach as far as the aircraft does, if that is
     larger than those that the catalogue has in mind. Of an effect with more than a thousand variants as many are taken,
-    spread evenly over all. Those of somebody else's effect that fail are left out, and a warning says so.
+    spread evenly over all. Those of somebody else's effect that fail are left out, and a warning says so. Effects that
+    the scenario :func:`cannot_have` are no candidates.
     """
     found: list[Hypothesis] = []
     box = aircraft_box_m(problem.scenario.airframe)
@@ -56,9 +59,38 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
         if name in declared:
             continue
         variants = _that_act(problem, cls, _spread(list(_variants(problem, cls))))
+        if _refusal(problem, cls, variants) is not None:
+            continue
         spans = reach(parameters_of(cls), box)
         found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
     return tuple(found)
+
+
+def cannot_have(problem: Problem, effects: Mapping[str, type] | None = None) -> dict[str, InputError]:
+    """Why the aircraft, or its rig, can have no variant of some ``effects`` (default: all installed ones), by name.
+
+    Wings on a mount have no centre section that twists, a shaker on a wing puts no moment on the body.
+    """
+    known = available_effects() if effects is None else effects
+    asked = {name: _refusal(problem, cls, _spread(list(_variants(problem, cls)))) for name, cls in known.items()}
+    return {name: error for name, error in asked.items() if error is not None}
+
+
+def _refusal(problem: Problem, cls: type, variants: list[dict[str, Any]]) -> InputError | None:
+    """Why a scenario can have none of some variants; None where it can have one, or there are none to ask."""
+    found = None
+    for hypothesis in (Hypothesis(cls, settings) for settings in variants):
+        for share in _ASKED_AT:
+            try:
+                effect = hypothesis.made({p.name: p.at(share) for p in hypothesis.parameters})
+                if effect is not None:
+                    action_of(effect, problem.scenario, 0)
+                    return None
+            except InputError as error:
+                found = error
+            except PluginError:
+                return None
+    return found
 
 
 def _spread(variants: list[dict[str, Any]]) -> list[dict[str, Any]]:
