@@ -1,4 +1,4 @@
-"""Effects that an aircraft or its rig cannot have are no candidates, and are told: who simulates with them is refused."""
+"""Effects that an aircraft or its rig cannot have are no candidates, and are told as a simulation refuses them."""
 
 from __future__ import annotations
 

@@ -13,12 +13,14 @@ import numpy as np
 from vgvt._version import __version__
 from vgvt.data import Campaign, Channel, ChannelRole, Dof, Geometry, InputError, Quantity, Record
 from vgvt.files.netcdf import check_content, check_format, field, read_group, write_groups
+from vgvt.files.storable import check_labels, check_nodes, check_samples
 
 if TYPE_CHECKING:
     import xarray
 
 FORMAT = "vgvt campaign"
 FORMAT_VERSION = 1
+_LARGEST = 2**63 - 1
 ADDED_FACTS = ("format", "format_version", "vgvt_version", "created", "name", "content_sha256")
 """What writing adds to a manifest."""
 _CHANNEL_COLUMNS = ("name", "quantity", "role", "dof", "unit", "sensitivity_v_per_unit", "range_v")
@@ -32,10 +34,14 @@ def write_campaign(
     ``manifest`` holds facts about its making (scenario, seed, ...), anything
     JSON; format, version, time of writing and the hash are added. Not ``packed``, samples are
     stored without compression. InputError
-    when the place cannot be written; TypeError for a manifest that is not JSON.
+    when the place cannot be written, or the file cannot hold a name, a node's number or samples without loss;
+    TypeError for a manifest that is not JSON.
     """
     import xarray
 
+    check_labels(campaign, Path(path))
+    check_samples(campaign, Path(path))
+    check_nodes(campaign.geometry, Path(path), _LARGEST, "a campaign.nc")
     runs = tuple(campaign.runs)
     root = xarray.Dataset(
         {
@@ -125,10 +131,8 @@ def _channel_row(channel: Channel) -> tuple[str, int, str, str, str, float, floa
 
 
 def _storable(samples: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Little-endian 32 or 64 bit floats without loss; no copy where they are that already."""
-    if samples.dtype.itemsize > 8:
-        raise TypeError(f"samples of type {samples.dtype} cannot be stored without loss; use 64 bit floats")
-    return samples.astype("<f4" if samples.dtype.itemsize <= 4 else "<f8", copy=False)
+    """Little-endian 32 or 64 bit floats, without loss of what has been checked; no copy where they are that already."""
+    return samples.astype("<f4" if np.can_cast(samples.dtype, np.float32) else "<f8", copy=False)
 
 
 def _run_dataset(record: Record) -> xarray.Dataset:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
+from vgvt.files.storable import check_numbers
 
 # A header is parsed as Python text, and may ask for more memory than there is.
 _DAMAGE = (
@@ -46,6 +47,7 @@ def read_npz(path: Path, names: Sequence[str]) -> dict[str, NDArray[Any]]:
     for name, array in arrays.items():
         if array.dtype.kind not in "fiu":
             raise InputError(str(path), f"array {name!r} holds no real numbers ({array.dtype})", "name another")
+        check_numbers(array, str(path), f"numbers of array {name!r}")
     return arrays
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from vgvt.data import InputError
 from vgvt.files.manifest import file_sha256
+from vgvt.files.storable import check_file_name
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +29,7 @@ class RecordFiles:
 
 
 def record_files(files: Sequence[Path], sidecar: Path) -> RecordFiles:
-    """How a sidecar names some files; InputError where one of them is given twice."""
+    """How a sidecar names some files; InputError where one of them is given twice, or has a name that is not UTF-8."""
     places = [_absolute(path) for path in files]
     twice = [str(path) for path, place in zip(files, places, strict=True) if places.count(place) > 1]
     if twice:
@@ -36,6 +37,8 @@ def record_files(files: Sequence[Path], sidecar: Path) -> RecordFiles:
     folder = Path(os.path.commonpath([place.parent for place in places]))
     relative = Path(os.path.relpath(folder, _absolute(sidecar).parent)).as_posix()
     names = {path: place.relative_to(folder).as_posix() for path, place in zip(files, places, strict=True)}
+    for path, name in ((sidecar, sidecar.name), *names.items(), (folder, relative)):
+        check_file_name(path, name)
     return RecordFiles(folder, "" if relative == "." else relative, names)
 
 

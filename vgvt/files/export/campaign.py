@@ -16,9 +16,10 @@ from vgvt.files.atomically import check_space, replacing
 from vgvt.files.campaign_file import write_campaign
 from vgvt.files.export import matlab, table, universal
 from vgvt.files.export.described import UnsayableError, own_notes, sidecar_of
-from vgvt.files.export.form import Form, form_of
+from vgvt.files.export.form import Form, check_room, form_of
 from vgvt.files.manifest import file_sha256
 from vgvt.files.measured_records import read_measured
+from vgvt.files.storable import check_samples, check_texts
 from vgvt.files.toml_text import toml_text
 
 _HEAD = "# Written by `vgvt convert`: how to read the records beside it.\n"
@@ -54,13 +55,17 @@ def export_campaign(
 
     Samples are in SI: (N, channels) in MAT and CSV, one function a channel in a Universal File, as ``text`` (13 digits)
     or as they are. Beside all but a .nc a sidecar holds what the format has no place for; it has been read once with
-    its records, which are the campaign's. InputError for an unknown ending, a place that cannot be written, or records
-    too long for the format; OSError (ENOSPC) beforehand where the disk has no room.
+    its records, which are the campaign's. InputError for an unknown ending, a place that cannot be written, or what
+    format or sidecar cannot hold: records too long for it, texts, numbers of nodes, samples that 64 bits would change;
+    OSError (ENOSPC) beforehand where the disk has no room.
     """
     form = form_of(path)
     if form is Form.CAMPAIGN:
         write_campaign(path, campaign, manifest)
         return Exported(form, (path,), None, ())
+    check_texts(campaign, path)
+    check_samples(campaign, path)
+    check_room(campaign.geometry, form, path)
     *files, sidecar = planned_files(campaign, path)
     check_space(path.parent, sum(_bytes(record, form, text) for record in campaign.runs))
     unsaid = _why_no_sidecar(campaign, form, files)

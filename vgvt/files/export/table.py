@@ -49,5 +49,5 @@ def _write(path: Path, headings: Sequence[str], columns: NDArray[np.floating], f
 
 def _heading(channel: Channel) -> str:
     place = "" if channel.dof is None else f" {channel.dof}"
-    # A line end in a name would be a second heading row.
-    return f"{' '.join(channel.name.split())}{place} [{channel.unit}]"
+    # A line end in a name would be a second heading row, and a NUL makes no text of it.
+    return f"{' '.join(channel.name.replace(chr(0), ' ').split())}{place} [{channel.unit}]"

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from vgvt.data import InputError
 from vgvt.files.uff.cut import Dataset
-from vgvt.files.uff.fields import apart, real, whole
+from vgvt.files.uff.fields import apart, in_columns, real, whole
 
 _NODES_ON_ONE_LINE = 15
 _NODES_ON_TWO_LINES = (781, 2411)
 _TRACE_LINE = 82
+_COLUMNS = 10  # of a node's number
 _SYSTEMS_BY_POINTS, _SYSTEMS_BY_MATRICES = 18, 2420
 _ALIGNED = 1e-3
 
@@ -112,7 +113,7 @@ def _polylines(lines: Sequence[str]) -> list[tuple[int, ...]]:
     """Trace line: a 0 lifts the pen, and fills up the last line."""
     found: list[tuple[int, ...]] = []
     piece: list[int] = []
-    for number in [whole(word) for line in lines[2:] for word in line.split()] + [0]:
+    for number in [whole(word) for line in lines[2:] for word in _entries(line)] + [0]:
         if number:
             piece.append(number)
             continue
@@ -120,6 +121,12 @@ def _polylines(lines: Sequence[str]) -> list[tuple[int, ...]]:
             found.append(tuple(piece))
         piece = []
     return found
+
+
+def _entries(line: str) -> list[str]:
+    """The node numbers of a line: between blanks, or in columns where ten digits each leave none."""
+    words = line.split()
+    return words if all(len(word) <= _COLUMNS for word in words) else in_columns(line.rstrip(), (_COLUMNS,) * 8)
 
 
 def _systems(dataset: Dataset) -> dict[int, CoordinateSystem]:

@@ -40,7 +40,7 @@ _TIED = ("x_m", "y_m", "other_x_m", "other_y_m")
 _MOST = 1024
 # Stated or not they can be there once more, as factors are: a reconciled scenario states what was calibrated.
 _AGAIN = {"channel-gain", "gain-drift"}
-# Shares of what is plausible at which an effect is asked whether a scenario can have it; in the middle many are nothing.
+# Shares of what is plausible at which a scenario is asked whether it can have an effect; halfway many are nothing.
 _ASKED_AT = (0.25, 0.75)
 
 
