@@ -118,7 +118,7 @@ def test_numbers_of_nodes(tmp_path: Path, form: str, largest: int) -> None:
         rows = (tmp_path / form).read_bytes().partition(b"\n    15\n")[2].splitlines()[: len(fits.geometry.nodes)]
         assert tuple(int(row[:10]) for row in rows) == fits.geometry.nodes
         # Ten digits beside ten have no blank between.
-        assert read_uff(tmp_path / form).geometry.lines == fits.geometry.lines
+        assert read_uff(tmp_path / form).geometry().lines == fits.geometry.lines
     if form == "x.mat":
         assert tuple(map(int, loadmat(tmp_path / form)["node"].ravel())) == fits.geometry.nodes
     if form != "x.csv":
