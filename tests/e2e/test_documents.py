@@ -83,6 +83,27 @@ def test_links_lead_somewhere(path: Path) -> None:
     assert not missing
 
 
+def anchors(path: Path) -> set[str]:
+    """What a link may name behind #: every heading as GitHub writes it, a second one of the same words with -1."""
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    found: set[str] = set()
+    for heading in re.findall(r"^#{1,6} +(.+?) *$", text, flags=re.MULTILINE):
+        words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
+        name = re.sub(r"[^\w\- ]", "", words.lower()).replace(" ", "-")
+        same = sum(1 for anchor in found if re.fullmatch(rf"{re.escape(name)}(-\d+)?", anchor))
+        found.add(f"{name}-{same}" if same else name)
+    return found
+
+
+@pytest.mark.parametrize("path", [path for path in DOCUMENTS if path.exists()], ids=relative)
+def test_links_into_a_page_meet_a_heading(path: Path) -> None:
+    targets = re.findall(r"\]\(([^)\s:]*#[^)\s]+)\)", path.read_text(encoding="utf-8"))
+    for target in targets:
+        page, _, anchor = target.partition("#")
+        there = (path.parent / page).resolve() if page else path
+        assert there.suffix != ".md" or anchor in anchors(there), target
+
+
 def readme_command(name: str) -> str:
     """The command line under a marker of the README."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")

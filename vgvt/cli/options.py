@@ -15,7 +15,7 @@ BandOption = Annotated[
     typer.Option("--band", metavar="LOW HIGH", help="Frequency band in Hz; the excited band when left out."),
 ]
 LeaveOutFaultyOption = Annotated[
-    bool, typer.Option("--leave-out-faulty", help="Go on without channels that hold NaN or are dead.")
+    bool, typer.Option("--leave-out-faulty", help="Go on without channels that are dead, saturated or hold NaN.")
 ]
 SeedOption = Annotated[int | None, typer.Option(min=0, help="Seed of the noise, instead of the scenario's own.")]
 EngineOption = Annotated[

@@ -53,9 +53,9 @@ def sweep(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Change fields of a scenario and see what becomes of the identification.
+    r"""Change fields of a scenario and see what becomes of the identification.
 
-    Keys are those of the scenario file: excitation.duration_s, airframe.beam[wing].cells. Interrupted, the
+    Keys are those of the scenario file: excitation.duration_s, airframe.beam\[wing].cells. Interrupted, the
     same command goes on where it stopped.
     """
     from vgvt.bench.bench import BenchPlan, bench, entries_of
