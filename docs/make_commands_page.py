@@ -14,10 +14,12 @@ PAGE = Path(__file__).parent / "reference" / "commands.md"
 
 _HEAD = """# The commands
 
-Written by `python docs/make_commands_page.py` from what `vgvt COMMAND --help` prints; edit the texts in `vgvt/cli/`, not this page.
+Written by `python docs/make_commands_page.py` from what `vgvt COMMAND --help` prints; edit the texts in `vgvt/cli/`,
+not this page.
 
-Every command has `--help` (`-h`) and `--json`, which prints exactly one object on stdout ([its keys](json-contract.md)); they are left
-out below. `vgvt --version` prints the version. Where no default stands, the meaning says what counts without the option.
+Every command has `--help` (`-h`) and `--json`, which prints exactly one object on stdout ([its keys](json-contract.md));
+they are left out below. `vgvt --version` prints the version. Where no default stands, the meaning says what counts
+without the option.
 """
 _EVERYWHERE = {"--help", "--json"}
 

@@ -35,10 +35,16 @@ def reconcile(
         ),
     ] = None,
     scenario: Annotated[
-        str, typer.Option("--scenario", metavar="SCENARIO", help="Always needed: what is believed, a bundled name or a .toml file.")
+        str,
+        typer.Option(
+            "--scenario", metavar="SCENARIO", help="Always needed: what is believed, a bundled name or a .toml file."
+        ),
     ] = "",
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for the files; reconciled/CAMPAIGN-SCENARIO when left out.")
+        Path | None,
+        typer.Option(
+            "--out", metavar="FOLDER", help="Folder for the files; reconciled/CAMPAIGN-SCENARIO when left out."
+        ),
     ] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of the hold-out split, instead of the scenario's own.")
