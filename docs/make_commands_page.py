@@ -17,9 +17,9 @@ _HEAD = """# The commands
 Written by `python docs/make_commands_page.py` from what `vgvt COMMAND --help` prints; edit the texts in `vgvt/cli/`,
 not this page.
 
-Every command has `--help` (`-h`) and `--json`, which prints exactly one object on stdout ([its keys](json-contract.md));
-they are left out below. `vgvt --version` prints the version. Where no default stands, the meaning says what counts
-without the option.
+Every command has `--help` (`-h`) and `--json`, which prints exactly one object on stdout
+([its keys](json-contract.md)); they are left out below. `vgvt --version` prints the version.
+Where no default stands, the meaning says what counts without the option.
 """
 _EVERYWHERE = {"--help", "--json"}
 
