@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import typer
+from studies.command_line import BEGIN_AGAIN, parser_of, worked_off
 
 from vgvt.cli.app import app
+from vgvt.files.atomically import replacing
 
 PAGE = Path(__file__).parent / "reference" / "commands.md"
 
@@ -81,5 +85,22 @@ def _cell(text: str) -> str:
     return text.replace("|", r"\|")
 
 
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line, on which there is nothing to choose."""
+    return parser_of(__doc__).parse_args(words)
+
+
+def fill() -> None:
+    """Write the page."""
+    with replacing(PAGE) as part:
+        part.write_text(commands_page(), encoding="utf-8")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; returns its exit status."""
+    arguments(words)
+    return worked_off(fill, BEGIN_AGAIN)
+
+
 if __name__ == "__main__":
-    PAGE.write_text(commands_page(), encoding="utf-8")
+    sys.exit(main())

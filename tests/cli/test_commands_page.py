@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -13,15 +14,11 @@ from vgvt.cli import main
 
 
 @pytest.fixture(scope="module")
-def maker(repository_root: Path) -> ModuleType:
-    """The script that writes the page."""
-    place = repository_root / "docs" / "make_commands_page.py"
-    spec = importlib.util.spec_from_file_location("make_commands_page", place)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def maker(repository_root: Path) -> Iterator[ModuleType]:
+    """The script that writes the page, imported from where it lies."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(repository_root / "docs"))
+        yield importlib.import_module("make_commands_page")
 
 
 def test_the_page_is_up_to_date(maker: ModuleType) -> None:
