@@ -105,6 +105,30 @@ def test_a_name_that_makes_tolerances_give_more_than_before_is_a_lead(
         assert kind_of(judged) is Kind.UNKNOWN
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "held_out", "kept"),
+    [
+        (2600.0, 18.0, 0.9, True),  # a root that slips: what is foretold of it is wrong by a share of what it does
+        (190.0, 18.0, 0.9, True),
+        (170.0, 18.0, 0.9, False),  # more than a tenth of what they had to give without it
+        (2600.0, 18.0, 1.1, False),  # held-out data are missed
+    ],
+)
+def test_where_data_are_met_tolerances_that_let_go_of_nine_tenths_are_not_far_off(
+    monkeypatch: pytest.MonkeyPatch, before: float, after: float, held_out: float, kept: bool
+) -> None:
+    case = found((70.0, 90.0), (0.9, held_out))
+    case = replace(case, null_residual=left(90.0, strain=before), final_residual=left(held_out, False, after))
+    judged = as_leads(case, THRESHOLDS)
+    assert (judged is case) == kept
+    if not kept:
+        led = fitted(900.0)
+        led.held_out_chi2_per_dof = held_out
+        monkeypatch.setattr(leads, "strain_sd", lambda fit: after)
+        told = replace(case, rounds=(), leads=case.rounds, led=led)
+        assert "to give 18 standard deviations beyond chance, more than 4 times" in why_no_name(told)
+
+
 def test_it_is_said_that_a_lead_lives_on_the_tolerances(monkeypatch: pytest.MonkeyPatch) -> None:
     case = found((1.7, 1.6), (1.0, 1.1))
     led: Any = SimpleNamespace(hypotheses=(), chi2_per_dof=1.0, held_out_chi2_per_dof=1.1)

@@ -20,13 +20,18 @@ from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.question.thresholds import FAR_OFF, Thresholds
 
+# What the tolerances may still have to give of what they had to without the names, where these meet the data: what is
+# foretold of a large effect is wrong by a share of it, and they make up for that.
+_LET_GO = 0.1
+
 
 def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
     """The same, with what was named as leads where it takes too little of what was too much, or is no plausible thing.
 
     Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
     to give, and of held-out data where these are still missed; and however much they take, what is left may not be
-    :data:`FAR_OFF`, nor may the tolerances have to give more than without the names. What leaves no more than campaigns
+    :data:`FAR_OFF`, nor may the tolerances have to give more than without the names, or far more than they may, unless
+    the data are met and they have let go of nine tenths. What leaves no more than campaigns
     leave in which nothing is missing keeps its name. What is no plausible thing keeps none, whatever it leaves; what
     was named before it does without it.
     """
@@ -45,7 +50,9 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
         )  # fmt: skip
     enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
     far = after.limits.far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof)
-    leant = leant_on_more(after.strain_sd, found.null_residual) or leant_on_far(after.strain_sd, found.null_residual)
+    met = after.limits.met_by(found.final.chi2_per_dof, after.held_out_chi2_per_dof)
+    leant = leant_on_more(after.strain_sd, found.null_residual)
+    leant = leant or leant_on_far(after.strain_sd, found.null_residual, met=met)
     if after.adequate or (min(shares(found)) >= enough and not far and not leant):
         return found
     return demoted(found)
@@ -59,12 +66,13 @@ def leant_on_more(strain: float, without: Residual) -> bool:
     return strain > max(without.limits.strain_sd, without.strain_sd)
 
 
-def leant_on_far(strain: float, without: Residual) -> bool:
+def leant_on_far(strain: float, without: Residual, *, met: bool) -> bool:
     """Whether names lean on the tolerances far more than campaigns do in which nothing is missing.
 
-    ``strain`` is by how many standard deviations they do, ``without`` what is left without them.
+    ``strain`` is by how many standard deviations they do, ``without`` what is left without them. Where the data are
+    ``met`` a tenth of what the tolerances had to give without the names is not far.
     """
-    return strain > FAR_OFF * without.limits.strain_sd
+    return strain > FAR_OFF * without.limits.strain_sd and not (met and strain <= _LET_GO * without.strain_sd)
 
 
 def why_no_name(found: Attribution) -> str:
@@ -80,7 +88,8 @@ def why_no_name(found: Attribution) -> str:
             f"with it the tolerances give more than without ({strain:.1f} standard deviations beyond chance, "
             f"{found.null_residual.strain_sd:.1f} before): what takes from them what it gives the data is a lead"
         )
-    if led and leant_on_far(strain := strain_sd(led), found.null_residual):
+    met = led is not None and found.null_residual.limits.met_by(led.chi2_per_dof, led.held_out_chi2_per_dof)
+    if led and leant_on_far(strain := strain_sd(led), found.null_residual, met=met):
         return (
             f"what leaves the tolerances to give {strain:.0f} standard deviations beyond chance, more than "
             f"{FAR_OFF:.0f} times what they may, is a lead"

@@ -74,6 +74,10 @@ class Limits:
     held_out_per_dof: float
     strain_sd: float
 
+    def met_by(self, fitted: float, held_out: float | None) -> bool:
+        """Whether χ² per degree of freedom is no more than campaigns leave in which nothing is missing."""
+        return fitted <= self.chi2_per_dof and (held_out or 0.0) <= self.held_out_per_dof
+
     def far_off(self, fitted: float, held_out: float | None) -> bool:
         """Whether χ² per degree of freedom is far beyond: of several wrong models one is always the best."""
         return fitted > FAR_OFF * self.chi2_per_dof or (held_out or 0.0) > FAR_OFF * self.held_out_per_dof
