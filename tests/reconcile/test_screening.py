@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -99,7 +100,8 @@ def test_what_promises_little_stays_unchecked(null: Fit, hypotheses: Any, monkey
     seen.clear()
     found = screen(null, hypotheses, least_nats=1e9)
     assert not seen and every > 0
-    assert {s.hypothesis for s in found} == set(hypotheses)
+    # An effect of two sizes may stand there without the one that is not asked for.
+    assert Counter(s.hypothesis.name for s in found) == Counter(h.name for h in hypotheses)
 
 
 @pytest.mark.slow

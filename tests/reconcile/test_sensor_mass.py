@@ -92,10 +92,13 @@ def test_a_mass_that_the_tolerance_stood_in_for_is_found(roving: Problem) -> Non
     (best,) = screen(null, (EFFECT,))
     assert best.gain_nats > 50
     assert best.start is not None
-    # What the screen promises is what the fit starts from.
+    # The fit starts in the valley: over 22 deviations what the sensors weigh on the aircraft is not quite straight, and
+    # the first step takes what the screen promises. Beside the calibration's unknowns the same mass is far up its side.
     e = EFFECT.scores(best.values)
-    cost = cost_at(roving, (EFFECT,), best.start, e)
-    assert cost < null.chi2 + null.u @ null.u - best.gain_nats
+    cost, calibrated = cost_at(roving, (EFFECT,), best.start, e), null.chi2 + null.u @ null.u
+    assert cost < 1.01 * calibrated < 0.01 * cost_at(roving, (EFFECT,), null.u, e)
+    stepped = fit(roving, (EFFECT,), best.start, e, ((0.0, 1),))
+    assert stepped.chi2 + stepped.scores @ stepped.scores < calibrated - best.gain_nats
     found = fit(roving, (EFFECT,), best.start, e, NEAR)
     value, sd, _ = found.values(0)["mass_kg"]
     assert abs(found.u[index]) < 4

@@ -237,8 +237,10 @@ def test_the_verdict_tells_what_it_names_without_the_spare_size() -> None:
     assert set(named.parameters) == set(named.ranges) == {"bending"}
     low, high = named.ranges["bending"]
     assert low < named.parameters["bending"][0] < high
-    (table,) = verdict.scenario.effect
-    assert dict(table)["torsion"] == 0.0
+    table, *gains = verdict.scenario.effect
+    assert table.name == "root-compliance" and dict(table)["torsion"] == 0.0
+    # What was calibrated of the instruments is written back, too.
+    assert {gain.name for gain in gains} == {"channel-gain"}
     # Twice as many cells are in its error: there are no stretches here.
     final = verdict.attribution.final
     assert final.unseen is not None and final.unseen.shape == (1, final.scores.size)
