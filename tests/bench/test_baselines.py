@@ -75,7 +75,7 @@ def test_a_method_made_worse_is_caught_against_the_committed_baseline(tmp_path, 
     with (site / "vgvt_identifiers" / "quadrature.py").open("a", encoding="utf-8") as file:
         file.write(_WORSE)
     monkeypatch.syspath_prepend(str(site))  # contestants find this one first
-    code = against("quick", tmp_path, "--identifier", "quadrature", "--seeds", "5", "--workers", "0")
+    code = against("quick", tmp_path / "out", "--identifier", "quadrature", "--seeds", "5", "--workers", "0")
     worse = [row for row in json.loads(capsys.readouterr().out)["against"] if row["verdict"] == "worse"]
     assert code == 1
     assert [row["measure"] for row in worse] == ["frequency_error_percent"]
