@@ -39,7 +39,7 @@ FORGIVING = ((0.6, 8), (0.15, 8))
 """From the stated values towards what is far from them, sharp resonances too: nothing of it is judged by less."""
 TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
-FOLLOWED = (0.0, 30)
+FOLLOWED = (0.0, 60)
 """For the last steps beside a joint whose stiffness depends on level, with slopes that follow what it shows."""
 # What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
 # are nearly met, at this much a value. A share of the cost is the more nats the more data there are.
