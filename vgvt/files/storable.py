@@ -18,7 +18,7 @@ _SINGLE_DOUBLE = "use 32 or 64 bit floats: numpy's astype(float) rounds to these
 
 
 def check_numbers(array: NDArray[Any], where: str, what: str) -> None:
-    """InputError where an array of real numbers would not be the same in 64 bit."""
+    """InputError where an array (of any shape) of real numbers would not be the same in 64 bit."""
     kind, size = array.dtype.kind, array.dtype.itemsize
     if kind not in "fiub":
         problem = "complex" if kind == "c" else f"of type {array.dtype}"
