@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +13,9 @@ from numpy.typing import NDArray
 from reconciled_case import small_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
+from vgvt.reconcile import checkpoint
 from vgvt.reconcile.fitting import finished
+from vgvt.reconcile.fitting import fit as fits
 from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
 from vgvt.reconcile.prediction import level_following
 from vgvt.reconcile.prediction.carried import Structures
@@ -106,21 +109,44 @@ def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem) -> None:
     assert costs[0] < 0.1 * costs[1]
 
 
+def test_a_resumed_search_has_the_same_fit(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its slopes are those of where it ended, not of a step before."""
+    monkeypatch.setattr(fits, "FOLLOWED", (0.0, 1))
+    monkeypatch.setattr(level_following, "_STEP", 0.02)
+    ended = fit(case, (SLIPS,), as_stated(case), SLIPS.scores(TRUE), ((0.0, 1),), follow=True)
+    assert ended.followed
+    kept = json.loads(json.dumps(checkpoint._ended(ended)))
+    again = checkpoint._as_ended(case, (SLIPS,), kept)
+    assert again.followed and again.converged == ended.converged
+    assert again.evidence_nats == pytest.approx(ended.evidence_nats, abs=1e-6)
+    np.testing.assert_allclose(again.covariance, ended.covariance, rtol=1e-6, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("followed", "linear", "again"), [(False, False, True), (True, False, False), (False, True, False)]
 )
 def test_an_ended_fit_beside_a_joint_is_followed_once(
     monkeypatch: pytest.MonkeyPatch, followed: bool, linear: bool, again: bool
 ) -> None:
-    more: Any = SimpleNamespace(evidence_nats=1.0)
+    more: Any = SimpleNamespace(evidence_nats=-1.0, cost=5.0)
     given: dict[str, Any] = {}
     monkeypatch.setattr(finished, "origin_at", lambda *_: None)
     monkeypatch.setattr(finished, "depends_on_level", lambda problem, h: not h.linear)
     monkeypatch.setattr(finished, "fit", lambda *_, **kw: given.update(kw) or more)
     h = SimpleNamespace(name="root-friction", linear=linear, label="root-friction")
     found: Any = SimpleNamespace(
-        problem=None, u=None, e=None, hypotheses=(h,), converged=True, followed=followed, evidence_nats=0.0
+        problem=None,
+        u=None,
+        e=None,
+        hypotheses=(h,),
+        converged=True,
+        followed=followed,
+        evidence_nats=0.0,
+        cost=6.0,
     )
     reached: Fit = finished.finished(found, lambda *_: None)
     assert reached is (more if again else found)
     assert not again or given["follow"]
+    # What costs more is no end of it.
+    more.cost = 7.0
+    assert finished.finished(found, lambda *_: None) is found

@@ -147,14 +147,16 @@ def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any
 
 
 def _ended(found: Fit) -> dict[str, Any]:
-    """Where a fit ended, and where its slopes were taken."""
+    """Where a fit ended, where its slopes were taken, and whether they hold how what joints show follows."""
     origin = None if found.origin is None else [found.origin.u.tolist(), found.origin.e.tolist()]
-    return {"u": found.u.tolist(), "e": found.e.tolist(), "origin": origin, "converged": found.converged}
+    scores = {"u": found.u.tolist(), "e": found.e.tolist(), "origin": origin}
+    return {**scores, "converged": found.converged, "followed": found.followed}
 
 
 def _as_ended(problem: Problem, hypotheses: tuple[Hypothesis, ...], row: Mapping[str, Any]) -> Fit:
     """The same fit, no step further: evidence hangs on its slopes, too."""
     taken = None if row["origin"] is None else [np.array(scores) for scores in row["origin"]]
     origin = None if taken is None else Origin(taken[0], taken[1])
-    found = fit(problem, hypotheses, np.array(row["u"]), np.array(row["e"]), (), origin=origin)
+    u, e = np.array(row["u"]), np.array(row["e"])
+    found = fit(problem, hypotheses, u, e, (), origin=origin, follow=row["followed"])
     return replace(found, converged=row["converged"])

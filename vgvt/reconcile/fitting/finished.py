@@ -19,4 +19,6 @@ def finished(found: Fit, tell: Progress) -> Fit:
         more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, tell, exact=True, follow=True)
     except NoStructureError:
         return found
-    return more if more.evidence_nats >= found.evidence_nats else found
+    # With other slopes the same scores are of another evidence: there it is what was lowered that counts.
+    better = more.cost <= found.cost if held else more.evidence_nats >= found.evidence_nats
+    return more if better else found

@@ -216,7 +216,7 @@ def fit(
     far from their stated values, with the slopes of where they are: dear, and for what a verdict rests on. ``whole``
     has no others, and those of the aircraft with the hypotheses: for a fit whose parameters and errors are told.
     ``origin`` is where the first slopes are taken, by default those of the stated values serve until they mislead.
-    ``follow`` goes on to the end with slopes that know how what joints show follows the unknowns, where there is one:
+    ``follow`` goes on to the end, if there are stages, with slopes that know how what joints show follows the unknowns:
     a march of every run for each unknown, and for what is told.
     """
     phases = _phases(stages, exact, whole)
@@ -237,7 +237,10 @@ def fit(
     if follow and any(group.levels is not None for group in here.groups):
         here.structures.follows = Following()
         here, predicted = _assembled(here, u, e)
-        u, e, here, predicted, converged = _walked(here, u, e, predicted, [(*FOLLOWED, True)], progress)
+        if phases:
+            u, e, here, predicted, converged = _walked(here, u, e, predicted, [(*FOLLOWED, True)], progress)
+            here.structures.follows.forget()  # those of where it ended: a resumed search makes the same fit
+            here, predicted = _assembled(here, u, e)
     return _posterior(here, u, e, predicted, converged, coarse_sigma(problem, judged))
 
 
