@@ -235,11 +235,11 @@ def fit(
             last = [phase for phase in phases if phase[0] == phases[-1][0]]
             u, e, here, predicted, converged = _walked(here, u, e, predicted, last, progress)
     if follow and any(group.levels is not None for group in here.groups):
-        here.structures.follows = Following()
+        here.structures.follows = follows = Following()
         here, predicted = _assembled(here, u, e)
         if phases:
             u, e, here, predicted, converged = _walked(here, u, e, predicted, [(*FOLLOWED, True)], progress)
-            here.structures.follows.forget()  # those of where it ended: a resumed search makes the same fit
+            follows.forget()  # those of where it ended: a resumed search makes the same fit
             here, predicted = _assembled(here, u, e)
     return _posterior(here, u, e, predicted, converged, coarse_sigma(problem, judged))
 
