@@ -22,10 +22,10 @@ def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[Any, ...] = ()) -> 
     )  # fmt: skip
 
 
-def left(held_out: float | None, adequate: bool = False, strain: float = 0.0) -> Any:
+def left(held_out: float | None, adequate: bool = False, strain: float = 0.0, met: bool = True) -> Any:
     """What a fit leaves, of which noise leaves 0.7 and a campaign without an effect at most 1, leaning by at most 4."""
     return SimpleNamespace(
-        held_out_chi2_per_dof=held_out, held_out_noise_per_dof=0.7, noise_per_dof=0.7, adequate=adequate,
+        held_out_chi2_per_dof=held_out, held_out_noise_per_dof=0.7, noise_per_dof=0.7, adequate=adequate, met=met,
         strain_sd=strain, limits=Limits(1.0, 1.0, 1.0, 4.0),
     )  # fmt: skip
 
@@ -34,9 +34,10 @@ def found(
     before: tuple[float, float | None], after: tuple[float, float | None], adequate: bool = False, names: int = 1
 ) -> Attribution:
     """Rounds, by χ² per degree of freedom of the fitted and of the held-out data without and with them."""
+    met = after[0] <= 1.0 and (after[1] or 0.0) <= 1.0
     null, final = fitted(1000 * before[0], bent=50.0), fitted(1000 * after[0])
     winner = SimpleNamespace(name="added-mass", fit=fitted(1000 * after[0]))
     addition: Any = SimpleNamespace(winner=winner, rivals=("tried at first",), held_out_before=None)
     return Attribution(
-        null, left(before[1]), (addition,) * names, final, left(after[1], adequate), last_rivals=(), vetoed=()
+        null, left(before[1]), (addition,) * names, final, left(after[1], adequate, met=met), last_rivals=(), vetoed=()
     )  # fmt: skip

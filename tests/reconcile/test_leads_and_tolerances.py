@@ -86,7 +86,8 @@ def test_it_is_said_that_a_lead_leaves_the_tolerances_far_off(
     monkeypatch: pytest.MonkeyPatch, after: float, said: bool
 ) -> None:
     case = found((1.7, 1.6), (1.0, 1.1))
-    led: Any = SimpleNamespace(hypotheses=(), chi2_per_dof=1.0, held_out_chi2_per_dof=1.1)
+    led = fitted(1000.0)
+    led.held_out_chi2_per_dof = 1.1
     monkeypatch.setattr(leads, "strain_sd", lambda fit: after)
     judged = replace(case, null_residual=left(1.6, strain=40.0), rounds=(), leads=case.rounds, led=led)
     assert ("to give 16 standard deviations beyond chance, more than 4 times" in why_no_name(judged)) == said

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lead_case import found as found_by
+from lead_case import left
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
@@ -151,11 +153,27 @@ def test_what_takes_as_much_as_a_name_is_told(
     monkeypatch.setattr(beyond_names, "still_explained", lambda fit: beside)
     monkeypatch.setattr(beyond_names, "bends_at_one_level", lambda found: one_level)
     monkeypatch.setattr(beyond_names, "replace", lambda found, still: SimpleNamespace(**vars(found) | {"still": still}))
-    found: Any = SimpleNamespace(rounds=(None,), final=None, still=None)
+    monkeypatch.setattr(beyond_names, "takes_nearly_all", lambda found: True)
+    found: Any = SimpleNamespace(rounds=(None,), final=None, still=None, null_residual=left(5.0))
     limits: Any = SimpleNamespace(evidence_nats=9.0)
     assert asked_beyond_names(found, limits).still is (beside if kept else None)
     nameless: Any = SimpleNamespace(rounds=(), final=None, still=None)
     assert asked_beyond_names(nameless, limits).still is None
+
+
+@pytest.mark.parametrize(("missed", "after", "names"), [(2.0, 0.8, 1), (2.0, 0.85, 0), (0.9, 0.85, 1)])
+def test_names_that_leave_a_law_more_than_a_tenth_of_what_was_too_much_are_leads(
+    monkeypatch: pytest.MonkeyPatch, missed: float, after: float, names: int
+) -> None:
+    """Another hang was a payload that had changed: data were met, a fifth was left."""
+    monkeypatch.setattr(beyond_names, "still_explained", lambda fit: StillExplained("force at 5+Z", "structure", 13.0))
+    monkeypatch.setattr(beyond_names, "bends_at_one_level", lambda found: False)
+    case = found_by((missed, 0.9), (after, 0.9))
+    case = replace(case, null_residual=left(0.9, adequate=missed < 1.0))
+    judged = asked_beyond_names(case, SimpleNamespace(evidence_nats=9.0))
+    assert len(judged.rounds) == names
+    assert (judged.still is not None) == (names > 0)
+    assert len(judged.leads) == 1 - names
 
 
 @pytest.mark.parametrize(

@@ -99,8 +99,8 @@ def test_without_a_floor_noise_is_all_that_may_be_left(thresholds: Thresholds) -
     measured, found = case(0.01, 0.0, 0.0, 5)
     assert passes(thresholds, measured, found)
     limit = limits_for(thresholds, measured, SPLIT).chi2_per_dof
-    # Noise is known within a tenth.
-    assert 1.1 < limit < 1.25
+    # Noise is known within 3 %.
+    assert 1.03 < limit < 1.1
 
 
 def test_where_nothing_is_held_out_a_new_run_may_leave_what_the_fitted_ones_may(thresholds: Thresholds) -> None:
