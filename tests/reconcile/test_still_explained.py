@@ -16,8 +16,17 @@ from vgvt.effects import available_effects
 from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.one_level import bends_at_one_level
+from vgvt.reconcile.evidence import still_explained as evidence
 from vgvt.reconcile.evidence.free_places import free_places
-from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _laws, _spans, _surprise, still_explained
+from vgvt.reconcile.evidence.still_explained import (
+    ON_BOTH_SIDES,
+    StillExplained,
+    _columns,
+    _laws,
+    _spans,
+    _surprise,
+    still_explained,
+)
 from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -103,6 +112,25 @@ def test_a_law_that_acts_in_some_runs_is_seen_there(
     assert still is not None
     assert still.words == f"factor on the force channel{when}"
     assert still.nats > 9
+
+
+def test_what_acts_on_both_sides_is_seen_there_at_once(
+    damped: Problem, right: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two dampers, as an aircraft has of most things: a law on either side explains the half of it."""
+    damper = Hypothesis(KNOWN["nonproportional-damper"], {})
+    sizes = [damper.scores({"damping_n_s_per_m": 3.0, **PLACE, "y_m": side * PLACE["y_m"]}) for side in (1, -1)]
+    both = fit(damped, (damper, damper), right.u, np.concatenate(sizes), ())
+    none = fit(damped, (), right.u, np.zeros(0), ())
+    case = with_noise(none, 0, both.predicted / none.predicted)
+    still = still_explained(case)
+    assert still is not None
+    assert still.words.startswith("force at ") and still.words.endswith(ON_BOTH_SIDES)
+    monkeypatch.setattr(evidence, "mirror_images", lambda places: [])
+    still_explained.cache_clear()
+    single = still_explained(case)
+    assert single is not None
+    assert single.nats < still.nats - 9
 
 
 def test_runs_are_called_by_the_numbers_that_the_campaign_gives_them() -> None:

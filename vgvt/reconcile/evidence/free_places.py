@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ ComplexArray = NDArray[np.complex128]
 _UP = np.array([0.0, 0.0, 1.0])
 EVERY_RUN = " in every run"
 """What the label of a place ends with that is one sensor, wherever it roves."""
+_MIRRORED_M = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +77,25 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
         if keep[i]
     ]
     return found
+
+
+def mirror_images(places: Sequence[FreePlace]) -> list[tuple[int, int]]:
+    """Indices of two places that are each other's mirror images, the one with y > 0 first, where they move alike.
+
+    What an aircraft has on one wing it often has on the other, a soft root or a loose flap.
+    """
+    points = [(k, place, place.position_m) for k, place in enumerate(places) if place.position_m is not None]
+    return [
+        (k, j)
+        for k, one, (x, y, z) in points
+        for j, other, at in points
+        if y > _MIRRORED_M and np.allclose(at, (x, -y, z), atol=_MIRRORED_M) and _motion(one) == _motion(other)
+    ]
+
+
+def _motion(place: FreePlace) -> str:
+    """What a place of the structure takes: 'force', 'bending' or 'torsion'."""
+    return place.label.split(" at ")[0]
 
 
 def answered(here: Anchor, place: FreePlace, predicted: ComplexArray, chain: ComplexArray) -> ComplexArray:

@@ -2,8 +2,8 @@
 
 Where the right effect is not in the catalogue another one at its place is bent until little is left, as an absorber
 below the band is for a damper. What is left is then too little to show among all that noise leaves, and not too little
-for a law of a few values: a dynamic stiffness at that place that is smooth over frequency, or such a factor on a
-channel, whatever thing may have it.
+for a law of a few values: a dynamic stiffness at that place, there and at its mirror image alike, that is smooth over
+frequency, or such a factor on a channel, whatever thing may have it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from vgvt.reconcile.evidence.free_places import EVERY_RUN, FreePlace, answered, free_places, moved
+from vgvt.reconcile.evidence.free_places import EVERY_RUN, FreePlace, answered, free_places, mirror_images, moved
 from vgvt.reconcile.evidence.lasting import lasting
 from vgvt.reconcile.evidence.residual import independent_values
 from vgvt.reconcile.fitting.fit import Fit
@@ -26,6 +26,7 @@ from vgvt.reconcile.question.thresholds import noise_share
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+ON_BOTH_SIDES = " and its mirror image"
 _TERMS = 4
 """Complex values of a law: cubic in the logarithm of frequency, which a stiffness, mass, damper and mixtures are."""
 # Of a direction's square length, what is left of it beside all that the unknowns imitate and is still one of its own.
@@ -68,11 +69,18 @@ def still_explained(found: Fit) -> StillExplained | None:
     numbers = {c.run: c.run_number for c in problem.measured.channels}
     chain, laws = here.chain(found.u, found.e), _laws(problem.measured.frequency_hz)
     views = _views(found)
+    places = free_places(problem, here, keep)
+    columns = [_columns(found, here, place, chain, laws) for place in places]
+    asked = list(zip(places, columns, strict=True))
+    # To first order the same law on both sides does what it does on either, together.
+    asked += [
+        (replace(places[k], label=f"{places[k].label}{ON_BOTH_SIDES}"), columns[k] + columns[j])
+        for k, j in mirror_images(places)
+    ]
     told: list[StillExplained] = []
-    for place in free_places(problem, here, keep):
-        columns = _columns(found, here, place, chain, laws)
+    for place, acting in asked:
         spans = _spans(place, run_of[keep if place.mask is None else keep & place.mask], numbers)
-        nats = np.min([view.nats(columns, run_of[keep], [runs for _, runs in spans]) for view in views], axis=0)
+        nats = np.min([view.nats(acting, run_of[keep], [runs for _, runs in spans]) for view in views], axis=0)
         told += [
             StillExplained(place.label, place.kind, float(n), when) for n, (when, _) in zip(nats, spans, strict=True)
         ]
