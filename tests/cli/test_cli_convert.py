@@ -108,14 +108,37 @@ def test_what_is_there_stays_until_it_may_go(vgvt, campaign_file: Path, there: s
     assert Path(there).read_text() != "mine"
 
 
+@pytest.mark.parametrize("options", [(), ("--force",)])
+def test_two_formats_under_one_name_have_a_sidecar_each(vgvt, campaign_file: Path, options: tuple[str, ...]) -> None:
+    """The second had been refused, and with --force it took the first's sidecar away, without which nothing reads it."""
+    names = {"x.uff": "x.toml", "x.mat": "x.mat.toml", "x.csv": "x.csv.toml", "x.unv": "x.unv.toml"}
+    for name, sidecar in names.items():
+        assert vgvt("convert", campaign_file, name, *options, "--json").document["sidecar"] == sidecar
+    expected = modes(vgvt, campaign_file)
+    for sidecar in names.values():
+        assert [m["frequency_hz"] for m in modes(vgvt, sidecar)] == [m["frequency_hz"] for m in expected]
+
+
+def test_a_sidecar_goes_with_its_own_records(vgvt, campaign_file: Path) -> None:
+    """Replaced records need a new one, by the name that the old one has."""
+    vgvt("convert", campaign_file, "x.mat")
+    vgvt("convert", campaign_file, "x.csv")
+    for name, sidecar in (("x.csv", "x.csv.toml"), ("x.mat", "x.toml")):
+        refused = vgvt("convert", campaign_file, name, "--json")
+        assert (refused.status, "--force" in refused.document["error"]["advice"]) == (2, True)
+        assert vgvt("convert", campaign_file, name, "--force", "--json").document["sidecar"] == sidecar
+    assert {path.name for path in Path().glob("*.toml")} == {"x.toml", "x.csv.toml"}
+
+
 def test_what_is_read_is_never_replaced(vgvt, campaign_file: Path) -> None:
     vgvt("convert", campaign_file, "x.uff")
     before = Path("x.toml").read_text()
-    result = vgvt("convert", "x.toml", "x.mat", "--force", "--json")
+    assert vgvt("convert", "x.toml", "x.mat", "--force", "--json").document["sidecar"] == "x.mat.toml"
+    result = vgvt("convert", "x.toml", "x.uff", "--force", "--json")
     assert result.status == 2
     assert "is what is read" in result.document["error"]["message"]
     assert Path("x.toml").read_text() == before
-    assert not Path("x-run1.mat").exists()
+    assert open_campaign("x.toml").name == open_campaign("x.mat.toml").name
 
 
 def test_records_that_a_sidecar_names_are_never_replaced(vgvt, campaign_file: Path) -> None:

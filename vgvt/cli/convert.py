@@ -46,6 +46,7 @@ def convert(
 
     A Universal File holds all runs; of several runs MAT and CSV have one file each, FILE-run1 and so on. Beside them a
     sidecar of the same name (.toml) keeps what the format has no place for: every command takes it as the campaign.
+    Where that name is the sidecar of other records, this one is FILE.toml.
     """
     from vgvt.data import InputError
     from vgvt.files import open_campaign

@@ -17,6 +17,7 @@ from vgvt.files.campaign_file import write_campaign
 from vgvt.files.export import matlab, table, universal
 from vgvt.files.export.described import UnsayableError, own_notes, sidecar_of
 from vgvt.files.export.form import Form, check_room, form_of
+from vgvt.files.export.sidecar_place import sidecar_place
 from vgvt.files.manifest import file_sha256
 from vgvt.files.measured_records import read_measured
 from vgvt.files.storable import check_samples, check_texts
@@ -39,13 +40,16 @@ class Exported:
 
 
 def planned_files(campaign: Campaign, path: Path) -> tuple[Path, ...]:
-    """The files that :func:`export_campaign` writes, a sidecar last; InputError where the ending says no format."""
+    """The files that :func:`export_campaign` writes, a sidecar last, by a name that no other records' sidecar has.
+
+    InputError where the ending says no format.
+    """
     form = form_of(path)
     if form is Form.CAMPAIGN:
         return (path,)
     apart = form in (Form.MATLAB, Form.TEXT) and len(campaign.runs) > 1
     files = [path.with_name(f"{path.stem}-run{r.run}{path.suffix}") for r in campaign.runs] if apart else [path]
-    return (*files, path.with_suffix(".toml"))
+    return (*files, sidecar_place(path, files))
 
 
 def export_campaign(
