@@ -110,7 +110,7 @@ def test_what_is_there_stays_until_it_may_go(vgvt, campaign_file: Path, there: s
 
 @pytest.mark.parametrize("options", [(), ("--force",)])
 def test_two_formats_under_one_name_have_a_sidecar_each(vgvt, campaign_file: Path, options: tuple[str, ...]) -> None:
-    """The second had been refused, and with --force it took the first's sidecar away, without which nothing reads it."""
+    """The second was refused, and with --force it took the first sidecar away, without which nothing reads x.uff."""
     names = {"x.uff": "x.toml", "x.mat": "x.mat.toml", "x.csv": "x.csv.toml", "x.unv": "x.unv.toml"}
     for name, sidecar in names.items():
         assert vgvt("convert", campaign_file, name, *options, "--json").document["sidecar"] == sidecar
