@@ -81,7 +81,7 @@ class Sight:
             return None
         made_up = np.linalg.norm(change) > _MADE_UP * np.linalg.norm(shown)
         if made_up and not holds(self.stand, hypothesis, values, shown):
-            along = shown_in_parts(self.stand, hypothesis, values, p)
+            along = shown_in_parts(self.stand, hypothesis, values, p, float(shown @ shown))
             shown = shown if along is None else min(shown, along, key=lambda left: float(left @ left))
         return min(self.views(shown, shown), views, key=least)
 

@@ -149,8 +149,8 @@ def assembled(
     made = effects_at(problem, hypotheses, e)
     if made is None:
         return None
-    base = _base(problem, u.tobytes())[0]
     try:
+        base = _base(problem, u.tobytes())[0]
         per_run = run_actions(base, made, len(problem.measured.runs))
         kinds: list[tuple[Scenario, tuple[Action, ...], list[int]]] = []
         for run, (scenario, actions) in enumerate(per_run):
@@ -164,7 +164,7 @@ def assembled(
         filtered = any(action.channels for _, actions in per_run for action in actions)
         groups = (_group(problem, u, s, a, runs) for s, a, runs in kinds)
         return tuple(replace(g, filtered=filtered) for g in groups)
-    except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
+    except (InputError, RuntimeError, ValueError, OverflowError, np.linalg.LinAlgError):
         return None
 
 
@@ -183,8 +183,17 @@ def changed_places(here: Sequence[Group], there: Sequence[Group]) -> bool:
 
 @lru_cache(maxsize=8)
 def _base(problem: Problem, scores: bytes) -> tuple[Scenario, Plan]:
-    """The scenario at some scores, and its plan: what thousands of candidates are added to."""
+    """The scenario at some scores, and its plan: what thousands of candidates are added to.
+
+    NoStructureError where a factor has rounded to nothing, or to more than a number holds.
+    """
     base = edited(problem.scenario, problem.unknowns, np.frombuffer(scores)[: len(problem.unknowns)])
+    # Effects divide by what a beam has, as every scenario that is read has some of it.
+    for beam in base.airframe.beam:
+        s = beam.stations
+        columns = (s.bending_stiffness_n_m2, s.torsional_stiffness_n_m2, s.mass_kg_per_m, s.pitch_inertia_kg_m)
+        if not all(0 < value < np.inf for column in columns for value in column):
+            raise NoStructureError(f"nothing is left of {beam.name}")
     return base, problem.layouts.plan(base)
 
 

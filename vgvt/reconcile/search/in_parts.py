@@ -39,10 +39,13 @@ def holds(stand: Stand, hypothesis: Hypothesis, values: dict[str, float], shown:
     return bool(np.linalg.norm(off) < _HOLDS * np.linalg.norm(shown))
 
 
-def shown_in_parts(stand: Stand, hypothesis: Hypothesis, values: dict[str, float], p: Parameter) -> Array | None:
+def shown_in_parts(
+    stand: Stand, hypothesis: Hypothesis, values: dict[str, float], p: Parameter, most: float
+) -> Array | None:
     """What :meth:`Stand.shown` tells of an effect's size ``p`` (2 N + scores,), structures assembled anew on the way.
 
-    None where there is no such aircraft anywhere on it.
+    None where there is no such aircraft anywhere on it, or where a part of the size leaves a square sum of more than
+    ``most``, which is to be undercut at the whole of it.
     """
     null, neutral = stand.fit, float(p.neutral or 0.0)
     shares, way, reached = [0.0], [null.scores], None
@@ -63,7 +66,8 @@ def shown_in_parts(stand: Stand, hypothesis: Hypothesis, values: dict[str, float
         except NoStructureError:
             return None
         reached = stand.back.at(tangent, u).follow_on(here, start)
-        if reached is None:
+        # Once the way is lost, each part leads the next one farther off: to wings of no stiffness at all in the end.
+        if reached is None or reached.cost > most:
             return None
         shares.append(share)
         way.append(reached.scores)
