@@ -78,7 +78,16 @@ def test_text_files(edited: Edit, bench: Path, volts: np.ndarray) -> None:
     edited("skip_rows = 1", "skip_rows = 0")
     with pytest.raises(InputError, match=r"run1\.csv: not a table of numbers(.|\n)*skip_rows"):
         open_campaign(bench)
-    (bench.parent / "raw/run1.csv").write_text("")
+    edited("skip_rows = 0", "skip_rows = 1")
+    table = bench.parent / "raw/run1.csv"
+    whole = table.read_text()
+    table.write_text(whole[: len(whole) // 2].rpartition(";")[0])
+    with pytest.raises(InputError, match=r"run1\.csv: row (\d+) of \1 has 2 columns, .* before it 3\n.*cut off there"):
+        open_campaign(bench)
+    table.write_text(whole.replace("\n", "\n1;", 3).replace("\n1;", "\n", 2))
+    with pytest.raises(InputError, match=r"row 3 of 500 has 4 columns, and those before it 3\n.*mend that row"):
+        open_campaign(bench)
+    table.write_text("")
     with pytest.raises(InputError, match="no samples"):
         open_campaign(bench)
 
@@ -225,7 +234,7 @@ def test_a_hash_is_checked(edited: Edit, bench: Path, volts: np.ndarray) -> None
             r"run 1: nodes names \['acc3'\]",
         ),
         ("nodes = { acc1 = 1, acc2 = 2 }", "nodes = { acc1 = 1, acc2 = 77 }", "acc2 is at node 77"),
-        ("run = 2", "run = 1", r"run\.run must be unique; twice: 1|run.run must be unique\n"),
+        ("run = 2", "run = 1", r"run\.run must be unique\n.*write each once, and not twice: 1"),
         ("run2.mat", "run1.mat", r"runs 1 and 2 are the same record \(run1\.mat\)"),
         ("x = [-990.0, ", "x = [", "x has 4 entries but node has 5"),
         ("node = [1, 2, 3, 4, 100]", "node = [1, 2, 3, 3, 100]", "node must be unique"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data import InputError
+
+_RAGGED = re.compile(r"number of columns changed from (\d+) to (\d+) at row (\d+)")
 
 
 def check_delimiter(delimiter: str) -> None:
@@ -33,6 +36,9 @@ def read_delimited(path: Path, delimiter: str = ",", skip_rows: int = 0) -> NDAr
     except OSError as error:
         raise InputError(str(path), f"cannot be read: {error.strerror or error}", "check the path") from error
     except ValueError as error:
+        ragged = _RAGGED.search(str(error))
+        if ragged is not None:
+            raise _changed(path, skip_rows, *(int(number) for number in ragged.groups())) from error
         raise InputError(
             str(path),
             f"not a table of numbers ({error})",
@@ -41,3 +47,14 @@ def read_delimited(path: Path, delimiter: str = ",", skip_rows: int = 0) -> NDAr
     if not table.size:
         raise InputError(str(path), "the file holds no samples", "leave this run out, or lower skip_rows")
     return table
+
+
+def _changed(path: Path, skip_rows: int, before: int, after: int, row: int) -> InputError:
+    """Of a row of numbers, counted from 1 behind the heading, with other columns than those before it."""
+    with path.open(encoding="utf-8") as stream:
+        lines = [line for line in list(stream)[skip_rows:] if line.partition("#")[0].strip()]
+    if row >= len(lines) and after < before:
+        advice = "the file is cut off there: copy or export it again, or take that row out"
+    else:
+        advice = "mend that row, or set skip_rows to the number of heading lines and delimiter to what stands between"
+    return InputError(str(path), f"row {row} of {len(lines)} has {after} columns, and those before it {before}", advice)

@@ -312,4 +312,4 @@ def _once(what: str, values: Iterable[object]) -> None:
     listed = list(values)
     twice = sorted({str(v) for v in listed if listed.count(v) > 1})
     if twice:
-        raise ValueError(f"{what} must be unique; twice: {', '.join(twice)}")
+        raise ValueError(f"{what} must be unique; write each once, and not twice: {', '.join(twice)}")

@@ -14,6 +14,7 @@ from vgvt.reconcile.mechanics.ending import Ending
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
 from vgvt.reconcile.question.shared_noise import in_phase
 from vgvt.reconcile.question.spectra import Spectra, spectra_of
+from vgvt.reconcile.question.suitable import check_quantities
 from vgvt.reconcile.question.variance import local_rational_noise, quiet_noise, repeat_noise
 from vgvt.signals.local_polynomial import local_polynomial_fit
 from vgvt.signals.usable import UsableRun, usable_runs
@@ -132,8 +133,10 @@ def measured_frfs(
     Whole-record spectra, zero-padded to the longest record; one that ends ringing is tapered, and the lines where the
     taper touches the force are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16),
     2012): local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode
-    for noise, repeats take drift for noise. InputError without a single usable reference.
+    for noise, repeats take drift for noise. InputError without a single usable reference, of what is no acceleration or
+    force in SI, and where too few lines are left.
     """
+    check_quantities(campaign)
     runs, remarks = usable_runs(campaign, every_run=True)
     for run in runs:
         if len(run.references) != 1:
@@ -149,7 +152,7 @@ def measured_frfs(
     spectra, said = spectra_of(runs, rate)
     frequency = np.asarray(np.arange(spectra.samples // 2 + 1) * (rate / spectra.samples), dtype=np.float64)
     low, high = band_hz or campaign.band_hz
-    usable = _usable_lines(spectra, frequency, (low, high))
+    usable = _usable_lines(spectra, frequency, (low, high), campaign.name)
     channels, rows = _channels(runs)
     chosen = _chosen(spectra, usable, lines)
     values = np.array([spectra.response[i][chosen] / spectra.force[c.run][chosen] for c, i in rows])
@@ -205,7 +208,7 @@ def _channels(runs: tuple[UsableRun, ...]) -> tuple[tuple[MeasuredChannel, ...],
     return tuple(found), [(channel, i) for i, channel in enumerate(found)]
 
 
-def _usable_lines(spectra: Spectra, frequency: Array, band: tuple[float, float]) -> NDArray[np.intp]:
+def _usable_lines(spectra: Spectra, frequency: Array, band: tuple[float, float], name: str) -> NDArray[np.intp]:
     inside = (frequency >= band[0]) & (frequency <= band[1]) & (frequency > 0)
     force = np.abs(spectra.force)
     loud = (force > _WEAK_FORCE * np.median(force[:, inside], axis=1, keepdims=True)).all(axis=0)
@@ -216,9 +219,10 @@ def _usable_lines(spectra: Spectra, frequency: Array, band: tuple[float, float])
     lines = np.flatnonzero(keep)
     if lines.size < 4 * _HALF_WIDTH:
         raise InputError(
-            "campaign",
-            f"only {lines.size} lines of the band hold enough force",
-            "widen the band, or use longer records",
+            name,
+            f"only {lines.size} lines from {band[0]:g} to {band[1]:g} Hz hold enough force in every run, and "
+            f"{4 * _HALF_WIDTH} are needed",
+            "widen --band, leave out runs that end before their sweep does, or use longer records",
         )
     return lines
 

@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from vgvt.data import Campaign, Dof, InputError
+from vgvt.data import Campaign, ChannelRole, Dof, InputError, Quantity
+from vgvt.files.units import UNITS
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import UNRECORDED_NOTE
 
 # Further apart than this is another point, not a badly placed sensor.
 _ANOTHER_POINT_M = 0.10
 _DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
+_MEASURES = {
+    ChannelRole.RESPONSE: (Quantity.ACCELERATION,),
+    ChannelRole.REFERENCE: (Quantity.EXCITATION_FORCE, Quantity.REACTION_FORCE),
+}
 
 
 def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
-    """InputError unless points, directions, drive point and kind of excitation of both are the same."""
+    """InputError unless points, directions, drive point and kind of excitation of both are the same.
+
+    And unless the campaign holds accelerations and forces, in SI.
+    """
     check_excitation(scenario)
     _check_beginning(campaign)
     _check_forces(campaign)
+    check_quantities(campaign)
     _check_points(campaign, scenario)
     _check_drive(campaign, scenario)
 
@@ -87,6 +96,36 @@ def _check_forces(campaign: Campaign) -> None:
             f"was driven at {len(references)} points: {_listed(references)}",
             "reconcile the runs of each drive point on their own, with a scenario for each",
         )
+
+
+def check_quantities(campaign: Campaign) -> None:
+    """InputError unless every response is an acceleration and every reference a force, in SI: A/F is what is compared.
+
+    A velocity would be taken for an acceleration that is off by the frequency, a g for a gain of ten.
+    """
+    for record in campaign.runs:
+        for channel in record.channels:
+            wanted = _MEASURES.get(channel.role)
+            if wanted is None:
+                continue
+            where = f"{campaign.name}, run {record.run}, channel {channel.name}"
+            name = wanted[0].name.lower().replace("_", " ")
+            if channel.quantity not in wanted:
+                raise InputError(
+                    where,
+                    f"measures {channel.quantity.name.lower().replace('_', ' ')}, and as a {channel.role.value} "
+                    f"reconcile takes {name} alone",
+                    f"bring its samples to {wanted[0].si_unit}, or take the channel out of the campaign; a quantity "
+                    "that is stated wrongly is mended in the sidecar",
+                )
+            scale = UNITS.get(channel.quantity, {}).get(channel.unit)
+            if channel.unit != channel.quantity.si_unit and scale != 1:
+                how = "bring its samples" if scale is None else f"multiply its samples by {scale:.7g} to bring them"
+                raise InputError(
+                    where,
+                    f"is in {channel.unit}, and {name} is taken in {channel.quantity.si_unit}",
+                    f"{how} to {channel.quantity.si_unit}, and state that as its unit",
+                )
 
 
 def _check_points(campaign: Campaign, scenario: Scenario) -> None:

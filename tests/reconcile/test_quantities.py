@@ -1,0 +1,58 @@
+"""A/F is what a campaign and a scenario are compared by: whatever is no acceleration or no force, in SI, is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, InputError, Quantity, Record
+from vgvt.reconcile.question.data import measured_frfs
+from vgvt.reconcile.question.suitable import check_quantities
+
+
+def campaign(**changes: object) -> Campaign:
+    """Noise of a force and of two accelerations, the last channel with ``changes``."""
+    dofs = [Dof(n, Direction.PLUS_Z) for n in (100, 1, 2)]
+    channels = [Channel("force", Quantity.EXCITATION_FORCE, ChannelRole.REFERENCE, dofs[0])]
+    channels += [Channel(f"a{k}", Quantity.ACCELERATION, ChannelRole.RESPONSE, dofs[k]) for k in (1, 2)]
+    channels[-1] = replace(channels[-1], **changes)
+    samples = np.random.default_rng(8).normal(size=(3, 3000))
+    return Campaign(
+        "bench", Geometry((1, 2, 100), np.eye(3)), (Record(7, 100.0, tuple(channels), samples),), (2.0, 25.0)
+    )
+
+
+def test_what_is_in_si_is_taken() -> None:
+    check_quantities(campaign(unit="m/s²"))
+    drive = {"quantity": Quantity.GENERAL, "unit": "V", "role": ChannelRole.DRIVE}
+    assert len(measured_frfs(campaign(**drive), lines=60).channels) == 1
+
+
+@pytest.mark.parametrize("refuse", [check_quantities, lambda c: measured_frfs(c, lines=60)])
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"quantity": Quantity.VELOCITY, "unit": "m/s"}, ("measures velocity", "acceleration alone", "m/s^2")),
+        ({"quantity": Quantity.GENERAL, "unit": "V"}, ("measures general",)),
+        ({"quantity": Quantity.ACCELERATION, "role": ChannelRole.REFERENCE}, ("measures acceleration", "force alone")),
+        ({"unit": "g"}, ("is in g", "multiply its samples by 9.80665", "m/s^2")),
+        ({"unit": "lbf"}, ("is in lbf", "bring its samples to m/s^2")),
+    ],
+)
+def test_anything_else_is_told_with_its_run_and_channel(
+    changes: dict[str, object], words: tuple[str, ...], refuse: Callable[[Campaign], object]
+) -> None:
+    """A velocity had been taken for an acceleration, and a g for a m/s²."""
+    with pytest.raises(InputError) as told:
+        refuse(campaign(**changes))
+    for word in ("bench, run 7, channel a2", *words):
+        assert word in str(told.value)
+
+
+def test_too_few_lines_are_told_by_the_campaign_and_its_band() -> None:
+    narrow = replace(campaign(), band_hz=(24.0, 24.5))
+    with pytest.raises(InputError, match=r"^bench: only \d+ lines from 24 to 24\.5 Hz .* 32 are needed"):
+        measured_frfs(narrow, lines=60)
