@@ -55,3 +55,40 @@ def test_a_band_that_is_cut_is_told_in_one_line(
     assert "is cut" not in vgvt("reconcile", "--power", "--scenario", "quick", "--band", 5, 20).err
     tell_of_cut(None, (3.0, 35.0), "quick")
     assert capsys.readouterr().err == ""
+
+
+@pytest.fixture
+def looked(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Ends every study where it would begin to compute; the list grows by one each time."""
+    import vgvt.reconcile.next_test.before_test as before
+
+    begun: list[bool] = []
+
+    def stopped(*_: object, **__: object) -> None:
+        begun.append(True)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(before, "expected_fit", stopped)
+    return begun
+
+
+@pytest.mark.parametrize(
+    ("out", "words"), [("a-file", "this is a file"), ("a-file/in", "cannot be made"), ("mine", "holds other files")]
+)
+def test_a_place_that_cannot_hold_the_answer_is_told_before_the_work(
+    vgvt, looked: list[bool], out: str, words: str
+) -> None:
+    """A study of ten minutes had ended with nothing but that."""
+    Path("a-file").write_text("a file")
+    Path("mine").mkdir()
+    Path("mine/thesis.tex").write_text("years of work")
+    result = vgvt("reconcile", "--power", "--scenario", "quick", "--out", out)
+    assert (result.status, looked) == (2, [])
+    assert words in result.err
+    assert {path.name for path in Path().iterdir()} == {"a-file", "mine"}
+
+
+def test_an_interrupted_study_leaves_no_empty_folder(vgvt, looked: list[bool]) -> None:
+    assert vgvt("reconcile", "--power", "--scenario", "quick", "--out", "new/seen").status == 130
+    assert looked == [True]
+    assert not Path("new").exists()

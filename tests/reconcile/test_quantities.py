@@ -10,7 +10,8 @@ import pytest
 
 from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, InputError, Quantity, Record
 from vgvt.reconcile.question.data import measured_frfs
-from vgvt.reconcile.question.suitable import check_quantities
+from vgvt.reconcile.question.suitable import check_quantities, check_suitable
+from vgvt.scenario import load_scenario
 
 
 def campaign(**changes: object) -> Campaign:
@@ -56,3 +57,44 @@ def test_too_few_lines_are_told_by_the_campaign_and_its_band() -> None:
     narrow = replace(campaign(), band_hz=(24.0, 24.5))
     with pytest.raises(InputError, match=r"^bench: only \d+ lines from 24 to 24\.5 Hz .* 32 are needed"):
         measured_frfs(narrow, lines=60)
+
+
+def without(role: ChannelRole) -> Campaign:
+    """The same with a second run that has no such channel."""
+    whole = campaign()
+    (first,) = whole.runs
+    kept = [k for k, channel in enumerate(first.channels) if channel.role is not role]
+    channels = tuple(first.channels[k] for k in kept)
+    return replace(whole, runs=(first, replace(first, run=8, channels=channels, samples=first.samples[kept])))
+
+
+def shortened(seconds: float) -> Campaign:
+    """The same with a second run of some ``seconds``."""
+    whole = campaign()
+    (first,) = whole.runs
+    return replace(whole, runs=(first, replace(first, run=8, samples=first.samples[:, : int(100 * seconds)])))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (without(ChannelRole.REFERENCE), ("bench, run 8: has no force channel", "leave this run out")),
+        (replace(without(ChannelRole.RESPONSE), runs=without(ChannelRole.RESPONSE).runs[1:]), ("no response channel",)),
+        (shortened(0.5), ("bench, run 8: is 0.5 s long", "11 lines from 2 to 25 Hz", "32 are needed", "whole record")),
+    ],
+    ids=["no force", "no response", "short"],
+)
+def test_a_run_that_can_tell_nothing_is_told_before_anything_is_computed(
+    given: Campaign, words: tuple[str, ...]
+) -> None:
+    """Half a second of a sweep had been judged by: held-out data fitted to -632 %."""
+    with pytest.raises(InputError) as told:
+        check_suitable(given, load_scenario("teaching-beam"))
+    for word in words:
+        assert word in str(told.value)
+
+
+def test_a_run_that_is_just_long_enough_is_no_matter() -> None:
+    """What is refused then is the next thing: the places of this campaign are no beam's."""
+    with pytest.raises(InputError, match="puts node 1 at"):
+        check_suitable(shortened(1.5), load_scenario("teaching-beam"))

@@ -26,7 +26,28 @@ def power_before_the_test(
     lines: int,
     as_json: bool,
 ) -> int:
-    """Print the table of detectability; with ``out`` write power.json and power.html there too."""
+    """Print the table of detectability; with ``out`` write power.json and power.html there too.
+
+    InputError before anything is computed where ``out`` cannot hold them.
+    """
+    from vgvt.cli.new_folders import none_left_empty
+    from vgvt.cli.reconcile_folder import ReconcileFolder
+
+    if out is None:
+        return _power(scenario, effects, None, band, lines, as_json)
+    with none_left_empty(out):
+        ReconcileFolder(out).prepare()
+        return _power(scenario, effects, out, band, lines, as_json)
+
+
+def _power(
+    scenario: Scenario,
+    effects: Mapping[str, type],
+    out: Path | None,
+    band: tuple[float, float] | None,
+    lines: int,
+    as_json: bool,
+) -> int:
     from vgvt.reconcile.next_test.before_test import expected_fit
     from vgvt.reconcile.next_test.power import power
     from vgvt.reconcile.next_test.power_rows import confusable, invisible, power_rows
@@ -97,11 +118,9 @@ def _places(row: PowerRow) -> dict[str, object]:
 
 def _write(out: Path, scenario: Scenario, document: Mapping[str, Any], rows: Any) -> None:
     from vgvt import __version__
-    from vgvt.cli.reconcile_folder import ReconcileFolder
     from vgvt.files.atomically import replacing
     from vgvt.view.reconcile_page import write_power_page
 
-    ReconcileFolder(out).prepare()
     facts = {"scenario": f"{scenario.name}: {scenario.summary}", "made by": f"vgvt {__version__}"}
     write_power_page(out / "power.html", f"What {scenario.name} could see", facts, rows)
     with replacing(out / "power.json") as temporary:

@@ -14,7 +14,7 @@ from vgvt.reconcile.mechanics.ending import Ending
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
 from vgvt.reconcile.question.shared_noise import in_phase
 from vgvt.reconcile.question.spectra import Spectra, spectra_of
-from vgvt.reconcile.question.suitable import check_quantities
+from vgvt.reconcile.question.suitable import FEWEST_LINES, check_quantities
 from vgvt.reconcile.question.variance import local_rational_noise, quiet_noise, repeat_noise
 from vgvt.signals.local_polynomial import local_polynomial_fit
 from vgvt.signals.usable import UsableRun, usable_runs
@@ -217,11 +217,11 @@ def _usable_lines(spectra: Spectra, frequency: Array, band: tuple[float, float],
     # A noise-like excitation has no line that the end does not touch: then all must do.
     keep = keep & clear if (keep & clear).sum() > 0.5 * keep.sum() else keep
     lines = np.flatnonzero(keep)
-    if lines.size < 4 * _HALF_WIDTH:
+    if lines.size < FEWEST_LINES:
         raise InputError(
             name,
             f"only {lines.size} lines from {band[0]:g} to {band[1]:g} Hz hold enough force in every run, and "
-            f"{4 * _HALF_WIDTH} are needed",
+            f"{FEWEST_LINES} are needed",
             "widen --band, leave out runs that end before their sweep does, or use longer records",
         )
     return lines

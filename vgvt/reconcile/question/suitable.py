@@ -9,6 +9,8 @@ from vgvt.files.units import UNITS
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import UNRECORDED_NOTE
 
+FEWEST_LINES = 32
+"""Lines of the band that a record must tell apart: twice as many as one local model of a channel's noise takes."""
 # Further apart than this is another point, not a badly placed sensor.
 _ANOTHER_POINT_M = 0.10
 _DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
@@ -21,12 +23,13 @@ _MEASURES = {
 def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
     """InputError unless points, directions, drive point and kind of excitation of both are the same.
 
-    And unless the campaign holds accelerations and forces, in SI.
+    And unless every run holds accelerations and a force, in SI, for long enough.
     """
     check_excitation(scenario)
     _check_beginning(campaign)
     _check_forces(campaign)
     check_quantities(campaign)
+    _check_lengths(campaign)
     _check_points(campaign, scenario)
     _check_drive(campaign, scenario)
 
@@ -90,6 +93,15 @@ def _check_forces(campaign: Campaign) -> None:
             "has no force channel",
             "give a campaign with measured forces, or mark the force as reference",
         )
+    for record in campaign.runs:
+        if all(channel.role is not ChannelRole.REFERENCE for channel in record.channels):
+            raise InputError(
+                f"{campaign.name}, run {record.run}",
+                "has no force channel",
+                "mark its force as reference, or leave this run out",
+            )
+    if not campaign.response_dofs:
+        raise InputError(campaign.name, "has no response channel", "give a campaign with measured accelerations")
     if len(references) > 1:
         raise InputError(
             campaign.name,
@@ -126,6 +138,20 @@ def check_quantities(campaign: Campaign) -> None:
                     f"is in {channel.unit}, and {name} is taken in {channel.quantity.si_unit}",
                     f"{how} to {channel.quantity.si_unit}, and state that as its unit",
                 )
+
+
+def _check_lengths(campaign: Campaign) -> None:
+    low, high = campaign.band_hz
+    for record in campaign.runs:
+        seconds = record.samples.shape[1] / record.sample_rate_hz
+        own = int((high - low) * seconds)
+        if own < FEWEST_LINES:
+            raise InputError(
+                f"{campaign.name}, run {record.run}",
+                f"is {seconds:.3g} s long, which tells {own} lines from {low:g} to {high:g} Hz apart, and "
+                f"{FEWEST_LINES} are needed",
+                "give the whole record, widen --band, or leave this run out",
+            )
 
 
 def _check_points(campaign: Campaign, scenario: Scenario) -> None:
