@@ -320,9 +320,14 @@ def test_a_root_of_the_second_laboratory_stands_out_from_the_stated_values(draw:
     problem = problem_of(measured, scenario)
     stated = fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
     first, *_ = from_stated(stated, candidates(problem, case.catalogue), silent)
-    assert (first.hypothesis.name, first.hypothesis.settings["side"]) == ("root-compliance", truth["side"])
-    assert first.values["bending"] == pytest.approx(truth["bending"], rel=0.1)
-    assert first.values["torsion"] == pytest.approx(truth["torsion"], rel=0.1)
+    found = first.hypothesis
+    assert (found.name, found.settings["side"]) == ("root-compliance", truth["side"])
+    led_to = fit(problem, (found,), first.start, found.scores(first.values)).values(0)
+    for name in ("bending", "torsion"):
+        # The whole wing's compliance with its root's, to a fifth of what EI and GJ are stated to: roots on both sides
+        # that give way by a tenth of that are a wing that is a tenth softer, until a fit is done.
+        assert 1 + first.values[name] == pytest.approx(1 + truth[name], rel=0.2 * scenario.tolerances.stiffness_scale)
+        assert led_to[name][0] == pytest.approx(truth[name], rel=0.05)
 
 
 def test_each_effect_alone_has_itself_alone_to_choose_from() -> None:
