@@ -17,7 +17,7 @@ from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence import still_explained as evidence
-from vgvt.reconcile.evidence.free_places import free_places
+from vgvt.reconcile.evidence.free_places import FreePlace, free_places, mirror_images
 from vgvt.reconcile.evidence.still_explained import (
     ON_BOTH_SIDES,
     StillExplained,
@@ -131,6 +131,16 @@ def test_what_acts_on_both_sides_is_seen_there_at_once(
     single = still_explained(case)
     assert single is not None
     assert single.nats < still.nats - 9
+
+
+def test_mirror_images_move_alike_on_either_side() -> None:
+    def place(y: float | None, motion: str, x: float = 0.5) -> FreePlace:
+        at = None if y is None else (x, y, 0.0)
+        return FreePlace(f"{motion} at {x} {y}", "structure", at, None, None, motion=motion)
+
+    sides = [place(y, motion) for motion in ("PLUS_Z", "PLUS_X", "bending") for y in (-1.0, 1.0)]
+    alone = [place(0.0, "PLUS_Z"), place(None, "PLUS_Z"), place(1.2, "PLUS_Z"), place(-1.2, "PLUS_Z", x=0.6)]
+    assert mirror_images(sides + alone) == [(1, 0), (3, 2), (5, 4)]
 
 
 def test_runs_are_called_by_the_numbers_that_the_campaign_gives_them() -> None:

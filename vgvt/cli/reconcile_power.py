@@ -34,20 +34,25 @@ def power_before_the_test(
     from vgvt.cli.reconcile_folder import ReconcileFolder
 
     if out is None:
-        return _power(scenario, effects, None, band, lines, as_json)
-    with none_left_empty(out):
-        ReconcileFolder(out).prepare()
-        return _power(scenario, effects, out, band, lines, as_json)
+        document, rows = _computed(scenario, effects, band, lines)
+    else:
+        with none_left_empty(out):
+            ReconcileFolder(out).prepare()
+            document, rows = _computed(scenario, effects, band, lines)
+            _write(out, scenario, document, rows)
+    if as_json:
+        write_document(document)
+        return 0
+    from vgvt.cli.reconcile_tables import power_table
+
+    show(power_table(rows))
+    return 0
 
 
-def _power(
-    scenario: Scenario,
-    effects: Mapping[str, type],
-    out: Path | None,
-    band: tuple[float, float] | None,
-    lines: int,
-    as_json: bool,
-) -> int:
+def _computed(
+    scenario: Scenario, effects: Mapping[str, type], band: tuple[float, float] | None, lines: int
+) -> tuple[dict[str, Any], tuple[PowerRow, ...]]:
+    """The table of detectability as a document, and its rows."""
     from vgvt.reconcile.next_test.before_test import expected_fit
     from vgvt.reconcile.next_test.power import power
     from vgvt.reconcile.next_test.power_rows import confusable, invisible, power_rows
@@ -75,15 +80,7 @@ def _power(
         "confusable": confusable(found),
         "cannot_have": without,
     }
-    if out is not None:
-        _write(out, scenario, document, rows)
-    if as_json:
-        write_document(document)
-        return 0
-    from vgvt.cli.reconcile_tables import power_table
-
-    show(power_table(rows))
-    return 0
+    return document, rows
 
 
 def some_variant(

@@ -20,8 +20,8 @@ from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.question.thresholds import FAR_OFF, Thresholds
 
-# What names take together of what was too much, where the data say that it is not all. Of those in the study where
-# something was left no true ones took less than 94 %; of those that took less than this one was true, of a pair.
+# What names take together of what was too much, where the data say that it is not all. Of those that the study saw in
+# part no true ones took less than 94 % of the misfit; of those that took less than this one was true, of a pair.
 _NEARLY_ALL = 0.9
 # What the tolerances may still have to give of what they had to without the names, where these meet the data: what is
 # foretold of a large effect is wrong by a share of it, and they make up for that.
@@ -33,11 +33,10 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
 
     Half for one name, three quarters for two, seven eighths for three: of the fitted data and what the tolerances had
     to give, and of held-out data where these are still missed; and nine tenths of the former where data are not met.
-    However much they take, what is left may not be
-    :data:`FAR_OFF`, nor may the tolerances have to give more than without the names, or far more than they may, unless
-    the data are met and they have let go of nine tenths. What leaves no more than campaigns
-    leave in which nothing is missing keeps its name. What is no plausible thing keeps none, whatever it leaves; what
-    was named before it does without it.
+    However much they take, what is left may not be :data:`FAR_OFF`, nor may the tolerances have to give more than
+    without the names, or far more than they may, unless the data are met and they have let go of nine tenths. What
+    leaves no more than campaigns leave in which nothing is missing keeps its name. What is no plausible thing keeps
+    none, whatever it leaves; what was named before it does without it.
     """
     if not found.rounds:
         return found

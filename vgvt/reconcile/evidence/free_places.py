@@ -27,7 +27,8 @@ class FreePlace:
     """A place: rows (n,) over the coordinates of each group of runs, which differ, or a mask (C,) of channels.
 
     ``kind`` is 'structure', 'drive' or 'sensor'. What acts where something ``turns`` is a moment in N m over an angle
-    in rad, and elsewhere a force in N over a way in m.
+    in rad, and elsewhere a force in N over a way in m. ``motion`` says along what, alike on both sides of an aircraft:
+    a direction, 'bending' or 'torsion'.
     """
 
     label: str
@@ -36,6 +37,7 @@ class FreePlace:
     rows: tuple[Array, ...] | None
     mask: NDArray[np.bool_] | None
     turns: bool = False
+    motion: str = ""
 
 
 def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[FreePlace]:
@@ -46,7 +48,8 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
     for point in plan.grid:
         at = (float(point.position_m[0]), float(point.position_m[1]), float(point.position_m[2]))
         rows = tuple(g.structure.axis[g.structure.places.index(point.site)] for g in groups)
-        found.append(FreePlace(f"force at {point.dof}", "structure", at, rows, None))
+        motion = point.dof.direction.name
+        found.append(FreePlace(f"force at {point.dof}", "structure", at, rows, None, motion=motion))
     hook = plan.scenario.suspension.hook_m
     rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(hook))[0] for g in groups)
     found.append(FreePlace("force at the hook", "structure", hook, rows, None))
@@ -61,7 +64,7 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
                 rows = tuple(_unit(g.structure.drive.size, k) for g, k in zip(groups, first, strict=True))
                 x, y, z = (float(v) for v in chain.table.point_m(0.0))
                 label = f"{kind} at the root of {beam}"
-                found.append(FreePlace(label, "structure", (x, y, z), rows, None, turns=True))
+                found.append(FreePlace(label, "structure", (x, y, z), rows, None, turns=True, motion=kind))
     channels = problem.measured.channels
     everything = np.ones(len(channels), dtype=bool)
     found.append(FreePlace("force channel", "drive", None, None, everything))
@@ -89,13 +92,8 @@ def mirror_images(places: Sequence[FreePlace]) -> list[tuple[int, int]]:
         (k, j)
         for k, one, (x, y, z) in points
         for j, other, at in points
-        if y > _MIRRORED_M and np.allclose(at, (x, -y, z), atol=_MIRRORED_M) and _motion(one) == _motion(other)
+        if y > _MIRRORED_M and np.allclose(at, (x, -y, z), atol=_MIRRORED_M) and one.motion == other.motion
     ]
-
-
-def _motion(place: FreePlace) -> str:
-    """What a place of the structure takes: 'force', 'bending' or 'torsion'."""
-    return place.label.split(" at ")[0]
 
 
 def answered(here: Anchor, place: FreePlace, predicted: ComplexArray, chain: ComplexArray) -> ComplexArray:

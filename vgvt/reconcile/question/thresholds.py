@@ -21,8 +21,8 @@ PLACEBO_FLOOR = 0.004
 FAR_OFF = 4.0
 """More than this many times what campaigns leave in which nothing is missing, and a model is none of the data."""
 _STORED = Path(__file__).with_name("thresholds.toml")
-# How well a campaign's noise is known on average, and the normal deviate that 98 of 100 stay below. Of the 371 placebos
-# of the study at 1 and 3 % noise the mean square was that noise within 3 %, beyond what it fluctuates by.
+# How well a campaign's noise is known on average, and the normal deviate that 98 of 100 stay below. Of the 376 placebos
+# of the study at 1 and 3 % noise none left 3 % more than that noise, what it fluctuates by and the form's share.
 _NOISE_KNOWN, _DEVIATE = 0.03, 2.054
 
 
