@@ -187,7 +187,7 @@ def test_three_files_one_object_and_the_verdict_in_words(vgvt, tmp_path: Path, b
     assert json.loads((tmp_path / "found" / "verdict.json").read_text(encoding="utf-8")) == document
     told = vgvt(*arguments)
     assert told.status == 0
-    for words in ("added-mass or local-absorber", "because", "0.1 ± 0.01 kg", "99.00", "tape a mass"):
+    for words in ("added-mass or local-absorber", "because", "0.100 ± 0.010 kg", "99.00", "tape a mass"):
         assert words in told.out
 
 

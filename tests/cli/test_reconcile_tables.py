@@ -66,7 +66,7 @@ def test_the_fit_is_not_headed_as_an_error() -> None:
     merit = {"chi2_per_dof": 1.0, "nrmse_percent": 99.34, "mean_abs_db": 0.1}
     state = {"train": merit, "held_out": merit}
     found = "\n".join(lines_of(error_table({"effects": (), "before": state}), 120))
-    assert "NRMSE fit % before" in found and "99.34" in found
+    assert "NRMSE fit %" in found and "99.34" in found
     assert "error" not in found
 
 
@@ -76,11 +76,31 @@ def test_what_the_file_does_when_simulated_stands_beside_the_fit() -> None:
     state = {"train": merit, "held_out": merit, "held_runs": None}
     made = {"train": again, "held_out": again, "held_runs": None, "apart": 0.02, "remark": "It is 2 % from the fit"}
     found = "\n".join(lines_of(error_table({"effects": (), "before": state, "resimulated": made}), 120))
-    assert "χ²/dof simulated" in found and found.count("88.25") == found.count("1.57") == 2
+    assert found.count("simulated again") == found.count("88.25") == found.count("1.57") == 2
     assert "It is 2 % from the fit" in found
     skipped = dict.fromkeys(made) | {"remark": "reconciled.toml was not simulated: no reason"}
     found = "\n".join(lines_of(error_table({"effects": (), "before": state, "resimulated": skipped}), 120))
-    assert "/dof simulated" not in found and "was not simulated: no reason" in found
+    assert "simulated again" not in found and "was not simulated: no reason" in found
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_every_model_has_a_line_and_every_set_of_data_is_named_once(width: int) -> None:
+    merit = {"chi2_per_dof": 1.0, "nrmse_percent": 99.34, "mean_abs_db": 0.1}
+    state = {"train": merit, "held_out": merit, "held_runs": merit, "held_channels": merit}
+    document = {"effects": ("one",), "before": state, "after": state, "resimulated": state | {"remark": ""}}
+    found = lines_of(error_table(document), width)
+    for model in ("calibrated", "with what was named", "simulated again"):
+        assert sum(model in line for line in found) == 4
+    for data in ("fitted", "held out", "whole runs", "single channels"):
+        assert sum(line.strip().startswith(data) for line in found) == 1
+    assert max(map(len, found[1:])) <= width
+
+
+def test_what_is_all_that_is_held_out_is_told_once() -> None:
+    merit = {"chi2_per_dof": 1.0, "nrmse_percent": 99.34, "mean_abs_db": 0.1}
+    state = {"train": merit, "held_out": merit, "held_runs": None, "held_channels": merit}
+    found = "\n".join(lines_of(error_table({"effects": (), "before": state}), 120))
+    assert "held out" in found and "single channels" not in found
 
 
 def spread(smallest: float, named: float, worst: float, reason: str = "") -> PowerRow:

@@ -114,7 +114,7 @@ def test_a_verdict_says_what_is_named_and_what_it_is_worth(case: CASE) -> None:
     _, named, fitted, held, place, test, counts = repr(verdict).splitlines()
     value, std, _ = verdict.effects[0].parameters["gain_error"]
     assert (
-        named == f"channel-gain: gain_error = {value:.4g} ± {std:.2g}, channels = 7+Z, 22 nats; as well: channel-delay"
+        named == f"channel-gain: gain_error = {value:.3f} ± {std:.3f}, channels = 7+Z, 22 nats; as well: channel-delay"
     )
     before, after = verdict.before.held_out, verdict.after.held_out
     assert before is not None and after is not None

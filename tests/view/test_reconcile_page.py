@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -65,7 +66,7 @@ def test_every_figure_has_its_data_and_every_link_its_section(page) -> None:
 
 
 def test_every_held_out_response_is_there_first(page) -> None:
-    options = re.findall(r'<option value="(\d)">([^<]+)<', page)
+    options = re.findall(r'<option value="(\d)"(?: selected)?>([^<]+)<', page)
     assert [text for _, text in options[:3]] == [
         "run 1, 2+Z, held out", "run 2, 1+Z, held out with its run", "run 2, 2+Z, held out with its run",
     ]  # fmt: skip
@@ -74,6 +75,18 @@ def test_every_held_out_response_is_there_first(page) -> None:
     drawn = json.loads(data.group(1))
     assert len(drawn) == 4
     assert {trace["name"] for trace in drawn[0]["data"]} == {"measured", "before", "after"}
+
+
+def test_the_response_that_shows_first_is_the_held_out_one_that_tells_most() -> None:
+    told = account()
+    changes = told.before.table.copy()
+    changes[2, 1] += 100.0  # of a held-out run
+    changes[0, 1] += 200.0  # fitted: nobody has to be convinced of that
+    named = replace(told, before=replace(told.before, table=changes))
+    left = replace(account("unknown", named=False), before=named.before, after=named.before)
+    for shown in (named, left):
+        options = re.findall(r"<option[^>]* selected>([^<]+)<", render_reconcile_page(shown))
+        assert options == ["run 2, 1+Z, held out with its run"]
 
 
 @pytest.mark.parametrize("kind", ["adequate", "explained", "ambiguous", "partly_explained", "unknown"])
@@ -143,15 +156,31 @@ def test_without_held_out_data_the_page_says_so() -> None:
 
 
 def test_a_value_at_the_end_of_its_range_is_not_called_sharp() -> None:
-    assert fitted_text("mass_kg", 0.08, 0.0021, "kg") == "mass_kg = 0.08 ± 0.0021 kg"
+    assert fitted_text("mass_kg", 0.08, 0.0021, "kg") == "mass_kg = 0.0800 ± 0.0021 kg"
     assert fitted_text("torsion", 0.000163, 0.0, "") == "torsion = 0.000163 (the end of what is tried)"
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "said"),
+    [
+        (12.0021, 0.0193, "12.002 ± 0.019"),
+        (0.0775, 0.011, "0.077 ± 0.011"),
+        (1234.5, 56.7, "1234 ± 57"),
+        (1234.5, 567.0, "1234 ± 567"),
+        (2.5e6, 3.1e4, "2.5e+06 ± 3.1e+04"),
+        (3.575e-05, 6.1e-07, "3.575e-05 ± 6.1e-07"),
+        (0.5, math.inf, "0.5 ± inf"),
+    ],
+)
+def test_a_value_has_the_digits_that_its_deviation_leaves_it(value: float, std: float, said: str) -> None:
+    assert fitted_text("x", value, std, "") == f"x = {said}"
 
 
 def test_a_lopsided_interval_is_told_instead_of_a_deviation() -> None:
     """A loss factor of 0.09 ± 0.06 is none that could be nothing, and may well be 0.3."""
     said = fitted_text("loss_factor", 0.095, 0.063, "", (0.026, 0.345))
     assert said == "loss_factor = 0.095 (95 % from 0.026 to 0.345)"
-    assert fitted_text("mass_kg", 0.08, 0.0021, "kg", (0.0759, 0.0842)) == "mass_kg = 0.08 ± 0.0021 kg"
+    assert fitted_text("mass_kg", 0.08, 0.0021, "kg", (0.0759, 0.0842)) == "mass_kg = 0.0800 ± 0.0021 kg"
     effect = account().effects[0]
     lopsided = replace(effect, ranges={"mass_kg": (0.02, 0.2)})
     assert "mass_kg = 0.05 kg (95 % from 0.02 to 0.2)" in parameter_text(lopsided)
@@ -221,6 +250,7 @@ def test_pages_are_written_whole(tmp_path: Path) -> None:
     power = write_power_page(tmp_path / "power.html", "What plate could see", {"scenario": "plate"}, told.power)
     text = power.read_text(encoding="utf-8")
     assert "local-absorber (0.93)" in text and "never" in text
-    assert all(f">{size} kg<" in text for size in ("6e-05", "0.00016", "0.00077", "0.0078"))
+    assert all(f">{size}<" in text for size in ("6e-05", "0.00016", "0.00077", "0.0078"))
+    assert text.count("<br>mass_kg, kg<") == 2
     assert ">by level<" in text and ">unknown<" in text and ">nan" not in text
     assert sorted(p.name for p in tmp_path.iterdir()) == ["power.html", "report.html"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -36,6 +36,18 @@ def show(*renderables: RenderableType) -> None:
             # As Text, square brackets in names and paths stay what they are.
             console.print(Text(renderable) if isinstance(renderable, str) else renderable)
     sys.stdout.write(capture.get())
+
+
+def bullets(lines: Iterable[str]) -> RenderableType:
+    """Lines of text as a list, each with a dash; what folds stays right of the dashes."""
+    from rich.table import Table
+    from rich.text import Text
+
+    listed = Table.grid(padding=(0, 1, 0, 0))
+    for line in lines:
+        # As Text, square brackets in names and paths stay what they are.
+        listed.add_row("  -", Text(line))
+    return listed
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vgvt.cli.console import log, progress, show
+from vgvt.cli.console import bullets, log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption, LeaveOutFaultyOption
 
@@ -262,12 +262,11 @@ def _show(document: Mapping[str, Any], folder: ReconcileFolder) -> None:
     from vgvt.cli.reconcile_tables import effects_table, error_table
 
     show(str(document["sentence"]), "")
-    show(*(f"  - {reason}" for reason in document["reasons"]))
-    if document["effects"] or document["leads"]:
-        show(effects_table(document["effects"] or document["leads"]))
+    told = document["effects"] or document["leads"]
+    show(bullets(document["reasons"]), effects_table(told) if told else "")
     show(error_table(document))
     for line in document["warnings"]:
         log(f"calibrated far from what the scenario states: {line}")
-    show("What to do:", *(f"  - {step}" for step in document["next_steps"]))
-    show("What would disprove it:", *(f"  - {line}" for line in document["would_disprove_it"]))
+    show("What to do:", bullets(document["next_steps"]), "")
+    show("What would disprove it:", bullets(document["would_disprove_it"]), "")
     show(f"{document['timing_s']:.0f} s; files in {folder.path}; open {folder.report} in a browser")

@@ -15,34 +15,29 @@ _PARAMETER = 20
 
 
 def error_table(document: Mapping[str, Any]) -> FittedTable:
-    """How far predictions are from the data before, after and simulated again, on fitted and held-out data."""
+    """How far models are from the data, fitted and held out: calibrated, with what was named, simulated again."""
     from vgvt.view.fitted_table import FittedTable
+    from vgvt.view.reconcile_wording import held_once
 
-    states = ("before", "after") if document["effects"] else ("before",)
-    columns = ["data"]
-    for name in states:
-        columns += [f"χ²/dof {name}", f"NRMSE fit % {name}", f"dB {name}"]
+    models = {"calibrated": document["before"]}
+    if document["effects"]:
+        models["with what was named"] = document["after"]
     again = document.get("resimulated") or {}
     if again.get("train"):
-        columns += ["χ²/dof simulated", "NRMSE fit % simulated"]
+        models["simulated again"] = again
     rows = []
-    for key, words in _SETS.items():
-        parts = [document[name].get(key) for name in states]
-        if all(parts):
-            numbers = [
-                text
-                for p in parts
-                for text in (f"{p['chi2_per_dof']:.2f}", f"{p['nrmse_percent']:.2f}", f"{p['mean_abs_db']:.3f}")
-            ]
-            if again.get("train"):
-                numbers += [f"{again[key]['chi2_per_dof']:.2f}", f"{again[key]['nrmse_percent']:.2f}"]
-            rows.append((words, *numbers))
+    for key, words in held_once(_SETS, document["before"]).items():
+        found = {name: sets[key] for name, sets in models.items() if sets.get(key)}
+        for k, (name, merit) in enumerate(found.items()):
+            numbers = f"{merit['chi2_per_dof']:.2f}", f"{merit['nrmse_percent']:.2f}", f"{merit['mean_abs_db']:.3f}"
+            rows.append((words if k == 0 else "", name, *numbers))
+    columns = ("data", "model", "χ² per dof", "NRMSE fit %", "dB off")
     return FittedTable(
-        columns=tuple(columns),
+        columns=columns,
         rows=tuple(rows),
         whole=frozenset(columns),
-        expendable=tuple(f"dB {name}" for name in states),
-        right=frozenset(columns[1:]),
+        expendable=columns[-1:],
+        right=frozenset(columns[2:]),
         title="predicted responses against measured ones; an NRMSE fit of 100 % is perfect",
         caption=again.get("remark") or "",
     )

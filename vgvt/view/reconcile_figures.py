@@ -68,7 +68,7 @@ def residual_map_figure(account: Account) -> Figure:
             colorscale=_SCALE, showscale=k == 0, customdata=cells,
             hovertemplate="%{y}, %{x:.2f} Hz: %{customdata:.2f}<extra></extra>",
             colorbar={
-                "title": {"text": "χ² per dof", "side": "top"}, "tickvals": list(range(top + 1)),
+                "title": {"text": "χ² per dof<br>&nbsp;", "side": "top"}, "tickvals": list(range(top + 1)),
                 "ticktext": ["≤ 1", *(f"{10**d:g}" for d in range(1, top)), f"≥ {10**top:g}"],
                 "thickness": 12, "outlinewidth": 0,
             },

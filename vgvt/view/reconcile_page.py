@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vgvt.files.atomically import replacing
 from vgvt.view import reconcile_figures as figures_of
 from vgvt.view import reconcile_sections as parts
@@ -136,14 +138,23 @@ def _responses(account: Account, data: dict[str, Any]) -> str:
     order = held + rest
     data["frf-data"] = [figure_data(figures_of.overlay_figure(account, k)) for k in order]
     words = {"run": "held out with its run", "channel": "held out", "": "fitted"}
+    first = _most_telling(account, held or rest)
     options = "".join(
-        f'<option value="{i}">{escaped(account.channels[k].label)}, {words[account.channels[k].held]}</option>'
+        f'<option value="{i}"{" selected" if k == first else ""}>'
+        f"{escaped(account.channels[k].label)}, {words[account.channels[k].held]}</option>"
         for i, k in enumerate(order)
     )
     chooser = f'<div class="controls"><label>Response <select id="frf-select">{options}</select></label></div>'
     place = '<div id="frf-figure" class="figure" role="figure" aria-label="Response, measured and predicted"></div>'
     models = " and ".join(name for name, _ in account.states)
     return _note(_OVERLAY.format(models=models)) + chooser + place
+
+
+def _most_telling(account: Account, channels: Sequence[int]) -> int:
+    """The one of these channels in which what was named changes most; without a name, in which most is left."""
+    before, after = account.before.table, account.after.table
+    told = before - after if account.changed else after
+    return max(channels, key=lambda k: float(np.nanmax(told[k], initial=-np.inf)))
 
 
 def _calibration(account: Account, data: dict[str, Any]) -> str:

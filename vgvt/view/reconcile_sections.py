@@ -13,6 +13,7 @@ from vgvt.view.reconcile_wording import (
     DATA_SETS,
     KINDS,
     disproofs,
+    held_once,
     next_steps,
     parameter_text,
     verdict_sentence,
@@ -70,7 +71,7 @@ def error_section(account: Account) -> str:
     """Error before and after, on the data that were fitted and on those that were not."""
     heads = ["data", *(name for _, name, _ in _MERITS)]
     rows = []
-    for key, words in DATA_SETS.items():
+    for key, words in held_once(DATA_SETS, account.before.merits).items():
         for name, state in account.states:
             merit = state.merits.get(key)
             if merit is not None:
@@ -167,12 +168,14 @@ def power_section(power: Sequence[PowerRow]) -> str:
     )  # fmt: skip
     rows = []
     for p in power:
-        smallest, named, worst = (_with_unit(size, p.unit) for size in p.sizes)
-        median = _with_unit(f"{p.median:.2g}" if np.isfinite(p.median) else "never", p.unit) if worst else ""
+        smallest, named, worst = p.sizes
+        median = (f"{p.median:.2g}" if np.isfinite(p.median) else "never") if worst else ""
         alike = ", ".join(f"{escaped(name)} ({cosine:.2f})" for name, cosine in p.alike[:4])
         found = {"yes": '<span class="found">yes</span>', "no": '<span class="missed">no</span>'}
         mark = found.get(p.shows, escaped(p.shows))
-        what = f"<b>{escaped(p.effect)}</b><br>{escaped(p.parameter)}"
+        # The unit once: in every cell it would leave the last column room for single words.
+        unit = f", {escaped(p.unit)}" if p.unit else ""
+        what = f"<b>{escaped(p.effect)}</b><br>{escaped(p.parameter)}{unit}"
         rows.append((what, smallest, named, median, worst, f"{p.low:g} to {p.high:g}", mark, alike))
     note = (
         "Just visible: five standard deviations beyond what the scenario's tolerances can imitate, by both views of "
@@ -185,10 +188,6 @@ def power_section(power: Sequence[PowerRow]) -> str:
         "signatures."
     )
     return f'<p class="note">{escaped(note)}</p>{table(heads, rows, words=(0, 7))}'
-
-
-def _with_unit(size: str, unit: str) -> str:
-    return f"{size} {escaped(unit)}" if size[:1].isdigit() else size
 
 
 def tests_section(account: Account) -> str:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 from vgvt.view.reconcile_account import Account, EffectRow
 
 # An interval whose longer side is so many times the shorter one is none that a deviation describes.
 _LOPSIDED = 1.5
+# Deviations that are told with decimals; beyond either, with a power of ten.
+_SHARPEST, _COARSEST = 1e-4, 1e4
 
 KINDS = {
     "adequate": "No other effect is needed",
@@ -48,6 +53,12 @@ DATA_SETS = {
     "held_runs": "held out, whole runs",
     "held_channels": "held out, single channels",
 }
+
+
+def held_once(words: Mapping[str, str], merits: Mapping[str, object]) -> dict[str, str]:
+    """The sets of data to show, by key with their words: where one kind is all that is held out, it is told once."""
+    kinds = [key for key in ("held_runs", "held_channels") if merits.get(key)]
+    return {key: text for key, text in words.items() if len(kinds) == 2 or key not in kinds}
 
 
 def verdict_sentence(account: Account) -> str:
@@ -148,14 +159,14 @@ def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
 
 
 def parameter_text(effect: EffectRow) -> str:
-    """``mass_kg = 0.08 ± 0.002 kg, …``, settings last."""
+    """``mass_kg = 0.0800 ± 0.0021 kg, …``, settings last."""
     numbers = [fitted_text(name, *told, effect.ranges.get(name)) for name, told in effect.parameters.items()]
     settings = [f"{k} = {v}" for k, v in effect.settings.items()]
     return ", ".join(numbers + settings)
 
 
 def fitted_text(name: str, value: float, std: float, unit: str, interval: tuple[float, float] | None = None) -> str:
-    """``mass_kg = 0.08 ± 0.002 kg``, or with its 95 % interval where that is lopsided.
+    """``mass_kg = 0.0800 ± 0.0021 kg``, or with its 95 % interval where that is lopsided.
 
     What stands at the end of what is tried has no deviation, and is not sharp.
     """
@@ -163,7 +174,15 @@ def fitted_text(name: str, value: float, std: float, unit: str, interval: tuple[
         return f"{name} = {value:.4g} {unit}".rstrip() + " (the end of what is tried)"
     if interval is not None and max(lopsided := (value - interval[0], interval[1] - value)) > _LOPSIDED * min(lopsided):
         return f"{name} = {value:.3g} {unit}".rstrip() + f" (95 % from {interval[0]:.3g} to {interval[1]:.3g})"
-    return f"{name} = {value:.4g} ± {std:.2g} {unit}".rstrip()
+    return f"{name} = {_as_sharp_as_known(value, std)} {unit}".rstrip()
+
+
+def _as_sharp_as_known(value: float, std: float) -> str:
+    """``12.002 ± 0.019``: to the second digit of the deviation, and no further."""
+    if not _SHARPEST <= std < _COARSEST:
+        return f"{value:.4g} ± {std:.2g}"
+    decimals = max(0, 1 - math.floor(math.log10(std)))
+    return f"{value:.{decimals}f} ± {std:.{decimals}f}"
 
 
 def _with_rivals(effect: EffectRow) -> str:
@@ -176,7 +195,10 @@ def _error_words(account: Account) -> str:
         return "; nothing could be held out"
     if not account.changed:
         return f"; on held-out data it fits to {before['nrmse_percent']:.1f} %"
-    return f"; the fit of held-out data goes from {before['nrmse_percent']:.1f} to {after['nrmse_percent']:.1f} %"
+    # Resonances rule an NRMSE: what was missing between them may be worth a third of a per cent.
+    change = f"{before['chi2_per_dof']:.2f} → {after['chi2_per_dof']:.2f}"
+    most = account.limits["held_out_chi2_per_dof"]
+    return f"; held-out data: χ² per degree of freedom {change}, at most {most:.2f} where nothing is missing"
 
 
 def _sentence(text: str) -> str:
