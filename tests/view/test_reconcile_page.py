@@ -89,6 +89,14 @@ def test_the_response_that_shows_first_is_the_held_out_one_that_tells_most() -> 
         assert options == ["run 2, 1+Z, held out with its run"]
 
 
+def test_the_sentence_tells_how_held_out_data_are_met() -> None:
+    """By χ² where something is missing, before and after a name, and by the fit where it is as good as noise allows."""
+    most = f"at most {LIMITS['held_out_chi2_per_dof']:.2f} where nothing is missing."
+    assert verdict_sentence(account("explained")).endswith(f"χ² per degree of freedom 5.00 → 1.00, {most}")
+    assert verdict_sentence(account("unknown", named=False)).endswith(f"χ² per degree of freedom 5.00, {most}")
+    assert verdict_sentence(account("adequate", named=False)).endswith("on held-out data it fits to 90.0 %.")
+
+
 @pytest.mark.parametrize("kind", ["adequate", "explained", "ambiguous", "partly_explained", "unknown"])
 def test_every_verdict_has_its_sentence_steps_and_refutation(kind) -> None:
     told = account(kind, named=kind not in ("adequate", "unknown"))

@@ -193,12 +193,12 @@ def _error_words(account: Account) -> str:
     before, after = account.before.merits.get("held_out"), account.after.merits.get("held_out")
     if before is None or after is None:
         return "; nothing could be held out"
-    if not account.changed:
+    if account.kind == "adequate":
         return f"; on held-out data it fits to {before['nrmse_percent']:.1f} %"
-    # Resonances rule an NRMSE: what was missing between them may be worth a third of a per cent.
-    change = f"{before['chi2_per_dof']:.2f} → {after['chi2_per_dof']:.2f}"
+    # Resonances rule an NRMSE: what is missing between them may be worth a third of a per cent.
+    missed = f"{before['chi2_per_dof']:.2f}" + (f" → {after['chi2_per_dof']:.2f}" if account.changed else "")
     most = account.limits["held_out_chi2_per_dof"]
-    return f"; held-out data: χ² per degree of freedom {change}, at most {most:.2f} where nothing is missing"
+    return f"; held-out data: χ² per degree of freedom {missed}, at most {most:.2f} where nothing is missing"
 
 
 def _sentence(text: str) -> str:
