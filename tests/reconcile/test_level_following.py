@@ -93,7 +93,7 @@ def test_they_are_kept_until_they_mislead(case: Problem, monkeypatch: pytest.Mon
 @pytest.mark.slow
 def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem) -> None:
     """To data that it foretells itself: with held slopes it ends on the valley's side, with no step that leads down."""
-    rng = np.random.default_rng(5)
+    rng = np.random.default_rng(6)
     u = as_stated(case)
     known = np.array([name != CELLS.name for name in case.names])
     true = u + np.where(known, 0.7 * rng.standard_normal(u.size), 0.0)
@@ -105,8 +105,8 @@ def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem) -> None:
     stages = ((0.1, 4), (0.03, 4), *TO_THE_END)
     held, followed = (fit(there, (SLIPS,), near, begun, stages, follow=follow) for follow in (False, True))
     assert not held.followed and followed.followed and followed.converged
-    costs = [f.chi2 + f.scores @ f.scores for f in (followed, held)]
-    assert costs[0] < 0.1 * costs[1]
+    assert followed.chi2 < 0.05 * held.chi2
+    assert followed.cost < 0.2 * held.cost
 
 
 def test_a_resumed_search_has_the_same_fit(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,13 +28,15 @@ class Memory:
     """How joints answer to what acts on them: x(ω) = Σ out · into / (iω - poles) + ``at_once``, real parts.
 
     ``poles`` (M,), rad/s, one of each pair; ``out`` (J, M), the pair's factor of two in it; ``into`` (M, J);
-    ``at_once`` (J, J) is the flexibility of all faster modes.
+    ``at_once`` (J, J) is the flexibility of all faster modes, ``late`` (J, J) by how much, per rate of the force, these
+    are behind.
     """
 
     poles: ComplexArray
     out: ComplexArray
     into: ComplexArray
     at_once: Array
+    late: Array | float = 0.0
 
 
 def marched(linear: Array, memory: Memory, laws: Sequence[Sequence[Law]], step_s: float) -> Array:
@@ -47,9 +49,16 @@ def marched(linear: Array, memory: Memory, laws: Sequence[Sequence[Law]], step_s
     """
     rubbing = any(law.friction > 0 for row in laws for law in row)
     grown, new, pushed = _step(memory, step_s, held=rubbing)
-    yields = (memory.out @ new).real + memory.at_once
+    out, yields = memory.out, (memory.out @ new).real + memory.at_once
+    if rubbing:
+        # What is constant in every step lags half of one behind its end, and what answers at once must not: it goes on
+        # from the last two. One more state a joint remembers the last.
+        ahead = memory.at_once / 2 - memory.late / step_s
+        count = yields.shape[0]
+        grown, yields = np.append(grown, np.zeros(count)), yields + ahead
+        out, pushed = np.hstack([out, -ahead]), np.hstack([pushed, np.eye(count)])
     table = law_table(laws, np.diag(yields))
-    reaction: Array = stepped(np.ascontiguousarray(linear), grown, pushed, memory.out, yields, table)
+    reaction: Array = stepped(np.ascontiguousarray(linear), grown, pushed, np.ascontiguousarray(out), yields, table)
     if rubbing:
         # A force that is constant in every step is, at its ends, the mean of two.
         reaction[..., :-1] = (reaction[..., :-1] + reaction[..., 1:]) / 2

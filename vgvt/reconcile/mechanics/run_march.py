@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.fft
+import scipy.linalg
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from vgvt.reconcile.mechanics.ending import Ending, added_by
 from vgvt.reconcile.mechanics.joints import Joints
@@ -18,10 +18,12 @@ from vgvt.reconcile.mechanics.response import Matrices, Poles, poles_of
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-# Steps a period of the band's top (a joint that sticks is stopped at their ends, and no sooner), and how far above
-# the band modes answer by more than their flexibility.
-_STEPS_PER_PERIOD, _STEPS_OF_FRICTION = 16.0, 40.0
-_MARCHED_BANDS = 3.0
+# Steps a period of the band's top, of a law without corners and of one with them: a joint that sticks is stopped at the
+# ends of steps, and one with play meets its stops there, and no sooner. And how many times as many of one with both:
+# beside friction what play takes away is constant within a step.
+_STEPS_PER_PERIOD, _STEPS_OF_CORNERS, _WITH_BOTH = 16.0, 64.0, 4.0
+# How far above the band the measured force is heard.
+_HEARD_BANDS = 3.0
 # What no joint's reaction is times that of a linear one, and a motion, rad or m, below which nobody asks.
 _RUN_AWAY, _STILL_RAD = 1e6, 1e-9
 # Damping ratio that every pole above the band has at least.
@@ -64,24 +66,28 @@ def marched_run(
     """
     count, rate = push.samples.size, push.rate_hz
     duration = count / rate
-    rubs = any(law.friction > 0 for law in laws)
-    per_period = _STEPS_OF_FRICTION if rubs else _STEPS_PER_PERIOD
+    rubs, plays = any(law.friction > 0 for law in laws), any(law.play > 0 for law in laws)
+    per_period = _STEPS_OF_CORNERS if rubs or plays else _STEPS_PER_PERIOD
+    per_period *= _WITH_BOTH if rubs and plays else 1.0
     steps = scipy.fft.next_fast_len(int(np.ceil(duration * per_period * push.top_hz)), real=True)
     # Twice the record: what rings on comes round to its beginning as free decay, which is known.
-    top = int(_MARCHED_BANDS * push.top_hz * 2 * duration)
+    top = int(_HEARD_BANDS * push.top_hz * 2 * duration)
     spectrum = scipy.fft.rfft(push.samples, 2 * count)[: min(top, count)]
-    poles = _calmed(poles_of(loaded, 2 * np.pi * np.arange(spectrum.size) / (2 * duration)), push.top_hz)
+    poles = poles_of(_calmed(loaded, push.top_hz), 2 * np.pi * np.arange(spectrum.size) / (2 * duration))
     answered = poles.modal(loaded.drive[None])[0] @ (joints.rows @ poles.vectors).T + joints.to_drive
     moved = scipy.fft.irfft(spectrum * answered.T, 2 * steps, axis=1)[:, :steps] * (steps / count)
     time = np.arange(steps) * (duration / steps)
     moved -= _come_round(poles, spectrum / (2 * count), joints.rows, loaded.drive, time)
-    limit = 2 * np.pi * _MARCHED_BANDS * push.top_hz
-    reaction = marched(moved[None], _memory(poles, joints, limit), [laws], duration / steps)[0]
+    reaction = marched(moved[None], _memory(poles, joints, np.pi * steps / duration), [laws], duration / steps)[0]
     size = max(law.stiffness for law in laws) * max(np.abs(moved).max(), _STILL_RAD)
     driven = duration * poles.poles.real.max() > -np.log(_GONE)
     if driven or not np.abs(reaction).max() < _RUN_AWAY * size:
         reaction = np.full_like(reaction, np.nan)
     force = scipy.fft.rfft(reaction * push.weight(time), axis=1)[:, push.lines] * (count / steps)
+    if rubs:
+        # Forces that are constant in every step, of which a march gives the means at their ends: sin(x)/x for cos(x).
+        turned = push.omega * (duration / steps) / 2
+        force *= np.tan(turned) / turned
     pushed = scipy.fft.rfft(push.samples * push.weight(np.arange(count) / rate))[push.lines]
     here = replace(poles, reciprocal=1.0 / (1j * push.omega[:, None] - poles.poles))
     linear = here.modal(loaded.drive[None])[0] @ (joints.rows @ here.vectors).T + joints.to_drive
@@ -92,24 +98,39 @@ def marched_run(
         shown = np.asarray(force / np.where(motion == 0, 1.0, motion))
     if push.ending is None or not np.isfinite(reaction).all():
         return shown, np.zeros((loaded.axis.shape[0], push.lines.size), dtype=complex)
-    sampled = CubicSpline(time, reaction, axis=1)(np.arange(push.ending.samples) / rate)
-    return shown, _rung_by_joints(loaded, here, joints, sampled, pushed, push)
+    return shown, _rung_by_joints(loaded, here, joints, _sampled(reaction, count), pushed, push)
 
 
-def _calmed(poles: Poles, top_hz: float) -> Poles:
-    """Poles above the band with some damping at least: in time one that is driven swamps everything.
+def _sampled(reaction: Array, count: int) -> Array:
+    """Reactions (J, steps) at the samples (J, count) of the record, without what these cannot tell from slower ones.
 
-    What makes up for a chain's cells takes damping off them, as a finer chain has less there; where a root is soft,
-    more than they have. Within the band that is nothing.
+    Dry friction jumps: as it is at an instant, it would seem to ring with what is far above the band.
     """
-    pole = poles.poles
-    size = np.abs(pole)
-    wild = (size > 2 * np.pi * top_hz) & (pole.real > -_LEAST_RATIO * size)
-    if not wild.any():
-        return poles
-    turning = np.where(pole.imag < 0, -1j, 1j) * np.sqrt(1 - _LEAST_RATIO**2)
-    calm = np.where(wild, size * (turning - _LEAST_RATIO), pole)
-    return replace(poles, poles=calm, reciprocal=1.0 / (1.0 / poles.reciprocal + pole - calm))
+    mirrored = np.concatenate([reaction, reaction[:, ::-1]], axis=1)
+    return np.asarray(
+        scipy.fft.irfft(scipy.fft.rfft(mirrored, axis=1)[:, : count + 1], 2 * count, axis=1)[:, :count]
+        * (count / reaction.shape[1])
+    )
+
+
+def _calmed(loaded: Matrices, top_hz: float) -> Matrices:
+    """The structure with some damping at least in whatever its modes above the band do, each by itself or together.
+
+    In time one that is driven swamps everything. What makes up for a chain's cells takes damping off these modes, as a
+    finer chain has less there; where a root is soft, more than they have, and a joint that sticks mixes them. Within
+    the band that is nothing.
+    """
+    heavy = (loaded.mass + loaded.mass.T) / 2
+    squares, shapes = scipy.linalg.eigh((loaded.stiffness + loaded.stiffness.T) / 2, heavy)
+    high = squares > (2 * np.pi * top_hz) ** 2
+    # Of modes that are scaled so, the damping is their ratios.
+    shapes = shapes[:, high] / np.sqrt(2 * np.sqrt(squares[high]))
+    ratios = shapes.T @ loaded.damping @ shapes
+    found, turned = np.linalg.eigh((ratios + ratios.T) / 2)
+    if not (found < _LEAST_RATIO).any():
+        return loaded
+    weight = heavy @ (shapes * (2 * np.sqrt(squares[high]))) @ turned
+    return replace(loaded, damping=loaded.damping + (weight * np.maximum(_LEAST_RATIO - found, 0.0)) @ weight.T)
 
 
 def _come_round(poles: Poles, spectrum: ComplexArray, rows: Array, drive: Array, time: Array) -> Array:
@@ -148,10 +169,15 @@ def _rung_by_joints(
 
 
 def _memory(poles: Poles, joints: Joints, limit: float) -> Memory:
-    """The joints' answer to their own reactions, modes beyond a limit in rad/s as flexibility."""
+    """The joints' answer to their own reactions, modes beyond a limit in rad/s as flexibility that is a little late.
+
+    A joint that sticks is held by those as well: what they damp within the band is not to be left out.
+    """
     out, into = joints.rows @ poles.vectors, poles.left @ joints.rows.T
     slow = (np.abs(poles.poles) < limit) & (poles.poles.imag >= 0)
     fast = np.abs(poles.poles) >= limit
     pair = np.where(poles.poles[slow].imag > 0, 2.0, 1.0)
-    at_once = joints.between - ((out[:, fast] / poles.poles[fast]) @ into[fast]).real
-    return Memory(poles.poles[slow], out[:, slow] * pair, into[slow], at_once)
+    # At low frequency a / (iω - p) is -a/p - iω a/p².
+    still = out[:, fast] / poles.poles[fast]
+    at_once, late_s = joints.between - (still @ into[fast]).real, ((still / poles.poles[fast]) @ into[fast]).real
+    return Memory(poles.poles[slow], out[:, slow] * pair, into[slow], at_once, late_s)
