@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from vgvt.effects.action import Action
 from vgvt.reconcile.mechanics.ending import Ending, accelerance_slopes, left_out, left_out_slopes
+from vgvt.reconcile.mechanics.joints import joint_laws
 from vgvt.reconcile.mechanics.level_slopes import level_accelerance_slopes
 from vgvt.reconcile.mechanics.response import Matrices, Slopes, accelerances, by_rate, reduction, unfelt
 from vgvt.reconcile.prediction.adjacent import beside as groups_beside
@@ -258,8 +259,10 @@ def _reduced(
     carried = carried_by(s, group.rows, group.masses_kg, runs, roving)
     full = replace(s, mass=s.mass + carried)
     limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
-    # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt.
-    added = np.array([joint not in problem.nominal.joints for joint in s.joints])
+    # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt. So
+    # does a joint that it gives a law: what sticks is held by modes whose damping is felt far below them.
+    laws = joint_laws(group.plan, s)
+    added = np.array([k in laws or joint not in problem.nominal.joints for k, joint in enumerate(s.joints)])
     basis = reduction(full.mass, full.stiffness, s.drive, limit, added)
     matrices = _project(full, basis, group.rows)
     missing = spare_flexibility(problem, cells_at(problem, u), s, group.rows)
