@@ -124,10 +124,13 @@ def test_every_side_is_stated_as_it_was_fitted(
     case: Problem, laws: Any, tables: list[tuple[str, float]], stiffness: list[float], tmp_path: Path
 ) -> None:
     stated = written(fitted(case, *laws), tmp_path)
-    found = [t.parameters for t in stated.effect]
+    # Beside whole cells all else is a little aside of the fit: gains behind them, and per mille of a stiffness.
+    found = [t.parameters for t in stated.effect if t.name in SIZES]
     assert [t["side"] for t in found] == [side for side, _ in tables]
-    assert [t[GIVEN] for t in found] == pytest.approx([k for _, k in tables])
-    assert joint_stiffness(stated) == pytest.approx(stiffness)
+    assert [t[GIVEN] for t in found] == pytest.approx([k for _, k in tables], rel=2e-3)
+    assert joint_stiffness(stated) == pytest.approx(stiffness, rel=2e-3)
+    shared = {t[GIVEN] for t in found if t["side"] in (found[0]["side"], "both")}
+    assert len(shared) == 1, "one root, one stiffness"
 
 
 def test_a_law_that_the_scenario_states_comes_first(case: Problem, tmp_path: Path) -> None:
