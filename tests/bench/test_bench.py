@@ -202,14 +202,19 @@ def test_a_pool_that_loses_a_worker_gives_the_same_rows(serial, plan, tmp_path, 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks /proc who is alive")
 def test_workers_do_not_outlive_whoever_began_them(tmp_path: Path) -> None:
-    """One that was killed had told nobody: its workers went on to the end of what they were at, for minutes."""
-    told = tmp_path / "worker.txt"
+    """One that was killed had told nobody: its workers went on to the end of what they were at, for minutes.
+
+    Nor does what they had on disk, theirs to take away then.
+    """
+    told, temporary = tmp_path / "worker.txt", tmp_path / "temporary"
+    temporary.mkdir()
     code = f"""
-import os, time
+import os, tempfile, time
 from pathlib import Path
 from vgvt.bench.executors import process_pool
 
 def at_work():
+    tempfile.mkdtemp(prefix="vgvt-contest-")
     Path({str(told)!r}).write_text(str(os.getpid()))
     time.sleep(600)
 
@@ -219,7 +224,7 @@ if __name__ == "__main__":
 """
     script = tmp_path / "script.py"
     script.write_text(code)
-    parent = subprocess.Popen([sys.executable, str(script)])
+    parent = subprocess.Popen([sys.executable, str(script)], env={**os.environ, "TMPDIR": str(temporary)})
     try:
         assert _soon(lambda: told.exists() and told.read_text().isdigit())
         worker = int(told.read_text())
@@ -228,6 +233,7 @@ if __name__ == "__main__":
         parent.kill()
         parent.wait()
     assert _soon(lambda: not _alive(worker))
+    assert list(temporary.iterdir()) == []
 
 
 def _soon(holds: Callable[[], bool]) -> bool:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
+import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -111,3 +114,56 @@ def test_workers_that_cannot_begin_are_no_cells_fault(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="3 times in a row before they began"):
         finished([Stub(k, tmp_path) for k in range(3)], stillborn, [])
     assert len(made) == 3
+
+
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where this process and the workers that it starts have their temporary files."""
+    place = tmp_path / "temporary"
+    place.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setenv("TMPDIR", str(place))
+    return place
+
+
+def die_with_a_folder() -> None:
+    tempfile.mkdtemp(prefix="vgvt-contest-")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_worker_that_is_killed_leaves_nothing_on_disk(temporary: Path) -> None:
+    """Its folder cannot be its own alone: what is killed takes nothing away."""
+    with process_pool(1)() as pool:
+        assert isinstance(pool.submit(die_with_a_folder).exception(), BrokenProcessPool)
+    assert list(temporary.iterdir()) == []
+
+
+def tidy_slowly(told: Path) -> None:
+    """In a folder until it is told to leave, and then for a while longer, as one that waits for its contestant."""
+    with tempfile.TemporaryDirectory(prefix="vgvt-contest-") as folder:
+        told.write_text(folder)
+        try:
+            time.sleep(60)
+        finally:
+            time.sleep(1)
+            told.with_suffix(".tidied").touch()
+
+
+def test_a_worker_that_is_gone_lets_the_others_tidy(temporary: Path, tmp_path: Path) -> None:
+    """The pool ends them; and it takes for a death, too, that one between two cells leaves at once on Ctrl-C."""
+    told = tmp_path / "told"
+    with process_pool(2)() as pool:
+        busy = pool.submit(tidy_slowly, told)
+        assert soon(told.exists)
+        idle = pool.submit(os.getpid).result()
+        os.kill(idle, signal.SIGKILL)
+        assert isinstance(busy.exception(timeout=30), BrokenProcessPool)
+    assert told.with_suffix(".tidied").exists()
+    assert list(temporary.iterdir()) == []
+
+
+def soon(holds: Callable[[], bool]) -> bool:
+    ends = time.monotonic() + 60
+    while not holds() and time.monotonic() < ends:
+        time.sleep(0.05)
+    return holds()

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import secrets
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -16,7 +20,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Thread
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 from vgvt.bench.cell import Cell, Row, run_cell
 from vgvt.data import InputError
@@ -25,26 +29,41 @@ MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _LOOK_S = 1.0  # between two looks for the parent
-_TO_TIDY_S = 5.0  # for a worker without a parent to take away what it has on disk
+_TO_TIDY_S = 5.0  # for a worker without a parent or a pool to take away what it has on disk
+_AGAIN_S = 0.1  # between two tries to remove what somebody still writes into
 _ATTEMPTS = 3  # of a cell whose worker died under it
-_leaving = threading.Event()
+_leaving, _terminated = threading.Event(), threading.Event()
 
 
 def process_pool(workers: int) -> MakeExecutor:
-    """A pool of fresh processes with one BLAS thread each."""
+    """A pool of fresh processes with one BLAS thread each.
+
+    What workers have on disk lies in one folder, which is this process's: it takes it away when they have ended. A
+    worker may end at any moment, a folder of its own half made or half removed.
+    """
 
     @contextmanager
     def make() -> Iterator[Executor]:
+        # Named before it is made: no moment is left at which it would be there and nobody's.
+        folder = Path(tempfile.gettempdir()) / f"vgvt-pool-{secrets.token_hex(6)}"
         # Spawned, and the variables set before: BLAS reads them once, when numpy is loaded.
         before = {name: os.environ.get(name) for name in _THREADS}
         os.environ.update(dict.fromkeys(_THREADS, "1"))
         pool = ProcessPoolExecutor(
-            workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(),)
+            workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(), folder)
         )
+        # In a thread: Ctrl-C breaks off none, and whoever goes on with an error need not wait for cells under way.
+        closing = Thread(target=_closed, args=(pool, folder), name="close the pool")
         try:
+            folder.mkdir(mode=0o700)
             yield pool
+        except BaseException:
+            closing.start()
+            raise
+        else:
+            closing.start()
+            closing.join()
         finally:
-            pool.shutdown(wait=False, cancel_futures=True)
             for name, value in before.items():
                 if value is None:
                     os.environ.pop(name, None)
@@ -54,30 +73,60 @@ def process_pool(workers: int) -> MakeExecutor:
     return make
 
 
-def leave_with_parent(parent: int) -> None:
+def _closed(pool: Executor, folder: Path) -> None:
+    """Wait for the cells that are under way, and take away what all workers had on disk."""
+    pool.shutdown(wait=True, cancel_futures=True)
+    _gone(folder)
+
+
+def _gone(folder: Path) -> None:
+    """Remove a folder, into which what a worker had started may write for a moment longer."""
+    until = time.monotonic() + _TO_TIDY_S
+    shutil.rmtree(folder, ignore_errors=True)
+    while folder.exists() and time.monotonic() < until:
+        time.sleep(_AGAIN_S)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def leave_with_parent(parent: int, folder: Path | None = None) -> None:
     """Let this process end with that of its parent, whatever it is at work on: killed, a parent can tell nobody.
 
-    And on Ctrl-C without a word: the parent says what there is to say. What it has on disk it takes away.
+    And on Ctrl-C without a word: the parent says what there is to say. What it has on disk it takes away; temporary
+    files lie in ``folder``, which is the parent's, and of its workers where there is no parent any more.
     """
     signal.signal(signal.SIGINT, _leave)
+    # So a pool that has lost a worker ends the others.
+    signal.signal(signal.SIGTERM, _leave)
     own = threading.get_ident()
+    if folder is not None:
+        os.environ["TMPDIR"] = tempfile.tempdir = str(folder)
+
+    def inherit() -> None:
+        if folder is not None and os.getppid() != parent:
+            _gone(folder)
 
     def watch() -> None:
-        while os.getppid() == parent:
+        while os.getppid() == parent and not _terminated.is_set():
             time.sleep(_LOOK_S)
-        signal.pthread_kill(own, signal.SIGINT)
+        if not _leaving.is_set():
+            signal.pthread_kill(own, signal.SIGINT)
         time.sleep(_TO_TIDY_S)
+        inherit()
         os._exit(1)
 
+    atexit.register(inherit)
     Thread(target=watch, name="leave with parent", daemon=True).start()
 
 
-def _leave(_number: int, _frame: FrameType | None) -> NoReturn:
-    """The handler of SIGINT in a worker: the way out that no one prints, and that nothing breaks off.
+def _leave(number: int, _frame: FrameType | None) -> None:
+    """The handler of SIGINT and SIGTERM in a worker: the way out that no one prints, and that nothing breaks off.
 
     Where it ends in a finaliser the cell is worked off to its end. Cells that wait behind it are not begun.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if number == signal.SIGTERM:
+        _terminated.set()
+    if _leaving.is_set():
+        return
     _leaving.set()
     sys.unraisablehook = lambda _: None
     raise SystemExit(1)
