@@ -88,6 +88,16 @@ def test_a_place_that_cannot_hold_the_answer_is_told_before_the_work(
     assert {path.name for path in Path().iterdir()} == {"a-file", "mine"}
 
 
+@pytest.mark.parametrize("option", [("--workers", 2), ("--leave-out-faulty",), ("--force",)], ids=lambda o: o[0])
+def test_an_option_that_needs_a_campaign_is_refused(vgvt, looked: list[bool], option: tuple[Any, ...]) -> None:
+    """It had changed nothing, and nobody was told."""
+    result = vgvt("reconcile", "--power", "--scenario", "quick", "--out", "seen", *option)
+    assert (result.status, looked) == (2, [])
+    assert result.err.startswith(f"vgvt: {option[0]}: ")
+    assert "leave it out, or name what was measured: vgvt reconcile CAMPAIGN" in result.err
+    assert not Path("seen").exists()
+
+
 def test_an_interrupted_study_leaves_no_empty_folder(vgvt, looked: list[bool]) -> None:
     assert vgvt("reconcile", "--power", "--scenario", "quick", "--out", "new/seen").status == 130
     assert looked == [True]

@@ -73,7 +73,7 @@ def reconcile(
     any verdict. Without CAMPAIGN, --power says before the test what it could see.
     """
     from vgvt.cli.options import resolved_scenario
-    from vgvt.cli.reconcile_power import power_before_the_test, tell_of_cut
+    from vgvt.cli.reconcile_power import power_before_the_test, refuse_what_needs_a_campaign, tell_of_cut
     from vgvt.data import InputError
 
     if not scenario:
@@ -85,6 +85,9 @@ def reconcile(
             raise InputError(
                 "CAMPAIGN", "is missing", "name what was measured, or add --power to ask what a test could see"
             )
+        refuse_what_needs_a_campaign(
+            {"--workers": workers is not None, "--leave-out-faulty": leave_out_faulty, "--force": force}
+        )
         return power_before_the_test(believed, effects, out, band, lines, as_json)
     from vgvt.cli.folder_lock import alone_in
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of

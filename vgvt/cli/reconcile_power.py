@@ -16,6 +16,21 @@ if TYPE_CHECKING:
     from vgvt.view.reconcile_account import PowerRow
 
 _SIMULATED, _LINED_UP = 0.2, 0.3
+# Options that mean nothing without what was measured, and why.
+_OF_A_CAMPAIGN = {
+    "--workers": "shares a search among processes, and --power without CAMPAIGN searches for nothing",
+    "--leave-out-faulty": "leaves out what was measured badly, and without CAMPAIGN nothing was measured",
+    "--force": "does again what is answered already, and --power without CAMPAIGN is computed each time",
+}
+
+
+def refuse_what_needs_a_campaign(given: Mapping[str, bool]) -> None:
+    """InputError for an option that is ``given`` and would change nothing, as no campaign is."""
+    from vgvt.data import InputError
+
+    for option, why in _OF_A_CAMPAIGN.items():
+        if given[option]:
+            raise InputError(option, why, "leave it out, or name what was measured: vgvt reconcile CAMPAIGN")
 
 
 def power_before_the_test(
