@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from coarse_beam import BEAM, written
 
+from vgvt.cli import folder_lock
 from vgvt.cli.reconcile_folder import ReconcileFolder
 from vgvt.data import InputError
 from vgvt.scenario import load_scenario
@@ -152,16 +153,55 @@ def test_an_edited_scenario_is_told_and_never_lost(vgvt, tmp_path: Path, questio
     assert vgvt(*question, "found").document["reconciled_edited"] is False
 
 
-@pytest.mark.parametrize("kept", ["derivatives", "rounds and derivatives"])
-def test_an_interrupt_says_all_that_is_kept(vgvt, question, monkeypatch, kept: str) -> None:
+@pytest.mark.parametrize("out", ["new/found", "mine"])
+def test_a_command_that_is_refused_makes_nothing(vgvt, tmp_path: Path, question, monkeypatch, out: str) -> None:
+    """Not even a lock; a folder that was there stays, and what an answer has beside it."""
+    from vgvt.reconcile import loop
+
+    assert vgvt(*question, "found").status == 0
+    (tmp_path / "mine").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+
+    def refused(*_: object, **__: object) -> None:
+        raise InputError("campaign", "has too few lines", "widen --band")
+
+    monkeypatch.setattr(loop, "reconcile", refused)
+    assert vgvt(*question, out).status == 2
+    assert vgvt(*question, "found", "--force").status == 2
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_lock_that_was_removed_meanwhile_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a call that failed between this one's opening and locking it: a third would not have met this one's."""
+    lock = tmp_path / "cache" / "lock"
+    ask = folder_lock._taken
+    removed: list[int] = []
+
+    def late(descriptor: int) -> bool:
+        if not removed:
+            lock.unlink()
+        removed.append(descriptor)
+        return ask(descriptor)
+
+    monkeypatch.setattr(folder_lock, "_taken", late)
+    with folder_lock.alone_in(tmp_path, lock, "vgvt reconcile"):
+        assert len(removed) == 2
+        assert lock.exists()
+    assert lock.exists()
+
+
+@pytest.mark.parametrize("kept", ["nothing", "derivatives", "rounds and derivatives"])
+def test_an_interrupt_says_all_that_is_kept(vgvt, tmp_path: Path, question, monkeypatch, kept: str) -> None:
     from vgvt.reconcile import loop
 
     def interrupted(*_: object, folder: Path, **__: object) -> None:
-        if kept.startswith("rounds"):
-            (folder / "rounds.json").write_text("{}", encoding="utf-8")
+        for name in kept.split(" and ") if kept != "nothing" else ():
+            (folder / f"{name}.json").write_text("{}", encoding="utf-8")
         raise KeyboardInterrupt
 
     monkeypatch.setattr(loop, "reconcile", interrupted)
     stopped = vgvt(*question, "found")
     assert stopped.status == 130
-    assert f"the {kept} computed so far" in stopped.err
+    wanted = "nothing was kept in found" if kept == "nothing" else f"kept in found: the {kept} computed so far"
+    assert wanted in stopped.err
+    assert (tmp_path / "found").exists() == (kept != "nothing")

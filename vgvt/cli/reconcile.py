@@ -89,7 +89,7 @@ def reconcile(
             {"--workers": workers is not None, "--leave-out-faulty": leave_out_faulty, "--force": force}
         )
         return power_before_the_test(believed, effects, out, band, lines, as_json)
-    from vgvt.cli.folder_lock import alone_in
+    from vgvt.cli.new_folders import none_left_empty
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
     from vgvt.cli.soundness import sound_campaign
     from vgvt.reconcile.question.suitable import banded, check_suitable
@@ -98,9 +98,8 @@ def reconcile(
     check_suitable(measured, believed)
     tell_of_cut(band, measured.band_hz, measured.name)
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
-    folder.prepare()
     fingerprint = fingerprint_of(measured, believed, effects, {"lines": lines, "power": power})
-    with alone_in(folder.path, folder.lock, "vgvt reconcile"):
+    with none_left_empty(folder.cache), _alone(folder):
         folder.sweep()
         if force:
             folder.forget()
@@ -116,6 +115,16 @@ def reconcile(
         return 0
     _show(document, folder)
     return 0
+
+
+@contextmanager
+def _alone(folder: ReconcileFolder) -> Iterator[None]:
+    """The block with the folder made and to itself; InputError where that cannot be."""
+    from vgvt.cli.folder_lock import alone_in
+
+    folder.prepare()
+    with alone_in(folder.path, folder.lock, "vgvt reconcile"):
+        yield
 
 
 def _processes(asked: int | None) -> int:
@@ -256,8 +265,11 @@ def _kept_on_interrupt(folder: ReconcileFolder) -> Iterator[None]:
     try:
         yield
     except (KeyboardInterrupt, SystemExit):
-        what = "the rounds and derivatives" if any(folder.rounds) else "the derivatives"
-        log(f"kept in {folder.path}: {what} computed so far; the same command goes on from them")
+        if folder.begun:
+            what = "the rounds and derivatives" if any(folder.rounds) else "the derivatives"
+            log(f"kept in {folder.path}: {what} computed so far; the same command goes on from them")
+        else:
+            log(f"stopped; nothing was kept in {folder.path}")
         raise
 
 

@@ -112,6 +112,11 @@ class ReconcileFolder:
         """The rounds of a search that are kept."""
         return tuple(self.cache.glob("rounds*.json"))
 
+    @property
+    def begun(self) -> bool:
+        """Whether anything is kept that a second call can go on from."""
+        return any(path.is_file() and path != self.lock for path in self.cache.rglob("*"))
+
     def forget(self) -> None:
         """Remove the rounds of an earlier search: the next one begins anew. Derivatives stay, which hold no effect."""
         for kept in self.rounds:
