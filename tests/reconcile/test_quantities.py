@@ -75,14 +75,25 @@ def shortened(seconds: float) -> Campaign:
     return replace(whole, runs=(first, replace(first, run=8, samples=first.samples[:, : int(100 * seconds)])))
 
 
+def undriven(force_n: float) -> Campaign:
+    """The same with a second run whose force does not change."""
+    whole = campaign()
+    (first,) = whole.runs
+    samples = first.samples.copy()
+    samples[0] = force_n
+    return replace(whole, runs=(first, replace(first, run=8, samples=samples)))
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
+        (undriven(0.0), ("bench, run 8, channel force: is 0 N throughout", "no A/F", "leave this run out")),
+        (undriven(0.3), ("bench, run 8, channel force: is 0.3 N throughout", "no A/F", "leave this run out")),
         (without(ChannelRole.REFERENCE), ("bench, run 8: has no force channel", "leave this run out")),
         (replace(without(ChannelRole.RESPONSE), runs=without(ChannelRole.RESPONSE).runs[1:]), ("no response channel",)),
         (shortened(0.5), ("bench, run 8: is 0.5 s long", "11 lines from 2 to 25 Hz", "32 are needed", "whole record")),
     ],
-    ids=["no force", "no response", "short"],
+    ids=["no drive", "an offset alone", "no force", "no response", "short"],
 )
 def test_a_run_that_can_tell_nothing_is_told_before_anything_is_computed(
     given: Campaign, words: tuple[str, ...]
@@ -92,6 +103,12 @@ def test_a_run_that_can_tell_nothing_is_told_before_anything_is_computed(
         check_suitable(given, load_scenario("teaching-beam"))
     for word in words:
         assert word in str(told.value)
+
+
+def test_a_run_that_nothing_drove_gives_no_responses() -> None:
+    """Nor is it left out in silence: what changes from run to run counts them."""
+    with pytest.raises(InputError, match=r"(?s)bench, run 8, channel force .* leave run 8 out"):
+        measured_frfs(undriven(0.0), lines=60)
 
 
 def test_a_run_that_is_just_long_enough_is_no_matter() -> None:

@@ -115,6 +115,20 @@ def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, tapered: int) ->
     assert off(foretold(m, ending) + plain) > 0.05
 
 
+@pytest.mark.parametrize("law", [CUBIC, PLAY, replace(CUBIC, rest=0.0123, friction=0.4)])
+@pytest.mark.parametrize("tapered", [TAPERED, 0])
+def test_a_run_that_nothing_drives_has_no_answer(law: Law, tapered: int) -> None:
+    """What a joint does at rest is round-off; the quotient of that and of no force had been taken, and no quotient is."""
+    m, still = structure(), np.zeros(SAMPLES)
+    joints = Joints(((law,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
+    ending = Ending.of(still, RATE_HZ, tapered, HZ, np.zeros(LINES.size, dtype=complex))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        shown, rung = marched_run(m, joints, (law,), Push(still, RATE_HZ, LINES, 12.0, ending))
+    assert shown.shape == (1, LINES.size) and np.isnan(shown).all()
+    assert rung.shape == (2, LINES.size) and not rung.any()
+
+
 @pytest.mark.parametrize("modelled", [5e3, 1e5, 1e6])
 def test_a_joint_that_runs_away_is_no_number(modelled: float) -> None:
     """Softer than what holds it: its motion grows without end, to what is a number still or beyond."""

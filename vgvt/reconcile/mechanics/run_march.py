@@ -62,8 +62,12 @@ def marched_run(
     """Complex stiffness κ (J, L) that joints with ``laws`` show beyond their tangent, and what they leave out (C, L).
 
     ``loaded`` is the linear structure with the run's sensors. The second is what the record's end adds to the
-    accelerances of its rows (C,) because of what the joints have set ringing.
+    accelerances of its rows (C,) because of what the joints have set ringing. Neither a run that nothing drives nor
+    one that runs away has an A/F: its joints show no number.
     """
+    if not push.samples.any():
+        nothing = np.zeros((loaded.axis.shape[0], push.lines.size), dtype=complex)
+        return np.full((len(laws), push.lines.size), complex(np.nan, np.nan)), nothing
     count, rate = push.samples.size, push.rate_hz
     duration = count / rate
     rubs, plays = any(law.friction > 0 for law in laws), any(law.play > 0 for law in laws)

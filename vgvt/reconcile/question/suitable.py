@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vgvt.data import Campaign, ChannelRole, Dof, InputError, Quantity
+from vgvt.data import Campaign, ChannelRole, Dof, InputError, Quantity, Record
 from vgvt.files.units import UNITS
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import UNRECORDED_NOTE
@@ -23,7 +23,7 @@ _MEASURES = {
 def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
     """InputError unless points, directions, drive point and kind of excitation of both are the same.
 
-    And unless every run holds accelerations and a force, in SI, for long enough.
+    And unless every run holds accelerations and a force, in SI, for long enough, and was driven.
     """
     check_excitation(scenario)
     _check_beginning(campaign)
@@ -100,6 +100,7 @@ def _check_forces(campaign: Campaign) -> None:
                 "has no force channel",
                 "mark its force as reference, or leave this run out",
             )
+        _check_driven(campaign, record)
     if not campaign.response_dofs:
         raise InputError(campaign.name, "has no response channel", "give a campaign with measured accelerations")
     if len(references) > 1:
@@ -108,6 +109,16 @@ def _check_forces(campaign: Campaign) -> None:
             f"was driven at {len(references)} points: {_listed(references)}",
             "reconcile the runs of each drive point on their own, with a scenario for each",
         )
+
+
+def _check_driven(campaign: Campaign, record: Record) -> None:
+    for channel, samples in zip(record.channels, record.samples, strict=True):
+        if channel.role is ChannelRole.REFERENCE and float(np.ptp(samples)) == 0:
+            raise InputError(
+                f"{campaign.name}, run {record.run}, channel {channel.name}",
+                f"is {float(samples[0]):g} N throughout: a run that nothing drove has no A/F",
+                "repair the record, or leave this run out",
+            )
 
 
 def check_quantities(campaign: Campaign) -> None:
