@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -88,6 +89,27 @@ def test_they_are_kept_until_they_mislead(case: Problem, monkeypatch: pytest.Mon
     anchor(case, u + 0.1, (SLIPS,), e, structures=known)
     assert sum(asked) == 2 * len(first.groups)
     assert known.follows.at(np.concatenate([u + 0.1, e]))
+
+
+def test_runs_that_are_grouped_otherwise_have_slopes_anew(case: Problem, tmp_path: Path) -> None:
+    """As where a step takes back all of a change between runs: slopes of two groups had met one, which was an error."""
+    scenario = case.scenario.model_copy(
+        update={"acquisition": case.scenario.acquisition.model_copy(update={"runs": ((1, 5), (9, 13))})}
+    )
+    two = make_problem(simulated_campaign(scenario, engine="linear"), scenario, lines=60, cache=tmp_path)
+    warmer = Hypothesis(available_effects()["temperature-change"], {"from_run": 2})
+    both, u = (SLIPS, warmer), as_stated(two)
+    known = Structures(two, follows=Following())
+    assert known.follows is not None
+    sizes = []
+    for warming_k in (3.0, 0.0, 3.0):
+        e = np.concatenate([SLIPS.scores(TRUE), warmer.scores({"warming_k": warming_k})])
+        found = anchor(two, u, both, e, structures=known)
+        assert known.follows.at(np.concatenate([u, e]))
+        own = anchor(two, u, both, e, structures=Structures(two, follows=Following()))
+        np.testing.assert_allclose(found.slopes(), own.slopes(), rtol=1e-9, atol=1e-12)
+        sizes.append(len(found.groups))
+    assert sizes == [2, 1, 2]
 
 
 @pytest.mark.slow

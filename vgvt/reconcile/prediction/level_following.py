@@ -25,15 +25,20 @@ _STEP = 3e-3
 
 _Pair = tuple[ComplexArray, ComplexArray]
 _Rows = tuple[NDArray[np.intp], ...]
+_Kind = tuple[tuple[int, ...], tuple[int, ...] | None]
 _Of = tuple[NDArray[np.intp], _Rows, Array, Levels | None, Matrices, dict[str, Array]]
 
 
 @dataclass(slots=True, eq=False)
 class Following:
-    """What a fit knows of it: slopes of its groups, kept until steps show that they are of somewhere else."""
+    """What a fit knows of it: slopes of its groups, kept until steps show that they are of somewhere else.
+
+    ``of`` are the channels of those groups and how much their joints show there: of others they say nothing.
+    """
 
     taken: tuple[_Pair | None, ...] | None = None
     scores: Array | None = None
+    of: tuple[_Kind, ...] = ()
 
     def at(self, scores: Array) -> bool:
         """Whether they were taken at these scores."""
@@ -48,16 +53,21 @@ class Following:
     ) -> tuple[Levels | None, ...]:
         """Levels of groups that follow the unknowns: of each what :func:`slopes_of` is given, and ``rates``.
 
-        ``scores`` are where they stand, should slopes be taken there.
+        ``scores`` are where they stand, should slopes be taken there: also where runs are grouped otherwise than they
+        were, as with a change between them that a step has taken back, or joints are no longer what they were.
         """
-        if self.taken is None:
+        kinds = tuple(
+            (tuple(channels.tolist()), None if levels is None else levels.shown.shape)
+            for channels, _, _, levels, _, _ in groups
+        )
+        if self.taken is None or kinds != self.of:
             self.taken = tuple(
                 None
                 if levels is None
                 else slopes_of(measured, channels, rows, masses_kg, levels, matrices, slopes, rates)
                 for channels, rows, masses_kg, levels, matrices, slopes in groups
             )
-            self.scores = scores
+            self.scores, self.of = scores, kinds
         joined = zip((g[3] for g in groups), self.taken, strict=True)
         return tuple(None if levels is None else replace(levels, follows=pair) for levels, pair in joined)
 
