@@ -118,7 +118,7 @@ def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, tapered: int) ->
 @pytest.mark.parametrize("law", [CUBIC, PLAY, replace(CUBIC, rest=0.0123, friction=0.4)])
 @pytest.mark.parametrize("tapered", [TAPERED, 0])
 def test_a_run_that_nothing_drives_has_no_answer(law: Law, tapered: int) -> None:
-    """What a joint does at rest is round-off; the quotient of that and of no force had been taken, and no quotient is."""
+    """What a joint does at rest is round-off: the quotient of that and of no force had been taken."""
     m, still = structure(), np.zeros(SAMPLES)
     joints = Joints(((law,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
     ending = Ending.of(still, RATE_HZ, tapered, HZ, np.zeros(LINES.size, dtype=complex))
