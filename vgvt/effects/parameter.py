@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 
@@ -90,6 +91,7 @@ def range_fault(p: Parameter) -> str:
     return ""
 
 
+@cache
 def parameters_of(effect: type) -> tuple[Parameter, ...]:
     """The parameters of an effect class, in the order of its fields; other fields are settings without a prior."""
     fields = [f for f in dataclasses.fields(effect) if "unit" in f.metadata]

@@ -168,8 +168,9 @@ class Acquisition(Table):
 
         The plan itself where runs count as they come.
         """
-        own, counted = self.run_nodes, self._counted
-        if len(counted) != len(own):
+        counted = self._counted
+        # Asked for every effect in every run, and nearly all runs count as they come.
+        if not counted or len(counted) != len(own := self.run_nodes):
             return self, run
         place = counted[run] - 1
         runs = [own[min(k, len(own) - 1)] for k in range(max(counted))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from vgvt.scenario.airframe import Airframe, Beam, Item, mirrored_names
 from vgvt.scenario.base import Point
+from vgvt.scenario.recent import Recent
 
 
 def expanded_beams(airframe: Airframe) -> tuple[Beam, ...]:
@@ -12,12 +13,12 @@ def expanded_beams(airframe: Airframe) -> tuple[Beam, ...]:
     A table with ``mirror`` becomes NAME-right as written and NAME-left with y
     negated; their parents are the names of expanded beams or 'body'.
     """
-    return tuple(copy for beam in airframe.beam for copy in _beam_copies(airframe, beam))
+    return _beams_recently(airframe)
 
 
 def expanded_items(airframe: Airframe) -> tuple[Item, ...]:
     """Every lumped item as built; ``attached_to`` names expanded beams or 'body'."""
-    return tuple(copy for item in airframe.item for copy in _item_copies(airframe, item))
+    return _items_recently(airframe)
 
 
 def part_name(airframe: Airframe, name: str, y_m: float) -> str:
@@ -73,3 +74,16 @@ def _item_copies(airframe: Airframe, item: Item) -> tuple[Item, ...]:
             }
         ),
     )
+
+
+def _all_beams(airframe: Airframe) -> tuple[Beam, ...]:
+    return tuple(copy for beam in airframe.beam for copy in _beam_copies(airframe, beam))
+
+
+def _all_items(airframe: Airframe) -> tuple[Item, ...]:
+    return tuple(copy for item in airframe.item for copy in _item_copies(airframe, item))
+
+
+# Whatever cuts, weighs or edits an airframe asks for them, each of the same one.
+_beams_recently: Recent[Airframe, tuple[Beam, ...]] = Recent(_all_beams)
+_items_recently: Recent[Airframe, tuple[Item, ...]] = Recent(_all_items)

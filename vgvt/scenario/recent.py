@@ -24,7 +24,8 @@ class Recent(Generic[Key, Value]):
 
     def __call__(self, key: Key) -> Value:
         """The answer for an argument, made where it is not one of the last."""
-        for known, value in self._known:
+        # A copy: another thread may add to them meanwhile.
+        for known, value in tuple(self._known):
             if known is key:
                 return value
         value = self._make(key)
