@@ -11,7 +11,7 @@ import pytest
 from reconciled_case import claimed, problem, roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.evidence.localise import Localisation, interface_type, localise
+from vgvt.reconcile.evidence.localise import Localisation, _least, _Rest, interface_type, localise
 from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.mechanics.response import accelerances
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -102,3 +102,30 @@ def test_a_mass_but_for_a_trace_is_a_mass_and_what_swings_is_found(frequency_hz:
     assert told[0] == "mass" and told[1] == pytest.approx(0.05, rel=0.05) and told[2] == "kg"
     kind, size, unit = interface_type(OMEGA, 0.05 * pole, motion, np.ones_like(OMEGA))
     assert (kind, unit) == ("resonant", "Hz") and size == pytest.approx(frequency_hz, rel=0.02)
+
+
+def test_what_a_free_force_leaves_is_what_is_left_off_its_direction() -> None:
+    g = np.random.default_rng(4)
+    rho, direction = (g.standard_normal((5, 30)) + 1j * g.standard_normal((5, 30)) for _ in range(2))
+    direction[:, 7] = 0.0
+    tangent = 40 * (g.standard_normal((5, 30, 6)) + 1j * g.standard_normal((5, 30, 6)))
+    scores = g.standard_normal(6)
+    power = np.sum(np.abs(direction) ** 2, axis=0)
+    unit = direction / np.sqrt(np.where(power > 0, power, 1.0))
+    r = (rho - unit * np.sum(unit.conj() * rho, axis=0)).ravel()
+    t = (tangent - unit[:, :, None] * np.einsum("cl,clp->lp", unit.conj(), tangent)[None]).reshape(-1, 6)
+    stacked = np.concatenate([t.real, t.imag, np.sqrt(0.5) * np.eye(6)])
+    target = np.concatenate([r.real, r.imag, np.sqrt(0.5) * scores])
+    left = target - stacked @ np.linalg.lstsq(stacked, target, rcond=None)[0]
+    found = _Rest.of(rho, tangent, scores).least(direction)
+    assert found == pytest.approx(float(left @ left), rel=1e-10)
+
+
+def test_many_least_squares_are_each_by_itself() -> None:
+    g = np.random.default_rng(5)
+    columns, target = g.standard_normal((7, 40, 4)) * [1.0, 1e3, 1e-3, 5.0], g.standard_normal(40)
+    sizes, lefts = _least(columns, target)
+    for k, own in enumerate(columns):
+        amounts = np.linalg.lstsq(own, target, rcond=None)[0]
+        assert np.allclose(sizes[k], amounts, rtol=1e-8)
+        assert lefts[k] == pytest.approx(float(np.sum((target - own @ amounts) ** 2)), rel=1e-9)

@@ -112,7 +112,8 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     # The real tangent holds sqrt(2) times real parts, then imaginary ones.
     half = null.tangent.reshape(2, count, lines, -1) / np.sqrt(2)
     tangent = half[0] + 1j * half[1]
-    left = _free(rho, tangent, null.scores, None)
+    all_of_it = _Rest.of(rho, tangent, null.scores)
+    left = all_of_it.least(None)
     found: list[tuple[float, FreePlace, ComplexArray]] = []
     trials = free_places(problem, here, keep)
     chain = here.chain(null.u, null.e)
@@ -121,7 +122,7 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
             progress(k / len(trials), f"localise {c.label}")
         answer = answered(here, c, null.predicted, chain)
         scaled = standardised(problem, answer[keep], null.sigma)
-        remaining = _free(rho, tangent, null.scores, scaled)
+        remaining = all_of_it.least(scaled)
         chance = lines * (scaled.any(axis=1).any())
         explained = float((left - remaining - chance) / left)
         found.append((explained, c, scaled))
@@ -137,19 +138,43 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     return Localisation(tuple(ranked), measured.frequency_hz, null.chi2_per_dof)
 
 
-def _free(rho: ComplexArray, tangent: ComplexArray, scores: Array, direction: ComplexArray | None) -> float:
-    """Least |P (ρ + J δ)|² + |u + δ|² over δ, with P taking a free amount of ``direction`` (C, L) off every line."""
-    if direction is not None:
-        power = np.sum(np.abs(direction) ** 2, axis=0)
-        unit = direction / np.sqrt(np.where(power > 0, power, 1.0))
-        rho = rho - unit * np.sum(unit.conj() * rho, axis=0)
-        tangent = tangent - unit[:, :, None] * np.einsum("cl,clp->lp", unit.conj(), tangent)[None]
-    flat = tangent.reshape(-1, tangent.shape[2])
-    vector = rho.ravel()
-    normal = (flat.conj().T @ flat).real + 0.5 * np.eye(scores.size)
-    gradient = (flat.conj().T @ vector).real + 0.5 * scores
-    total = float(np.sum(np.abs(vector) ** 2)) + 0.5 * float(scores @ scores)
-    return total - float(gradient @ np.linalg.solve(normal, gradient))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rest:
+    """Misfit ``rho`` (C, L), its ``tangent`` (C, L, p) and ``scores`` (p,), with the products of all three.
+
+    ``normal`` (p, p) and ``gradient`` (p,) are half of the curvature and of the slope of the square ``total``.
+    """
+
+    rho: ComplexArray
+    tangent: ComplexArray
+    normal: Array
+    gradient: Array
+    total: float
+
+    @classmethod
+    def of(cls, rho: ComplexArray, tangent: ComplexArray, scores: Array) -> _Rest:
+        flat, vector = tangent.reshape(-1, tangent.shape[2]), rho.ravel()
+        return cls(
+            rho, tangent, (flat.conj().T @ flat).real + 0.5 * np.eye(scores.size),
+            (flat.conj().T @ vector).real + 0.5 * scores,
+            float(np.sum(np.abs(vector) ** 2)) + 0.5 * float(scores @ scores),
+        )  # fmt: skip
+
+    def least(self, direction: ComplexArray | None) -> float:
+        """Least |P (ρ + J δ)|² + |u + δ|² over δ, with P taking a free amount of ``direction`` (C, L) off every line.
+
+        What is taken off is one value a line: its products are taken off those of all.
+        """
+        normal, gradient, total = self.normal, self.gradient, self.total
+        if direction is not None:
+            power = np.sum(np.abs(direction) ** 2, axis=0)
+            unit = (direction / np.sqrt(np.where(power > 0, power, 1.0))).conj()
+            along = np.sum(unit * self.rho, axis=0)
+            moved = np.matmul(unit.T[:, None, :], self.tangent.transpose(1, 0, 2))[:, 0]
+            normal = normal - (moved.conj().T @ moved).real
+            gradient = gradient - (moved.conj().T @ along).real
+            total -= float(np.sum(np.abs(along) ** 2))
+        return total - float(gradient @ np.linalg.solve(normal, gradient))
 
 
 def _stiffness(
@@ -184,19 +209,22 @@ def interface_type(
     for k, (name, unit) in enumerate(names):
         size, left = _least(_parts((-laws[:, k] * motion * scale)[:, None]), target)
         if (left < least and size[0] > 0) or left < 0.9 * least:
-            best, least = (name, float(size[0]), unit), left
+            best, least = (name, float(size[0]), unit), float(left)
     plain = _parts(-laws * motion[:, None] * scale[:, None])
-    without = _least(plain, target)[1]
+    without = float(_least(plain, target)[1])
     if without < _TRACE * total:
         return best
     enough = 0.4 * min(without, total)
-    for frequency in np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), _POLES)):
-        for ratio in _RATIOS:
-            pole = frequency**2 + 2j * ratio * frequency * omega
-            column = omega**2 * pole / (pole - omega**2) * motion * scale
-            size, left = _least(np.column_stack([_parts(column[:, None]), plain]), target)
-            if size[0] > 0 and left < enough:
-                best, enough = ("resonant", float(frequency / (2 * np.pi)), "Hz"), left
+    frequencies = np.repeat(np.exp(np.linspace(np.log(omega[0]), np.log(omega[-1]), _POLES)), len(_RATIOS))
+    ratios = np.tile(_RATIOS, _POLES)
+    pole = frequencies[:, None] ** 2 + 2j * (ratios * frequencies)[:, None] * omega
+    columns = _parts((omega**2 * pole / (pole - omega**2) * motion * scale).T).T[:, :, None]
+    beside = np.broadcast_to(plain, (frequencies.size, *plain.shape))
+    sizes, lefts = _least(np.concatenate([columns, beside], axis=2), target)
+    lefts = np.where(sizes[:, 0] > 0, lefts, np.inf)
+    least_left = int(lefts.argmin())
+    if lefts[least_left] < enough:
+        return "resonant", float(frequencies[least_left] / (2 * np.pi)), "Hz"
     return best
 
 
@@ -205,11 +233,12 @@ def _parts(values: ComplexArray) -> Array:
     return np.concatenate([values.real, values.imag])
 
 
-def _least(columns: Array, target: Array) -> tuple[Array, float]:
-    """Least-squares amounts (k,) of columns (2 L, k), and the square sum that they leave."""
-    length = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    unit = columns / length
-    normal = unit.T @ unit + 1e-10 * np.eye(length.size)
-    amounts = np.linalg.solve(normal, unit.T @ target)
-    left = target - unit @ amounts
-    return amounts / length, float(left @ left)
+def _least(columns: Array, target: Array) -> tuple[Array, Array]:
+    """Least-squares amounts (…, k) of columns (…, 2 L, k), and the square sums (…) that they leave of (2 L,)."""
+    length = np.maximum(np.linalg.norm(columns, axis=-2), 1e-300)
+    unit = columns / length[..., None, :]
+    turned = unit.swapaxes(-1, -2)
+    normal = turned @ unit + 1e-10 * np.eye(length.shape[-1])
+    amounts = np.linalg.solve(normal, (turned @ target)[..., None])
+    left = target - (unit @ amounts)[..., 0]
+    return amounts[..., 0] / length, np.sum(left**2, axis=-1)
