@@ -12,7 +12,7 @@ from vgvt.reconcile.mechanics.ending import Ending, left_out
 from vgvt.reconcile.mechanics.joints import Joints
 from vgvt.reconcile.mechanics.law import Law
 from vgvt.reconcile.mechanics.response import Matrices, loaded_by
-from vgvt.reconcile.mechanics.run_march import Push, marched_run
+from vgvt.reconcile.mechanics.run_march import Push, _decaying, marched_run
 from vgvt.reconcile.prediction.levels import level_accelerances
 
 Array = np.ndarray
@@ -166,3 +166,13 @@ def test_a_pole_above_the_band_that_is_driven_does_not_grow() -> None:
     assert np.abs(shown[1]).max() > 10
     # It is given the other one's pole: what is left is round-off.
     np.testing.assert_allclose(shown[0], shown[1], rtol=1e-6)
+
+
+def test_decay_by_blocks_is_decay_at_every_step() -> None:
+    g = np.random.default_rng(6)
+    pole = -g.uniform(0.01, 30.0, 9) + 1j * g.uniform(0.0, 900.0, 9)
+    shares = g.standard_normal((2, 9)) + 1j * g.standard_normal((2, 9))
+    for count in (1, 2, 9, 1000, 1001):
+        time = np.arange(count) * 2e-3
+        wanted = (shares @ np.exp(np.outer(pole, time))).real
+        assert np.abs(_decaying(shares, pole, time) - wanted).max() < 1e-11 * np.abs(shares).sum()

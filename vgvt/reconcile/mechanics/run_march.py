@@ -151,7 +151,20 @@ def _come_round(poles: Poles, spectrum: ComplexArray, rows: Array, drive: Array,
     given = begun * pair * (poles.left @ drive)[lasting]
     # Beyond all numbers where a pole is driven.
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray((((rows @ poles.vectors[:, lasting]) * given) @ np.exp(np.outer(pole, time))).real)
+        return _decaying((rows @ poles.vectors[:, lasting]) * given, pole, time)
+
+
+def _decaying(shares: ComplexArray, pole: ComplexArray, time: Array) -> Array:
+    """Real parts (J, N) of shares (J, P) of exp(poles t) at equal steps of time (N,), s, the first of them at 0.
+
+    Times are some blocks' beginnings and what has gone of a block: far fewer exponentials than one a pole and step, and
+    real numbers times pairs of them are half of a complex product.
+    """
+    size = int(np.sqrt(time.size)) + 1
+    begun, within = np.exp(np.outer(time[::size], pole)), np.exp(np.outer(pole, time[:size]))
+    turned = shares[:, None, :] * begun
+    both = np.concatenate([turned.real, -turned.imag], axis=2) @ np.concatenate([within.real, within.imag])
+    return np.asarray(both.reshape(shares.shape[0], -1)[:, : time.size])
 
 
 def flexibility(poles: Poles, seen: Array, acting: Array, spare: Array | float) -> ComplexArray:
