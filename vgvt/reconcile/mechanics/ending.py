@@ -162,11 +162,15 @@ class _Rung:
 
 def left_out(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
-    endings: tuple[Ending, ...],
+    endings: tuple[Ending, ...], known: Poles | None = None,
 ) -> ComplexArray:  # fmt: skip
-    """What endings add to accelerances (C, L), :func:`vgvt.reconcile.mechanics.response.accelerances`, run by run."""
+    """What endings add to accelerances (C, L), :func:`vgvt.reconcile.mechanics.response.accelerances`, run by run.
+
+    ``known`` are the poles of the matrices.
+    """
     out = np.zeros((matrices.axis.shape[0], omega.size), dtype=complex)
-    for rows, _, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings):
+    poles = poles_of(matrices, omega) if known is None else known
+    for rows, rung in _ringing_runs(matrices, omega, runs, masses_kg, endings, poles):
         out[rows] = _added(rung, matrices.drive, matrices.axis[rows], matrices.tilt[rows])
     return out
 
@@ -240,17 +244,17 @@ def _with_ending(found: ComplexArray, run: RunSlopes, omega: Array, ending: Endi
 
 def _ringing_runs(
     matrices: Matrices, omega: Array, runs: tuple[NDArray[np.intp], ...], masses_kg: tuple[Array, ...],
-    endings: tuple[Ending, ...],
-) -> Iterator[tuple[NDArray[np.intp], Array, _Rung]]:  # fmt: skip
-    """Rows and masses of the runs at whose end something rings, and what."""
-    poles = _in_reach(poles_of(matrices, omega).poles, omega)
+    endings: tuple[Ending, ...], bare: Poles,
+) -> Iterator[tuple[NDArray[np.intp], _Rung]]:  # fmt: skip
+    """Rows of the runs at whose end something rings, and what; ``bare`` are the poles without their masses."""
+    poles = _in_reach(bare.poles, omega)
     for rows, mass, ending in zip(runs, masses_kg, endings, strict=True):
         # Sensors hardly change how long something rings: most often nothing does, and that is seen without them.
         if not ending.heard(ending.ringing(poles), _HARDLY).any():
             continue
-        rung = _rung(poles_of(loaded_by(matrices, rows, mass), omega), omega, ending)
+        rung = _rung(poles_of(loaded_by(matrices, rows, mass), omega) if mass.any() else bare, omega, ending)
         if rung is not None:
-            yield rows, mass, rung
+            yield rows, rung
 
 
 def _in_reach(poles: ComplexArray, omega: Array, images: bool = False) -> ComplexArray:

@@ -67,13 +67,14 @@ def accelerances(
     omega: Array,
     runs: tuple[NDArray[np.intp], ...],
     masses_kg: tuple[Array, ...],
+    known: Poles | None = None,
 ) -> ComplexArray:
     """Accelerance (C, L) of every row, those of one run loaded by the run's point masses.
 
     ``runs`` give the rows of each run, ``masses_kg`` (rows of the run,) the masses that move with them
-    beyond what is in the mass matrix (zeros: none).
+    beyond what is in the mass matrix (zeros: none). ``known`` are the poles of the matrices at these lines.
     """
-    poles = poles_of(matrices, omega)
+    poles = poles_of(matrices, omega) if known is None else known
     square = omega**2
     to_axis = matrices.axis @ poles.vectors
     to_tilt = matrices.tilt @ poles.vectors

@@ -18,6 +18,7 @@ from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, GroundSpring
 from vgvt.effects.protocol import Effect
+from vgvt.reconcile.prediction.acts_known import action_known
 from vgvt.reconcile.prediction.grouping import Group, assembled, cells_at, effects_at, home, refined_rows
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Nominal, Problem
@@ -170,8 +171,8 @@ def _changes(start: Nominal, others: tuple[Effect, ...], effect: Effect) -> tupl
     kinds: list[tuple[Scenario, Scenario, tuple[Action, ...], list[int]]] = []
     filtered = False
     for run in range(len(start.scenario.acquisition.run_nodes)):
-        scenario, found = acted(others, start.scenario, run)
-        edited, actions = acted((*others, effect), start.scenario, run)
+        scenario, found = acted(others, start.scenario, run, action_known)
+        edited, actions = acted((*others, effect), start.scenario, run, action_known)
         carried = _carried_along(found, actions)
         if carried:
             actions = (*actions[:-1], replace(actions[-1], elements=(*actions[-1].elements, *carried)))

@@ -25,6 +25,8 @@ from vgvt.simulation.reduced import Structure, structure
 Array = NDArray[np.float64]
 # Of all damping, what no slope changes in a step of some thousandths of a deviation.
 _EDGE = 0.05
+# Assemblies; each is about a megabyte.
+_KEPT = 24
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,8 +151,20 @@ def assembled(
     made = effects_at(problem, hypotheses, e)
     if made is None:
         return None
+    scores = np.asarray(u, dtype=np.float64), np.asarray(e, dtype=np.float64)
+    return _assembled(problem, scores[0].tobytes(), hypotheses, scores[1].tobytes())
+
+
+# Every candidate's fit begins where the one before began, and slopes are taken where a step has arrived.
+@lru_cache(maxsize=_KEPT)
+def _assembled(
+    problem: Problem, scores: bytes, hypotheses: tuple[Hypothesis, ...], own: bytes
+) -> tuple[Group, ...] | None:
+    u, made = np.frombuffer(scores), effects_at(problem, hypotheses, np.frombuffer(own))
+    if made is None:
+        return None
     try:
-        base = _base(problem, u.tobytes())[0]
+        base = _base(problem, scores)[0]
         per_run = run_actions(base, made, len(problem.measured.runs))
         kinds: list[tuple[Scenario, tuple[Action, ...], list[int]]] = []
         for run, (scenario, actions) in enumerate(per_run):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.mechanics.joints import Joints, joints_of, missed
-from vgvt.reconcile.mechanics.response import Matrices, loaded_by, poles_of
+from vgvt.reconcile.mechanics.response import Matrices, Poles, loaded_by, poles_of
 from vgvt.reconcile.mechanics.run_march import Push, flexibility, marched_run
 from vgvt.reconcile.prediction.grouping import Group
 from vgvt.reconcile.question.data import Measured
@@ -114,12 +114,14 @@ def level_accelerances(
     omega: Array,
     runs: tuple[NDArray[np.intp], ...],
     masses_kg: tuple[Array, ...],
+    known: Poles | None = None,
 ) -> ComplexArray:
     """Accelerance (C, L) of every row where joints have an extra complex stiffness (R, J, L), run by run.
 
     ``runs`` give the rows of each run, ``masses_kg`` the point masses that move with them beyond the mass matrix.
+    ``known`` are the poles of the matrices at these lines.
     """
-    poles = poles_of(matrices, omega)
+    poles = poles_of(matrices, omega) if known is None else known
     square, count = omega**2, joints.rows.shape[0]
     pushed = poles.modal(matrices.drive[None])[0]
     moved = pushed @ (matrices.axis @ poles.vectors).T + matrices.spare

@@ -14,15 +14,14 @@ def carried_by(
     s: Structure, rows: NDArray[np.intp], masses: Array, runs: tuple[NDArray[np.intp], ...], roving: bool
 ) -> Array:
     """Inertia (n, n) of the sensors: all of it where they stay, the mean across their axes where they rove."""
-    n = s.drive.size
-    total = np.zeros((n, n))
-    for run in runs if roving else runs[:1]:
-        for k in run:
-            moved = s.jacobian[rows[k]]
-            total += masses[k] * moved.T @ moved
-            if roving:
-                total -= masses[k] * np.outer(s.axis[rows[k]], s.axis[rows[k]])
-    return total / len(runs) if roving else total
+    chosen = np.concatenate(runs if roving else runs[:1])
+    at, own = rows[chosen], masses[chosen]
+    moved = s.jacobian[at]
+    total = (moved * own[:, None, None]).reshape(-1, s.drive.size).T @ moved.reshape(-1, s.drive.size)
+    if not roving:
+        return np.asarray(total)
+    axis = s.axis[at]
+    return np.asarray(total - (axis.T * own) @ axis) / len(runs)
 
 
 def riding(drive: Array, known: NDArray[np.bool_]) -> Array:

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from vgvt.effects.action import Action
 from vgvt.reconcile.mechanics.ending import Ending, accelerance_slopes, left_out, left_out_slopes
-from vgvt.reconcile.mechanics.joints import joint_laws
 from vgvt.reconcile.mechanics.level_slopes import level_accelerance_slopes
-from vgvt.reconcile.mechanics.response import Matrices, Slopes, accelerances, by_rate, reduction, unfelt
+from vgvt.reconcile.mechanics.response import Matrices, Slopes, accelerances, by_rate, poles_of
 from vgvt.reconcile.prediction.adjacent import beside as groups_beside
 from vgvt.reconcile.prediction.carried import Structures
 from vgvt.reconcile.prediction.chain import chain_factor
@@ -29,22 +28,19 @@ from vgvt.reconcile.prediction.grouping import (
     run_actions,
     sensor_mass,
     sensor_mass_index,
-    spare_flexibility,
 )
 from vgvt.reconcile.prediction.left_out import spare_slopes
 from vgvt.reconcile.prediction.level_following import Following
 from vgvt.reconcile.prediction.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.prediction.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
+from vgvt.reconcile.prediction.plain import loaded, plain_of
 from vgvt.reconcile.prediction.riding import across_by_rows, carried_by, riding
 from vgvt.reconcile.prediction.sides import Side, pulled_by, sides_of, widened
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, MATRICES, Problem
-from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-# Modes up to this many times the top of the band; the rest is a static flexibility.
-_MODES_PER_BAND = 6.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,15 +113,17 @@ class Anchor:
                 else np.zeros(rows.size)
                 for rows in group.runs
             )
-            of = (matrices, omega, group.runs, masses)
+            of, poles = (matrices, omega, group.runs, masses), poles_of(matrices, omega)
             if group.levels is None:
-                out[group.channels] = accelerances(*of)
+                out[group.channels] = accelerances(*of, poles)
             else:
                 shown, rung = group.levels.moved(x[count:])
                 joints = group.levels.joints
-                out[group.channels] = level_accelerances(matrices, joints, shown, omega, group.runs, masses) + rung
+                out[group.channels] = (
+                    level_accelerances(matrices, joints, shown, omega, group.runs, masses, poles) + rung
+                )
             if ended and problem.measured.endings:
-                out[group.channels] += left_out(*of, self._endings(group))
+                out[group.channels] += left_out(*of, self._endings(group), poles)
         return out
 
     def slopes(self, wanted: NDArray[np.bool_] | None = None) -> ComplexArray:
@@ -253,51 +251,45 @@ def _reduced(
 ) -> Reduced:
     group = groups[index]
     s = group.structure
-    run_of = np.array([problem.measured.channels[i].run for i in group.channels])
-    runs = tuple(np.flatnonzero(run_of == r) for r in np.unique(run_of))
-    roving = len({tuple(group.rows[r]) for r in runs}) > 1
-    carried = carried_by(s, group.rows, group.masses_kg, runs, roving)
-    full = replace(s, mass=s.mass + carried)
-    limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
-    # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt. So
-    # does a joint that it gives a law: what sticks is held by modes whose damping is felt far below them.
-    laws = joint_laws(group.plan, s)
-    added = np.array([k in laws or joint not in problem.nominal.joints for k, joint in enumerate(s.joints)])
-    basis = reduction(full.mass, full.stiffness, s.drive, limit, added)
-    matrices = _project(full, basis, group.rows)
-    missing = spare_flexibility(problem, cells_at(problem, u), s, group.rows)
-    matrices = replace(matrices, spare=matrices.spare + missing)
+    plain = plain_of(problem, cells_at(problem, u), group)
+    basis, matrices, runs, roving, levels = plain.basis, plain.matrices, plain.runs, plain.roving, plain.levels
     slopes: dict[str, Array] = {}
-    levels = levels_of(problem.measured, group, basis, matrices, roving=roving)
     if sides is None:
         none = np.zeros((0, 0))
         return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, none, roving, levels)
     count = len(problem.unknowns)
     part = basis[[s.joints.index(j) for j in local.joints]]
-    sensor, end = sensor_mass_index(problem), end_mass_index(problem)
+    sensor, end_mass = sensor_mass_index(problem), end_mass_index(problem)
     otherwise = riding(s.drive, np.array([joint in local.joints for joint in s.joints]))
     grid_rows = local.rows([s.places[r] for r in group.rows])
     extra: list[dict[str, Array]] = []
     mass_slopes = np.zeros((effects, group.rows.size))
     beside: list[tuple[Levels, Levels, float] | None] = []
+    # All parameters of an effect step aside from the same groups.
+    seen: dict[int, tuple[Matrices, Levels | None]] = {}
+
+    def end(g: Group) -> tuple[Matrices, Levels | None]:
+        """What a slope is taken of, in the group's coordinates, and what its joints show where there are any."""
+        if id(g) not in seen:
+            # Coordinates that only others have hold nothing there: they have no flexibility.
+            m = loaded(g, basis, runs, roving, levels is not None)
+            shows = levels if g is group or levels is None else levels_of(problem.measured, g, basis, m, roving=roving)
+            seen[id(g)] = m, shows
+        return seen[id(g)]
+
     for j, side in enumerate(sides):
-        # Of what a slope is taken of, coordinates that only others have hold nothing: they have no flexibility.
-        ends = [_loaded(g[index], basis, runs, roving, levels is not None) for g in (side.here, side.there)]
-        extra.append({n: (getattr(ends[1], n) - getattr(ends[0], n)) / side.step for n in MATRICES})
+        (before, near), (after, far) = (end(g[index]) for g in (side.here, side.there))
+        extra.append({n: (getattr(after, n) - getattr(before, n)) / side.step for n in MATRICES})
         mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
         if levels is not None:
-            pair = zip((side.here[index], side.there[index]), ends, strict=True)
-            near, far = (
-                levels if g is group else levels_of(problem.measured, g, basis, m, roving=roving) for g, m in pair
-            )
             beside.append(None if near is None or far is None else (near, far, side.step))
     pulls = [
-        (k, [_loaded(g[index], basis, runs, roving) for g in (side.here, side.there)], side.step) for k, side in pulled
+        (k, [loaded(g[index], basis, runs, roving) for g in (side.here, side.there)], side.step) for k, side in pulled
     ]
     for name in MATRICES:
         values = local.values[name]
         if name in ("mass", "damping", "stiffness"):
-            rows = np.einsum("am,pab,bn->pmn", part, values, part, optimize=True)
+            rows = part.T @ (values @ part)
         elif name == "drive":
             rows = values @ part
         else:
@@ -309,8 +301,8 @@ def _reduced(
             cells = problem.unknowns.index(CELLS)
             moved = local.values["axis"][cells, grid_rows] @ part
             rows[cells] += across_by_rows(s.axis[group.rows] @ basis, moved, group.masses_kg) / len(runs)
-        if name == "mass" and end is not None:
-            rows[end] += problem.scenario.transducer.end_mass_kg * (basis.T @ otherwise @ basis)
+        if name == "mass" and end_mass is not None:
+            rows[end_mass] += problem.scenario.transducer.end_mass_kg * (basis.T @ otherwise @ basis)
         for k, (before, after), step in pulls:
             rows[k] += (getattr(after, name) - getattr(before, name)) / step
         added = np.array([e[name] for e in extra]).reshape(effects if extra else 0, *rows.shape[1:])
@@ -321,27 +313,6 @@ def _reduced(
     assert slopes["mass"].shape[0] == slopes["spare"].shape[0] == count + effects
     sloped = None if levels is None else levels.sloped(beside)
     return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped)
-
-
-def _loaded(
-    group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool, spare: bool = True
-) -> Matrices:
-    """A group in given reduced coordinates, with what its sensors weigh; its ``spare`` flexibility where asked for."""
-    s, carried = group.structure, carried_by(group.structure, group.rows, group.masses_kg, runs, roving)
-    return _project(replace(s, mass=s.mass + carried), basis, group.rows, spare)
-
-
-def _project(s: Structure, basis: Array, rows: NDArray[np.intp], spare: bool = True) -> Matrices:
-    stiffness = basis.T @ s.stiffness @ basis
-    drive, axis = basis.T @ s.drive, s.axis[rows] @ basis
-    missed, whole = np.zeros(rows.size), unfelt(s.stiffness, s.drive)
-    if spare:
-        # At rest a gauge may feel as much as it is pushed with: then what is missed there is missed nowhere else.
-        inside = axis @ np.linalg.solve(basis.T @ whole @ basis, drive)
-        missed = s.axis[rows] @ np.linalg.solve(whole, s.drive) - inside
-    return Matrices(
-        basis.T @ s.mass @ basis, basis.T @ s.damping @ basis, stiffness, drive, axis, s.tilt[rows] @ basis, missed
-    )
 
 
 def _at(group: Reduced, x: Array) -> Matrices:
