@@ -23,7 +23,7 @@ def action_known(effect: Effect, scenario: Scenario, run: int) -> Action:
     except TypeError:
         # Not every effect can be hashed: one of somebody else's may hold a list.
         return action_of(effect, scenario, run)
-    return _action(effect, _Same(scenario), run)
+    return _action(effect, _Same(scenario), run)  # type: ignore[arg-type]
 
 
 class _Same:
