@@ -75,20 +75,18 @@ def test_slopes_in_the_joint_itself_stay(case: Problem) -> None:
     assert np.array_equal(held, followed)
 
 
-def test_they_are_kept_until_they_mislead(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_they_are_kept_until_they_are_forgotten(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
     taken = level_following.slopes_of
     monkeypatch.setattr(level_following, "slopes_of", lambda *given: asked.append(1) or taken(*given))
     u, e, known = as_stated(case), SLIPS.scores(TRUE), Structures(case, follows=Following())
-    assert known.follows is not None and not known.follows.at(np.concatenate([u, e]))
+    assert known.follows is not None
     first = anchor(case, u, (SLIPS,), e, structures=known)
-    assert known.follows.at(np.concatenate([u, e]))
     anchor(case, u + 0.1, (SLIPS,), e, structures=known)
     assert sum(asked) == len(first.groups)
     known.follows.forget()
     anchor(case, u + 0.1, (SLIPS,), e, structures=known)
     assert sum(asked) == 2 * len(first.groups)
-    assert known.follows.at(np.concatenate([u + 0.1, e]))
 
 
 def test_runs_that_are_grouped_otherwise_have_slopes_anew(case: Problem, tmp_path: Path) -> None:
@@ -113,9 +111,13 @@ def test_runs_that_are_grouped_otherwise_have_slopes_anew(case: Problem, tmp_pat
 
 
 @pytest.mark.slow
-def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem) -> None:
-    """To data that it foretells itself: with held slopes it ends on the valley's side, with no step that leads down."""
-    rng = np.random.default_rng(6)
+@pytest.mark.parametrize("seed", [6, 7, 9])
+def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem, seed: int) -> None:
+    """To data that it foretells itself: with held slopes it ends on the valley's side, with no step that leads down.
+
+    Of what the truth costs most is the score of the cells, which a fit may give up.
+    """
+    rng = np.random.default_rng(seed)
     u = as_stated(case)
     known = np.array([name != CELLS.name for name in case.names])
     true = u + np.where(known, 0.7 * rng.standard_normal(u.size), 0.0)
@@ -128,15 +130,17 @@ def test_a_fit_beside_a_slipping_joint_goes_on_down(case: Problem) -> None:
     held, followed = (fit(there, (SLIPS,), near, begun, stages, follow=follow) for follow in (False, True))
     assert not held.followed and followed.followed and followed.converged
     assert followed.chi2 < 0.05 * held.chi2
-    assert followed.cost < 0.2 * held.cost
+    assert followed.cost < 0.2 * float(true @ true + e @ e)
+    assert np.abs(followed.e - e).max() < 0.05
 
 
 def test_a_resumed_search_has_the_same_fit(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its slopes are those of where it ended, not of a step before."""
-    monkeypatch.setattr(fits, "FOLLOWED", (0.0, 1))
+    monkeypatch.setattr(fits, "FOLLOWED", 1)
     monkeypatch.setattr(level_following, "_STEP", 0.02)
     ended = fit(case, (SLIPS,), as_stated(case), SLIPS.scores(TRUE), ((0.0, 1),), follow=True)
-    assert ended.followed
+    assert ended.followed and not ended.converged
+    assert ended.origin is not None and np.array_equal(ended.origin.u, ended.u)
     kept = json.loads(json.dumps(checkpoint._ended(ended)))
     again = checkpoint._as_ended(case, (SLIPS,), kept)
     assert again.followed and again.converged == ended.converged

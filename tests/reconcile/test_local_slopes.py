@@ -10,6 +10,7 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
+from vgvt.reconcile.fitting import descent
 from vgvt.reconcile.fitting import fit as fitting
 from vgvt.reconcile.fitting.fit import STAGES, calibrate, fit
 from vgvt.reconcile.fitting.rough_start import rough_start
@@ -75,7 +76,7 @@ def test_what_others_are_fitted_next_to_has_the_slopes_of_where_it_is(case: Prob
     assert stopped.converged
     assert np.array_equal(found.problem.at, stopped.u[: len(case.unknowns)])
     # A fit stops where a step promises less than so many nats: two fits of one bottom may end that far apart.
-    unsettled = 0.5 * fitting._ENOUGH * (found.chi2 + float(found.scores @ found.scores))
+    unsettled = 0.5 * descent._ENOUGH * (found.chi2 + float(found.scores @ found.scores))
     assert abs(found.evidence_nats - stopped.evidence_nats) < 2 * unsettled
     again = calibrate(found.problem, found.u)
     assert abs(again.evidence_nats - found.evidence_nats) < unsettled

@@ -35,6 +35,11 @@ _FREER, _HELD_BACK, _REFUSED = 0.2, 2.0, 4.0
 _FREE, _HELD = 1e-2, 1.0
 # Where a step keeps less of its promise, slopes that were taken elsewhere are taken anew.
 _TRUE = 0.5
+# What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
+# are nearly met, at this much a value. A share of the cost is the more nats the more data there are.
+_ENOUGH, _ENOUGH_NATS, _NEARLY_MET = 1e-3, 0.5, 1.5
+NOTHING = 1e-4
+"""Relative to the cost: what a step gains where no step leads anywhere any more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,18 +60,19 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Slopes:
-    """Gradient (scores,) of half the cost where a step begins, and half its curvature as a tangent has it.
+class Slopes:
+    """Gradient (scores,) of half the cost where a step begins, and half its curvature as a ``tangent`` has it.
 
-    No step is longer than ``longest``.
+    The tangent (2 N, scores) is of the data's misfit. No step is longer than ``longest``.
     """
 
+    tangent: Array
     gradient: Array
     normal: Array
     longest: float
 
     @classmethod
-    def of(cls, here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None) -> _Slopes | None:
+    def of(cls, here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None) -> Slopes | None:
         """By the slopes of ``here``; None beside a joint whose march runs away."""
         tangent = jacobian(here, u, e, predicted, sigma)
         if not np.isfinite(tangent).all():
@@ -74,13 +80,17 @@ class _Slopes:
         scores = np.concatenate([u, e])
         gradient = tangent.T @ data_misfit(here.problem, predicted, sigma) + scores
         longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max()))
-        return cls(gradient, tangent.T @ tangent + np.eye(scores.size), longest)
+        return cls(tangent, gradient, tangent.T @ tangent + np.eye(scores.size), longest)
 
     def move(self, damping: float) -> Array:
         """A damped Gauss-Newton step (scores,)."""
-        # Scores are in units of their priors: damping by the identity spares the well-determined directions.
-        move = -solved(self.normal + damping * np.eye(self.gradient.size), self.gradient)
+        move = self.towards(-self.gradient, damping)
         return move * min(1.0, self.longest / max(float(np.abs(move).max()), 1e-300))
+
+    def towards(self, pull: Array, damping: float) -> Array:
+        """Where a ``pull`` (scores,) leads that is held back by the curvature, and by a damping."""
+        # Scores are in units of their priors: damping by the identity spares the well-determined directions.
+        return solved(self.normal + damping * np.eye(pull.size), pull)
 
     def promised(self, move: Array) -> float:
         """What a step (scores,) takes off the cost where slopes stay as they are."""
@@ -100,7 +110,7 @@ def taken(
     ``predicted`` (C, L) is the prediction there, ``sigma`` (fitted channels, L) what it is judged by; ``rough`` keeps
     the slopes, whatever they promise.
     """
-    slopes = _Slopes.of(here, u, e, predicted, sigma)
+    slopes = Slopes.of(here, u, e, predicted, sigma)
     cost = _cost(here, u, e, predicted, sigma)
     for _ in range(_REJECTIONS):
         if slopes is None:
@@ -113,16 +123,14 @@ def taken(
                 damping *= _FREER
             elif kept < _KEEPS_LITTLE:
                 damping *= _HELD_BACK
-            if kept < _TRUE and here.structures.follows is not None:
-                here.structures.follows.forget()
             anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
             there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
             gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
             return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free, cost)
         misled = not rough and _misled(here, u, e)
-        if _forgotten(here, u, e) or misled:
-            here = _sloped(here, here, u, e, anew=misled)
-            slopes = _Slopes.of(here, u, e, predicted, sigma)
+        if misled:
+            here = _sloped(here, here, u, e, anew=True)
+            slopes = Slopes.of(here, u, e, predicted, sigma)
         else:
             damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
     return None
@@ -162,15 +170,6 @@ def _misled(here: Anchor, u: Array, e: Array) -> bool:
     return not here.structures.whole and from_elsewhere(here.problem, u, e, here.origin, here.hypotheses)
 
 
-def _forgotten(here: Anchor, u: Array, e: Array) -> bool:
-    """Whether how what joints show follows was known of elsewhere, which may be to blame: it is forgotten then."""
-    follows = here.structures.follows
-    if follows is None or follows.at(np.concatenate([u, e])):
-        return False
-    follows.forget()
-    return True
-
-
 def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> Anchor:
     """The anchor at scores u and e, whose groups ``there`` has, with slopes from where those of ``here`` are, or new.
 
@@ -181,6 +180,11 @@ def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> A
         here.problem, u, here.hypotheses, e, groups=there.assembled, origin=origin,
         rough=origin is None and not here.structures.whole, structures=here.structures,
     )  # fmt: skip
+
+
+def arrived(points: int, promised: float, cost: float) -> bool:
+    """Whether what a free step ``promised`` to take off a cost is little, for that many points of data, 0 if coarse."""
+    return promised / 2 < _ENOUGH_NATS if cost < _NEARLY_MET * points else promised < _ENOUGH * cost
 
 
 def solved(normal: Array, right: Array) -> Array:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.shown import counted, headed
-from vgvt.reconcile.fitting.descent import taken
+from vgvt.reconcile.fitting.descent import NOTHING, arrived, taken
+from vgvt.reconcile.fitting.followed_descent import followed_down
 from vgvt.reconcile.fitting.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.carried import Structures
@@ -39,13 +40,8 @@ FORGIVING = ((0.6, 8), (0.15, 8))
 """From the stated values towards what is far from them, sharp resonances too: nothing of it is judged by less."""
 TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
-FOLLOWED = (0.0, 60)
-"""For the last steps beside a joint whose stiffness depends on level, with slopes that follow what it shows."""
-# What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
-# are nearly met, at this much a value. A share of the cost is the more nats the more data there are.
-_ENOUGH, _ENOUGH_NATS, _NEARLY_MET = 1e-3, 0.5, 1.5
-# Relative to the cost: what a step gains where no step leads anywhere any more.
-_NOTHING = 1e-4
+FOLLOWED = 60
+"""Most steps beside a joint whose stiffness depends on level, with slopes that follow what it shows."""
 # Standard deviations from where slopes were taken that change nothing.
 _THERE = 0.3
 # Standard deviations that a tolerance reaches.
@@ -217,13 +213,17 @@ def fit(
     has no others, and those of the aircraft with the hypotheses: for a fit whose parameters and errors are told.
     ``origin`` is where the first slopes are taken, by default those of the stated values serve until they mislead.
     ``follow`` goes on to the end, if there are stages, with slopes that know how what joints show follows the unknowns:
-    a march of every run for each unknown, and for what is told.
+    a march of every run for each unknown, and for what is told. Beside such a joint coarse stages alone come before:
+    judged by the data's own deviations, slopes that hold what it shows lead out of the valley.
     """
     phases = _phases(stages, exact, whole)
     structures = Structures(problem, coarse=bool(phases) and phases[0][0] > 0, whole=whole)
     rough = origin is None and not whole
     here = anchor(problem, u, hypotheses, e, origin=origin, rough=rough, structures=structures)
     predicted = here.predict(u, e)
+    bends, ends = follow and any(group.levels is not None for group in here.groups), bool(phases)
+    if bends:
+        phases = [phase for phase in phases if phase[0] > 0]
     quiet = bool(phases) and unheard(here, u, e, predicted)
     if quiet:
         here, predicted = _anchored(here, at_rest(problem), u, e)
@@ -234,13 +234,11 @@ def fit(
             # Something rings there that did not where it began: the last stage once more, with slopes of either kind.
             last = [phase for phase in phases if phase[0] == phases[-1][0]]
             u, e, here, predicted, converged = _walked(here, u, e, predicted, last, progress)
-    if follow and any(group.levels is not None for group in here.groups):
-        here.structures.follows = follows = Following()
+    if bends and ends:
+        u, e, here, predicted, converged = followed_down(here, u, e, FOLLOWED, progress)
+    elif bends:
+        here.structures.follows = Following()
         here, predicted = _assembled(here, u, e)
-        if phases:
-            u, e, here, predicted, converged = _walked(here, u, e, predicted, [(*FOLLOWED, True)], progress)
-            follows.forget()  # those of where it ended: a resumed search makes the same fit
-            here, predicted = _assembled(here, u, e)
     return _posterior(here, u, e, predicted, converged, coarse_sigma(problem, judged))
 
 
@@ -276,12 +274,11 @@ def _walked(
                 break
             u, e, here, predicted, damping = step.u, step.e, step.here, step.predicted, step.damping
             # A step held back gains little anywhere: at the bottom not even a free one promises anything.
-            met = sigma is None and step.cost < _NEARLY_MET * points
-            promises = step.promised * step.cost / 2 >= _ENOUGH_NATS if met else step.promised >= _ENOUGH
-            if not promises or (step.gain < _NOTHING and stuck):
+            judged_by = points if sigma is None else 0
+            if arrived(judged_by, step.promised * step.cost, step.cost) or (step.gain < NOTHING and stuck):
                 converged = True
                 break
-            stuck = step.gain < _NOTHING
+            stuck = step.gain < NOTHING
         else:
             converged = False
     if structures.coarse:

@@ -31,30 +31,23 @@ _Of = tuple[NDArray[np.intp], _Rows, Array, Levels | None, Matrices, dict[str, A
 
 @dataclass(slots=True, eq=False)
 class Following:
-    """What a fit knows of it: slopes of its groups, kept until steps show that they are of somewhere else.
+    """What a fit knows of it: slopes of its groups, kept until they are forgotten.
 
     ``of`` are the channels of those groups and how much their joints show there: of others they say nothing.
     """
 
     taken: tuple[_Pair | None, ...] | None = None
-    scores: Array | None = None
     of: tuple[_Kind, ...] = ()
 
-    def at(self, scores: Array) -> bool:
-        """Whether they were taken at these scores."""
-        return self.scores is not None and np.array_equal(self.scores, scores)
-
     def forget(self) -> None:
-        """They mislead: where they are asked for next they are taken anew."""
-        self.taken = self.scores = None
+        """They are of somewhere else: where they are asked for next they are taken anew."""
+        self.taken = None
 
-    def followed(
-        self, measured: Measured, groups: Sequence[_Of], rates: Array, scores: Array
-    ) -> tuple[Levels | None, ...]:
+    def followed(self, measured: Measured, groups: Sequence[_Of], rates: Array) -> tuple[Levels | None, ...]:
         """Levels of groups that follow the unknowns: of each what :func:`slopes_of` is given, and ``rates``.
 
-        ``scores`` are where they stand, should slopes be taken there: also where runs are grouped otherwise than they
-        were, as with a change between them that a step has taken back, or joints are no longer what they were.
+        They are taken anew also where runs are grouped otherwise than they were, as with a change between them that a
+        step has taken back, or joints are no longer what they were.
         """
         kinds = tuple(
             (tuple(channels.tolist()), None if levels is None else levels.shown.shape)
@@ -67,7 +60,7 @@ class Following:
                 else slopes_of(measured, channels, rows, masses_kg, levels, matrices, slopes, rates)
                 for channels, rows, masses_kg, levels, matrices, slopes in groups
             )
-            self.scores, self.of = scores, kinds
+            self.of = kinds
         joined = zip((g[3] for g in groups), self.taken, strict=True)
         return tuple(None if levels is None else replace(levels, follows=pair) for levels, pair in joined)
 

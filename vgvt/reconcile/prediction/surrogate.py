@@ -224,18 +224,16 @@ def anchor(
     except np.linalg.LinAlgError as error:
         raise NoStructureError("no mass matrix") from error
     if slopes and kept.follows is not None:
-        reduced = _following(problem, u, scores, reduced, kept.follows)
+        reduced = _following(problem, u, reduced, kept.follows)
     filtered = any(g.filtered for g in groups)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin, kept)
 
 
-def _following(
-    problem: Problem, u: Array, e: Array, groups: tuple[Reduced, ...], known: Following
-) -> tuple[Reduced, ...]:
+def _following(problem: Problem, u: Array, groups: tuple[Reduced, ...], known: Following) -> tuple[Reduced, ...]:
     """Groups whose joints follow the unknowns, by what is known of that, else by marches here."""
     rates = np.array([k.rate(float(a)) for k, a in zip(problem.unknowns, u, strict=False)])
     of = [(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes) for g in groups]
-    levels = known.followed(problem.measured, of, rates, np.concatenate([u, e]))
+    levels = known.followed(problem.measured, of, rates)
     return tuple(replace(group, levels=there) for group, there in zip(groups, levels, strict=True))
 
 
