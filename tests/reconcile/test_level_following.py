@@ -169,6 +169,7 @@ def test_an_ended_fit_beside_a_joint_is_followed_once(
         followed=followed,
         evidence_nats=0.0,
         cost=6.0,
+        points=5,
     )
     reached: Fit = finished.finished(found, lambda *_: None)
     assert reached is (more if again else found)
@@ -176,3 +177,20 @@ def test_an_ended_fit_beside_a_joint_is_followed_once(
     # What costs more is no end of it.
     more.cost = 7.0
     assert finished.finished(found, lambda *_: None) is found
+
+
+@pytest.mark.parametrize(("cost", "back"), [(7.0, False), (8.0, True)])
+def test_a_fit_that_missed_its_data_comes_back_before_it_is_followed(
+    monkeypatch: pytest.MonkeyPatch, cost: float, back: bool
+) -> None:
+    """And goes on from where it is where that leads nowhere."""
+    tried: list[Any] = []
+    more: Any = SimpleNamespace(evidence_nats=1.0, cost=cost + 1)
+    monkeypatch.setattr(finished, "origin_at", lambda *_: None)
+    monkeypatch.setattr(finished, "depends_on_level", lambda *_: True)
+    monkeypatch.setattr(finished, "fit", lambda *given, **_: tried.append(given[4]) or more)
+    h = SimpleNamespace(name="root-friction", label="root-friction")
+    of = {"problem": None, "u": None, "e": None, "hypotheses": (h,), "converged": True, "followed": False}
+    found: Any = SimpleNamespace(**of, cost=cost, points=5)
+    assert finished.finished(found, lambda *_: None) is found
+    assert [stages[0][0] > 0 for stages in tried] == ([True, False] if back else [False])

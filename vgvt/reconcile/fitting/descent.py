@@ -36,8 +36,10 @@ _FREE, _HELD = 1e-2, 1.0
 # Where a step keeps less of its promise, slopes that were taken elsewhere are taken anew.
 _TRUE = 0.5
 # What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
-# are nearly met, at this much a value. A share of the cost is the more nats the more data there are.
-_ENOUGH, _ENOUGH_NATS, _NEARLY_MET = 1e-3, 0.5, 1.5
+# are nearly met. A share of the cost is the more nats the more data there are.
+_ENOUGH, _ENOUGH_NATS = 1e-3, 0.5
+NEARLY_MET = 1.5
+"""A value's share of the cost where data are nearly met."""
 NOTHING = 1e-4
 """Relative to the cost: what a step gains where no step leads anywhere any more."""
 
@@ -184,7 +186,7 @@ def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> A
 
 def arrived(points: int, promised: float, cost: float) -> bool:
     """Whether what a free step ``promised`` to take off a cost is little, for that many points of data, 0 if coarse."""
-    return promised / 2 < _ENOUGH_NATS if cost < _NEARLY_MET * points else promised < _ENOUGH * cost
+    return promised / 2 < _ENOUGH_NATS if cost < NEARLY_MET * points else promised < _ENOUGH * cost
 
 
 def solved(normal: Array, right: Array) -> Array:

@@ -31,8 +31,9 @@ _PROBE, _TURN = 0.1, 1.5
 # Of what a step promised, what it keeps where the next may be much freer, freer, and where it is held back more.
 _KEEPS_MOST, _KEEPS, _KEEPS_LITTLE = 0.75, 0.5, 0.25
 _MUCH_FREER, _FREER, _HELD_BACK, _REFUSED = 0.1, 0.3, 2.0, 5.0
-# Least damping of a step after one that was refused, and steps refused before none is found.
-_HELD, _REFUSALS = 1e-2, 12
+# Least damping of a step after one that was refused, and steps refused before none is found: after some in a row ever
+# more is held back, as slopes that peaks give to data without noise are steeper than those of priors by up to 1e5.
+_HELD, _REFUSALS, _IN_A_ROW = 1e-2, 12, 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +80,7 @@ def followed_down(
 
 def _taken(here: Anchor, place: _Place, slopes: Slopes, damping: float) -> tuple[_Place, float] | None:
     """Where a step leads that is held back until it leads down, and the next one's damping; None where none does."""
-    for _ in range(_REFUSALS):
+    for k in range(_REFUSALS):
         move = slopes.move(damping)
         turned = _turned(here, place, slopes, move, damping)
         there = None if turned is None else _beside(here, place, turned)
@@ -90,7 +91,7 @@ def _taken(here: Anchor, place: _Place, slopes: Slopes, damping: float) -> tuple
             elif kept < _KEEPS_LITTLE:
                 damping *= _HELD_BACK
             return there, damping
-        damping = max(_REFUSED * damping, _HELD)
+        damping = max(_REFUSED * 2.0 ** max(0, k - _IN_A_ROW) * damping, _HELD)
     return None
 
 
