@@ -202,6 +202,6 @@ def test_an_interrupt_says_all_that_is_kept(vgvt, tmp_path: Path, question, monk
     monkeypatch.setattr(loop, "reconcile", interrupted)
     stopped = vgvt(*question, "found")
     assert stopped.status == 130
-    wanted = "nothing was kept in found" if kept == "nothing" else f"kept in found: the {kept} computed so far"
+    wanted = "nothing new was kept in found" if kept == "nothing" else f"kept in found: the {kept} computed so far"
     assert wanted in stopped.err
     assert (tmp_path / "found").exists() == (kept != "nothing")

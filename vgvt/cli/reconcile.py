@@ -269,7 +269,7 @@ def _kept_on_interrupt(folder: ReconcileFolder) -> Iterator[None]:
             what = "the rounds and derivatives" if any(folder.rounds) else "the derivatives"
             log(f"kept in {folder.path}: {what} computed so far; the same command goes on from them")
         else:
-            log(f"stopped; nothing was kept in {folder.path}")
+            log(f"stopped; nothing new was kept in {folder.path}")
         raise
 
 
