@@ -55,24 +55,25 @@ def mechanical(case: Problem, u: NDArray[np.float64], e: NDArray[np.float64]) ->
 def test_slopes_follow_what_a_joint_shows(case: Problem, name: str) -> None:
     """Held, they are wrong by a fifth and more where the joint slips."""
     u, e, k = as_stated(case), SLIPS.scores(TRUE), case.names.index(name)
-    aside = 0.01 * np.eye(u.size)[k]
-    wanted = (mechanical(case, u + aside, e) - mechanical(case, u - aside, e)) / 0.02
+    aside = 1e-3 * np.eye(u.size)[k]
+    wanted = (mechanical(case, u + aside, e) - mechanical(case, u - aside, e)) / 2e-3
     held, followed = (
         anchor(case, u, (SLIPS,), e, structures=Structures(case, follows=follows)).slopes()[k]
         for follows in (None, Following())
     )
     size = float(np.linalg.norm(wanted))
-    assert np.linalg.norm(followed - wanted) < 0.03 * size
+    assert np.linalg.norm(followed - wanted) < 0.01 * size
     assert np.linalg.norm(held - wanted) > 0.2 * size
 
 
-def test_slopes_in_the_joint_itself_stay(case: Problem) -> None:
+@pytest.mark.parametrize("k", [0, 1])
+def test_slopes_in_the_joint_itself_are_as_good(case: Problem, k: int) -> None:
+    """Of a per cent that they are wrong by, a valley as narrow as resonances are sharp hides what is to be gained."""
     u, e = as_stated(case), SLIPS.scores(TRUE)
-    held, followed = (
-        anchor(case, u, (SLIPS,), e, structures=Structures(case, follows=follows)).slopes()[-2:]
-        for follows in (None, Following())
-    )
-    assert np.array_equal(held, followed)
+    aside = 1e-3 * np.eye(e.size)[k]
+    wanted = (mechanical(case, u, e + aside) - mechanical(case, u, e - aside)) / 2e-3
+    followed = anchor(case, u, (SLIPS,), e, structures=Structures(case, follows=Following())).slopes()[k - e.size]
+    assert np.linalg.norm(followed - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
 def test_they_are_kept_until_they_are_forgotten(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:

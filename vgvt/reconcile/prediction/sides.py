@@ -18,6 +18,8 @@ from vgvt.reconcile.question.problem import Nominal, Problem
 
 Array = NDArray[np.float64]
 _EFFECT_STEP = 0.002
+# Beside a joint that slips, where slopes follow what it shows: resonances are sharp, and their marches bend sooner.
+_FOLLOWED_STEP = 2e-4
 _EFFECT = "effect-"
 
 
@@ -89,13 +91,14 @@ def sides_of(
     assembled: what a hook does by moving depends on how high it is.
     """
     problem, sides = structures.problem, list[Side]()
+    size = _EFFECT_STEP if structures.follows is None else _FOLLOWED_STEP
     for one in _apart(hypotheses, e):
         mine = one.mine
         bare = structures.beside(u, one.others, one.rest) if mine.size and not structures.whole else None
         here = None if bare is None else one.beside(problem, u, bare, mine, groups)
         for j in range(mine.size):
             side = None
-            for step in (_EFFECT_STEP, -_EFFECT_STEP):
+            for step in (size, -size):
                 moved = mine + step * np.eye(mine.size)[j]
                 near, start = None, groups
                 if bare is not None and here is not None:
@@ -109,7 +112,7 @@ def sides_of(
                     if not changed_places(start, near):
                         side = Side(start, near, one.hypothesis.reach(j, step))
                         break
-            sides.append(side if side is not None else Side(groups, groups, _EFFECT_STEP))
+            sides.append(side if side is not None else Side(groups, groups, size))
     return sides
 
 
