@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vgvt.reconcile.fitting import descent
+from vgvt.reconcile.fitting import descent, followed_descent
 
 STEEP, BOTTOM = 300.0, 2.0
 HERE = np.array([0.5, 0.25])
@@ -21,7 +21,8 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     ``asked`` are the scores at which its misfit was asked for.
     """
-    case = SimpleNamespace(here=None, predicted=None, asked=[], bent=1.0, follows=None)
+    case = SimpleNamespace(here=None, predicted=None, asked=[], bent=1.0, structures=None)
+    case.structures = SimpleNamespace(whole=False, follows=None)
 
     def predicted(u: Any) -> Any:
         return np.array([STEEP * (u[1] - case.bent * u[0] ** 2), 30 * (u[0] - BOTTOM)])
@@ -37,7 +38,7 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> Any:
             case.asked.append(u)
             return predicted(u)
 
-        structures = SimpleNamespace(whole=False, follows=case.follows)
+        structures = case.structures
         return SimpleNamespace(
             problem=aircraft, hypotheses=(), structures=structures, origin=origin, assembled=None, predict=predict
         )
@@ -140,42 +141,39 @@ def test_where_a_step_keeps_less_than_half_the_next_has_its_own_slopes(
     assert broken is not None and broken.here.origin is None
 
 
-class Followed:
-    """What joints show, known of some scores; ``forgotten`` how often it was not to be."""
+@pytest.fixture
+def followed(valley: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The same valley beside a joint; ``asked`` are the places at which slopes were taken."""
+    asked, slopes, there = [], descent.jacobian, descent.anchor
+    monkeypatch.setattr(followed_descent, "anchor", there)
+    monkeypatch.setattr(followed_descent, "data_misfit", lambda problem, predicted: predicted)
+    monkeypatch.setattr(descent, "jacobian", lambda *given: asked.append(given[1]) or slopes(*given))
 
-    def __init__(self, scores: Any) -> None:
-        self.scores, self.forgotten = scores, 0
+    def down(most: int) -> Any:
+        asked.clear()
+        return followed_descent.followed_down(valley.here(HERE), HERE, np.zeros(0), most)
 
-    def at(self, scores: Any) -> bool:
-        return self.scores is None or np.array_equal(self.scores, scores)
-
-    def forget(self) -> None:
-        self.scores, self.forgotten = None, self.forgotten + 1
+    return SimpleNamespace(down=down, asked=asked)
 
 
-@pytest.mark.parametrize("known", [HERE, BOTTOM * np.ones(2)])
-def test_what_joints_show_elsewhere_is_forgotten_before_a_step_is_shortened(
-    valley: Any, monkeypatch: pytest.MonkeyPatch, known: Any
+def test_followed_steps_turn_with_the_valley(followed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of them has slopes of where it begins, and there are half as many."""
+    u, _, here, _, converged = followed.down(60)
+    assert converged and u[0] == pytest.approx(BOTTOM, abs=0.05)
+    assert np.array_equal(here.origin.u, u) and np.array_equal(followed.asked[-1], u)
+    turning = len(followed.asked)
+    monkeypatch.setattr(followed_descent, "_turned", lambda here, place, slopes, move, damping: move)
+    assert followed.down(60)[-1]
+    assert turning <= 0.5 * len(followed.asked)
+
+
+@pytest.mark.parametrize("most", [0, 60])
+def test_it_has_not_arrived_while_slopes_of_there_lead_down(
+    followed: Any, monkeypatch: pytest.MonkeyPatch, most: int
 ) -> None:
-    """Slopes of elsewhere point away from the bottom; where they are of here, no step is found."""
-    right, follows = descent.jacobian, Followed(known)
-    monkeypatch.setattr(descent, "jacobian", lambda *given: right(*given) * (1.0 if follows.forgotten else -1.0))
-    valley.bent, valley.follows = 0.0, follows
-    step = step_from(valley, HERE, 0.1)
-    assert (step is None) == (known is HERE)
-    assert follows.forgotten == (known is not HERE)
-    if step is not None:
-        assert len(valley.asked) == 2
-
-
-@pytest.mark.parametrize(("kept", "forgotten"), [(0.5, 0), (2.0, 1)])
-def test_where_a_step_keeps_little_what_joints_show_is_asked_anew(
-    valley: Any, monkeypatch: pytest.MonkeyPatch, kept: float, forgotten: int
-) -> None:
-    monkeypatch.setattr(descent, "_TRUE", kept)
-    valley.bent, valley.follows = 0.0, Followed(HERE)
-    assert step_from(valley, HERE, 0.1) is not None
-    assert valley.follows.forgotten == forgotten
+    monkeypatch.setattr(followed_descent, "_taken", lambda *_: None)
+    u, _, _, _, converged = followed.down(most)
+    assert not converged and np.array_equal(u, HERE)
 
 
 def test_badly_scaled_systems_are_solved_without_a_word() -> None:

@@ -19,7 +19,7 @@ from vgvt.reconcile.question.problem import Nominal, Problem
 Array = NDArray[np.float64]
 _EFFECT_STEP = 0.002
 # Beside a joint that slips, where slopes follow what it shows: resonances are sharp, and their marches bend sooner.
-_FOLLOWED_STEP = 2e-4
+_FOLLOWED_STEP = 5e-5
 _EFFECT = "effect-"
 
 
