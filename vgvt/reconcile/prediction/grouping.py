@@ -152,34 +152,33 @@ def assembled(
     if made is None:
         return None
     scores = np.asarray(u, dtype=np.float64), np.asarray(e, dtype=np.float64)
-    return _assembled(problem, scores[0].tobytes(), hypotheses, scores[1].tobytes())
-
-
-# Every candidate's fit begins where the one before began, and slopes are taken where a step has arrived.
-@lru_cache(maxsize=_KEPT)
-def _assembled(
-    problem: Problem, scores: bytes, hypotheses: tuple[Hypothesis, ...], own: bytes
-) -> tuple[Group, ...] | None:
-    u, made = np.frombuffer(scores), effects_at(problem, hypotheses, np.frombuffer(own))
-    if made is None:
-        return None
     try:
-        base = _base(problem, scores)[0]
-        per_run = run_actions(base, made, len(problem.measured.runs))
-        kinds: list[tuple[Scenario, tuple[Action, ...], list[int]]] = []
-        for run, (scenario, actions) in enumerate(per_run):
-            for known_scenario, known_actions, runs in kinds:
-                if _same(scenario, known_scenario, actions, known_actions):
-                    runs.append(run)
-                    break
-            else:
-                kinds.append((scenario, actions, [run]))
-        # Any run, not a group's first: runs of one structure may differ in what effects do to their channels.
-        filtered = any(action.channels for _, actions in per_run for action in actions)
-        groups = (_group(problem, u, s, a, runs) for s, a, runs in kinds)
-        return tuple(replace(g, filtered=filtered) for g in groups)
+        return _assembled(problem, scores[0].tobytes(), hypotheses, scores[1].tobytes())
     except (InputError, RuntimeError, ValueError, OverflowError, np.linalg.LinAlgError):
         return None
+
+
+# Every candidate's fit begins where the one before began, and slopes are taken where a step has arrived. What fails is
+# tried anew, and told anew.
+@lru_cache(maxsize=_KEPT)
+def _assembled(problem: Problem, packed: bytes, hypotheses: tuple[Hypothesis, ...], own: bytes) -> tuple[Group, ...]:
+    u, made = np.frombuffer(packed), effects_at(problem, hypotheses, np.frombuffer(own))
+    if made is None:
+        raise NoStructureError("an effect refuses its values")
+    base = _base(problem, packed)[0]
+    per_run = run_actions(base, made, len(problem.measured.runs))
+    kinds: list[tuple[Scenario, tuple[Action, ...], list[int]]] = []
+    for run, (scenario, actions) in enumerate(per_run):
+        for known_scenario, known_actions, runs in kinds:
+            if _same(scenario, known_scenario, actions, known_actions):
+                runs.append(run)
+                break
+        else:
+            kinds.append((scenario, actions, [run]))
+    # Any run, not a group's first: runs of one structure may differ in what effects do to their channels.
+    filtered = any(action.channels for _, actions in per_run for action in actions)
+    groups = (_group(problem, u, s, a, runs) for s, a, runs in kinds)
+    return tuple(replace(g, filtered=filtered) for g in groups)
 
 
 def changed_places(here: Sequence[Group], there: Sequence[Group]) -> bool:
