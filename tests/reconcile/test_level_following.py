@@ -154,7 +154,7 @@ def test_a_resumed_search_has_the_same_fit(case: Problem, monkeypatch: pytest.Mo
 def test_an_ended_fit_beside_a_joint_is_followed_once(
     monkeypatch: pytest.MonkeyPatch, followed: bool, linear: bool, again: bool
 ) -> None:
-    more: Any = SimpleNamespace(evidence_nats=-1.0, cost=5.0)
+    more: Any = SimpleNamespace(evidence_nats=-1.0, cost=5.0, converged=True)
     given: dict[str, Any] = {}
     monkeypatch.setattr(finished, "origin_at", lambda *_: None)
     monkeypatch.setattr(finished, "depends_on_level", lambda problem, h: not h.linear)
@@ -185,7 +185,7 @@ def test_a_fit_that_missed_its_data_comes_back_before_it_is_followed(
 ) -> None:
     """And goes on from where it is where that leads nowhere."""
     tried: list[Any] = []
-    more: Any = SimpleNamespace(evidence_nats=1.0, cost=cost + 1)
+    more: Any = SimpleNamespace(evidence_nats=1.0, cost=cost + 1, converged=True)
     monkeypatch.setattr(finished, "origin_at", lambda *_: None)
     monkeypatch.setattr(finished, "depends_on_level", lambda *_: True)
     monkeypatch.setattr(finished, "fit", lambda *given, **_: tried.append(given[4]) or more)
@@ -194,3 +194,9 @@ def test_a_fit_that_missed_its_data_comes_back_before_it_is_followed(
     found: Any = SimpleNamespace(**of, cost=cost, points=5)
     assert finished.finished(found, lambda *_: None) is found
     assert [stages[0][0] > 0 for stages in tried] == ([True, False] if back else [False])
+    # So it does where the way back ends at no bottom, and ends there where it does.
+    for more.converged in (False, True):
+        more.cost = cost - 1
+        tried.clear()
+        assert finished.finished(found, lambda *_: None) is more
+        assert len(tried) == (2 if back and not more.converged else 1)
