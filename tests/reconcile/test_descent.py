@@ -193,3 +193,15 @@ def test_beside_what_has_no_slope_there_is_no_step(valley: Any, monkeypatch: pyt
     """Of a joint whose march runs away next to where it stands."""
     monkeypatch.setattr(descent, "jacobian", lambda *given: np.array([[np.nan, STEEP], [30.0, 0.0]]))
     assert walked(valley, 2) == 0.5
+
+
+def test_where_data_are_nearly_met_nats_say_that_the_bottom_is_reached() -> None:
+    """A thousandth of the cost of many points is nats still to be gained; far from the data it is the last of a way."""
+    points = 10_000
+    met, missed = 1.2 * points, 100.0 * points
+    assert not descent.arrived(points, 5.0, met)
+    assert descent.arrived(points, 0.9, met)
+    assert descent.arrived(points, 900.0, missed)
+    assert not descent.arrived(points, 1100.0, missed)
+    # Judged coarsely no cost is that of data that are met.
+    assert descent.arrived(0, 5.0, met)

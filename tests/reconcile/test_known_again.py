@@ -65,6 +65,17 @@ def test_an_anchor_at_known_groups_is_one_that_is_made_anew(case: Problem, name:
     assert np.array_equal(whole.slopes(), fresh[1])
 
 
+def test_a_group_is_reduced_beside_its_own_chain(case: Problem) -> None:
+    """What its highest modes lack goes with the cells: a group known at others has another flexibility."""
+    groups = grouping.assembled(case, np.zeros(case.size), (), np.zeros(0))
+    assert groups is not None
+    group = groups[0]
+    continuum, stated = (plain_of(case, cells, group).matrices.spare for cells in (0.0, -1.0))
+    lacking = grouping.spare_by_cells(case, group.structure, group.rows)
+    assert np.abs(lacking).max() > 1e-3 * np.abs(continuum).max()
+    np.testing.assert_allclose(continuum - stated, lacking, rtol=1e-9, atol=1e-12 * np.abs(lacking).max())
+
+
 def test_elsewhere_groups_are_others(case: Problem) -> None:
     hypothesis = (Hypothesis(available_effects()["local-absorber"]),)
     u, e = np.zeros(case.size), np.zeros(len(hypothesis[0].parameters))
