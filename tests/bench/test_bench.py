@@ -8,11 +8,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pandas
 import pytest
+from patience import soon
 
 import vgvt.bench.bench as bench_module
 from vgvt.bench.bench import BenchPlan, bench, failures
@@ -226,21 +226,14 @@ if __name__ == "__main__":
     script.write_text(code)
     parent = subprocess.Popen([sys.executable, str(script)], env={**os.environ, "TMPDIR": str(temporary)})
     try:
-        assert _soon(lambda: told.exists() and told.read_text().isdigit())
+        assert soon(lambda: told.exists() and told.read_text().isdigit())
         worker = int(told.read_text())
         assert _alive(worker)
     finally:
         parent.kill()
         parent.wait()
-    assert _soon(lambda: not _alive(worker))
+    assert soon(lambda: not _alive(worker))
     assert list(temporary.iterdir()) == []
-
-
-def _soon(holds: Callable[[], bool]) -> bool:
-    ends = time.monotonic() + 60
-    while not holds() and time.monotonic() < ends:
-        time.sleep(0.1)
-    return holds()
 
 
 def _alive(process: int) -> bool:

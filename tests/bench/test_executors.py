@@ -6,7 +6,7 @@ import os
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import soon
 from threadpoolctl import threadpool_info
 
 from vgvt.bench.executors import MakeExecutor, in_order_of_completion, process_pool
@@ -160,10 +161,3 @@ def test_a_worker_that_is_gone_lets_the_others_tidy(temporary: Path, tmp_path: P
         assert isinstance(busy.exception(timeout=30), BrokenProcessPool)
     assert told.with_suffix(".tidied").exists()
     assert list(temporary.iterdir()) == []
-
-
-def soon(holds: Callable[[], bool]) -> bool:
-    ends = time.monotonic() + 60
-    while not holds() and time.monotonic() < ends:
-        time.sleep(0.05)
-    return holds()

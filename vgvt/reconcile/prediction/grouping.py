@@ -148,12 +148,9 @@ def assembled(
     e: Array,
 ) -> tuple[Group, ...] | None:
     """The groups of runs that share a structure, each assembled; None where the parameters are impossible."""
-    made = effects_at(problem, hypotheses, e)
-    if made is None:
-        return None
-    scores = np.asarray(u, dtype=np.float64), np.asarray(e, dtype=np.float64)
+    packed, own = (np.asarray(scores, dtype=np.float64).tobytes() for scores in (u, e))
     try:
-        return _assembled(problem, scores[0].tobytes(), hypotheses, scores[1].tobytes())
+        return _assembled(problem, packed, hypotheses, own)
     except (InputError, RuntimeError, ValueError, OverflowError, np.linalg.LinAlgError):
         return None
 
