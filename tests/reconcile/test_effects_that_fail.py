@@ -90,6 +90,26 @@ def test_one_that_fails_only_where_a_fit_leads_is_refused_there(tmp_path: Path) 
 
 
 @dataclass(frozen=True)
+class Bounded(Failing):
+    """Refuses sizes beyond its plausible range as it is made."""
+
+    def __post_init__(self) -> None:
+        if self.size > 1.0:
+            raise InputError("effect bounded", "size is larger than 1")
+
+
+def test_one_that_refuses_its_values_is_no_aircraft_there(tmp_path: Path) -> None:
+    """Without a warning: a fit may ask for anything."""
+    case = problem(tmp_path, 1)
+    hypothesis = Hypothesis(Bounded, {"kind": "works"})
+    inside, beyond = (hypothesis.scores({"size": size}) for size in (0.5, 1.2))
+    assert assembled(case, np.zeros(case.size), (hypothesis,), inside) is not None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert assembled(case, np.zeros(case.size), (hypothesis,), beyond) is None
+
+
+@dataclass(frozen=True)
 class Filtering:
     """A gain whose filter has no number at some lines, and from some size on nowhere."""
 
