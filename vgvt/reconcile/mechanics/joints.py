@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,33 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Hanging:
+    """Nonlinear joints where a structure has settled: their coordinates ``index`` (J,) in it, and their ``laws`` there.
+
+    ``weights`` (R, J) are what rests on them in every run beyond that, N m.
+    """
+
+    index: NDArray[np.intp]
+    laws: tuple[Law, ...]
+    weights: Array
+
+    def in_runs(self) -> tuple[tuple[Law, ...], ...]:
+        """The laws of every run and joint."""
+        return tuple(tuple(law.loaded(float(w)) for law, w in zip(self.laws, run, strict=True)) for run in self.weights)
+
+    def turned(self, by_rad: Array) -> Hanging:
+        """The same where the structure has settled with its joints turned by some angles (J,) more."""
+        laws = tuple(law.resting(law.rest + float(a)) for law, a in zip(self.laws, by_rad, strict=True))
+        return replace(self, laws=laws)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Joints:
     """Joints with a force law of their own, in reduced coordinates: ``rows`` (J, m) of their motions.
 
     ``laws`` are those of every run and joint: the run's sensors rest on them too. ``to_drive`` (J,), ``to_axis``
-    (C, J) and ``between`` (J, J) are static flexibilities that the coordinates miss.
+    (C, J) and ``between`` (J, J) are static flexibilities that the coordinates miss. ``hanging`` is what the laws come
+    from; None where that is not known.
     """
 
     laws: tuple[tuple[Law, ...], ...]
@@ -31,6 +53,22 @@ class Joints:
     to_drive: Array
     to_axis: Array
     between: Array
+    hanging: Hanging | None = None
+
+    @property
+    def index(self) -> NDArray[np.intp]:
+        """The joints' coordinates (J,) in the structure that they come from; none where that is not known."""
+        return np.zeros(0, dtype=np.intp) if self.hanging is None else self.hanging.index
+
+    def turned(self, by_rad: Array) -> Joints:
+        """The same joints of a structure that has settled with them turned by some angles (J,) more.
+
+        One with play opens the later the more rests on it.
+        """
+        if self.hanging is None or not by_rad.any():
+            return self
+        hanging = self.hanging.turned(by_rad)
+        return replace(self, laws=hanging.in_runs(), hanging=hanging)
 
 
 def joint_laws(layout: Plan, s: Structure) -> dict[int, Law]:
@@ -76,13 +114,11 @@ def joints_of(
     settled = np.zeros(index.size)
     for node, mean_kg in mean_sensors_kg(layout.scenario).items():
         settled -= GRAVITY_M_PER_S2 * mean_kg * s.jacobian[homes[node], 2][index]
-    loaded = tuple(
-        tuple(law.loaded(float(weight[run, k].sum() - settled[k])) for k, law in enumerate(laws.values()))
-        for run in runs
-    )
+    weights = np.array([weight[run].sum(axis=0) - settled for run in runs])
+    hanging = Hanging(index, tuple(laws.values()), weights)
     return Joints(
-        loaded, reduced, pushed[index] - reduced @ near_pushed, axis @ moved - axis @ basis @ near,
-        moved[index] - reduced @ near,
+        hanging.in_runs(), reduced, pushed[index] - reduced @ near_pushed, axis @ moved - axis @ basis @ near,
+        moved[index] - reduced @ near, hanging,
     )  # fmt: skip
 
 

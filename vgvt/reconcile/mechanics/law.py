@@ -36,9 +36,17 @@ class Law:
         law = cls(
             element.stiffness_n_m_per_rad, element.cubic_n_m_per_rad3, element.friction_n_m, element.play_rad, rest_rad
         )
+        return law._linearised()
+
+    def _linearised(self) -> Law:
+        """The same in a structure that is linearised where it rests."""
         # As the linearisation takes it: a joint that rests near a stop has some of both its slopes in there.
-        near = law.elastic(np.array([rest_rad + _LINEARISED_RAD, rest_rad - _LINEARISED_RAD]))
-        return replace(law, modelled=float(near[0] - near[1]) / (2 * _LINEARISED_RAD))
+        near = self.elastic(np.array([self.rest + _LINEARISED_RAD, self.rest - _LINEARISED_RAD]))
+        return replace(self, modelled=float(near[0] - near[1]) / (2 * _LINEARISED_RAD))
+
+    def resting(self, rest_rad: float) -> Law:
+        """The same joint in a structure that holds it elsewhere, and is linearised there."""
+        return replace(self, rest=rest_rad)._linearised()
 
     def loaded(self, force: float) -> Law:
         """The same joint with more weight on it: it rests elsewhere, on a spring that is convex on either side."""

@@ -27,7 +27,7 @@ _STEP = 3e-4
 _Pair = tuple[ComplexArray, ComplexArray]
 _Rows = tuple[NDArray[np.intp], ...]
 _Kind = tuple[tuple[int, ...], tuple[int, ...] | None]
-_Of = tuple[NDArray[np.intp], _Rows, Array, Levels | None, Matrices, dict[str, Array]]
+_Of = tuple[NDArray[np.intp], _Rows, Array, Levels | None, Matrices, dict[str, Array], Array | None]
 
 
 @dataclass(slots=True, eq=False)
@@ -52,14 +52,14 @@ class Following:
         """
         kinds = tuple(
             (tuple(channels.tolist()), None if levels is None else levels.shown.shape)
-            for channels, _, _, levels, _, _ in groups
+            for channels, _, _, levels, _, _, _ in groups
         )
         if self.taken is None or kinds != self.of:
             self.taken = tuple(
                 None
                 if levels is None
-                else slopes_of(measured, channels, rows, masses_kg, levels, matrices, slopes, rates)
-                for channels, rows, masses_kg, levels, matrices, slopes in groups
+                else slopes_of(measured, channels, rows, masses_kg, levels, matrices, slopes, rests, rates)
+                for channels, rows, masses_kg, levels, matrices, slopes, rests in groups
             )
             self.of = kinds
         joined = zip((g[3] for g in groups), self.taken, strict=True)
@@ -74,13 +74,15 @@ def slopes_of(
     levels: Levels,
     matrices: Matrices,
     slopes: dict[str, Array],
+    rests: Array | None,
     rates: Array,
 ) -> _Pair:
     """Slopes (k, R, J, L) of what joints of a group show, and (k, C, L) of what they leave ringing, in k amounts.
 
     ``channels`` (C,) and the ``rows`` of its runs are the group's, ``masses_kg`` (C,) of its sensors what its
-    ``matrices`` do not hold; ``slopes`` are those of the matrices (k or more, …), ``rates`` (k,) the amounts of a
-    stated deviation. What a march that runs away would change is held.
+    ``matrices`` do not hold; ``slopes`` are those of the matrices (k or more, …), ``rests`` (k, J) those of where the
+    weight holds the joints, rad (None: held), and ``rates`` (k,) the amounts of a stated deviation. What a march that
+    runs away would change is held, and how much more one run's sensors weigh on a joint than the others'.
     """
     runs = np.array([measured.channels[channels[own[0]]].run for own in rows])
     shown = np.zeros((rates.size, *levels.shown.shape), dtype=complex)
@@ -88,10 +90,11 @@ def slopes_of(
     for k, rate in enumerate(rates):
         step = _STEP * float(rate)
         changes = {name: step * by[k] for name, by in slopes.items()}
-        if not any(change.any() for change in changes.values()):
+        joints = levels.joints if rests is None else levels.joints.turned(step * rests[k])
+        if joints is levels.joints and not any(change.any() for change in changes.values()):
             continue
         beside = replace(matrices, **{name: getattr(matrices, name) + change for name, change in changes.items()})
-        there = marched_runs(measured, runs, rows, levels.joints, masses_kg, beside)
+        there = marched_runs(measured, runs, rows, joints, masses_kg, beside)
         if all(np.isfinite(found).all() for found in there):
             shown[k], left_out[k] = (there[0] - levels.shown) / step, (there[1] - levels.left_out) / step
     return shown, left_out

@@ -56,6 +56,7 @@ class Origin:
 class LocalSlopes:
     """Changes per unit of each unknown's amount, by name of the matrix, (unknowns, …) over ``joints`` and ``places``.
 
+    Where they are not the problem's own, the ``equilibrium`` (unknowns, joints) is among the values.
     ``channels`` are those of the group of runs that they belong to, None for all; ``whole`` as in their origin.
     """
 
@@ -68,6 +69,12 @@ class LocalSlopes:
     def rows(self, places: Sequence[str]) -> list[int]:
         """Indices of a structure's places: a misplaced sensor borrows those of its home."""
         return [self.places.index(p if p in self.places else home(p)) for p in places]
+
+    def rests(self, joints: Sequence[str]) -> Array:
+        """Changes (unknowns, n) of where the weight holds n joints; zeros where that is not among the values."""
+        if "equilibrium" not in self.values:
+            return np.zeros((self.values["drive"].shape[0], len(joints)))
+        return self.values["equilibrium"][:, [self.joints.index(joint) for joint in joints]]
 
 
 def origin_at(problem: Problem, u: Array, e: Array, hypotheses: tuple[Hypothesis, ...] = ()) -> Origin | None:
@@ -194,7 +201,8 @@ def _slopes(asked: _Asked) -> tuple[LocalSlopes, ...]:
     here = assembled(problem, origin, hypotheses, scores)
     if here is None:
         return ()
-    found = [{n: np.zeros((len(problem.unknowns), *getattr(g.structure, n).shape)) for n in MATRICES} for g in here]
+    count, names = len(problem.unknowns), (*MATRICES, "equilibrium")
+    found = [{n: np.zeros((count, *getattr(g.structure, n).shape)) for n in names} for g in here]
     for k, unknown in enumerate(problem.unknowns):
         for step in (_STEP, -_STEP):
             aside = origin.copy()

@@ -45,7 +45,10 @@ ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reduced:
-    """A group in reduced coordinates, ``basis`` (n, m), with its slopes (parameters, …) by name of the matrix."""
+    """A group in reduced coordinates, ``basis`` (n, m), with its slopes (parameters, …) by name of the matrix.
+
+    ``rests`` (unknowns, J) are those of where the weight holds joints with a law; None without slopes or such joints.
+    """
 
     basis: Array
     matrices: Matrices
@@ -56,6 +59,7 @@ class Reduced:
     mass_slopes: Array
     roving: bool
     levels: Levels | None = None
+    rests: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -232,7 +236,7 @@ def anchor(
 def _following(problem: Problem, u: Array, groups: tuple[Reduced, ...], known: Following) -> tuple[Reduced, ...]:
     """Groups whose joints follow the unknowns, by what is known of that, else by marches here."""
     rates = np.array([k.rate(float(a)) for k, a in zip(problem.unknowns, u, strict=False)])
-    of = [(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes) for g in groups]
+    of = [(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes, g.rests) for g in groups]
     levels = known.followed(problem.measured, of, rates)
     return tuple(replace(group, levels=there) for group, there in zip(groups, levels, strict=True))
 
@@ -309,8 +313,10 @@ def _reduced(
         slopes[name] = np.concatenate([rows, added])
     slopes["spare"] = spare_slopes(problem, group, index, basis, local, grid_rows, sides, pulled)
     assert slopes["mass"].shape[0] == slopes["spare"].shape[0] == count + effects
-    sloped = None if levels is None else levels.sloped(beside)
-    return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped)
+    sloped, rests = None, None
+    if levels is not None:
+        sloped, rests = levels.sloped(beside), local.rests([s.joints[k] for k in levels.joints.index])
+    return Reduced(basis, matrices, slopes, runs, group.channels, group.masses_kg, mass_slopes, roving, sloped, rests)
 
 
 def _at(group: Reduced, x: Array) -> Matrices:
