@@ -98,6 +98,18 @@ def test_slopes_follow_where_the_weight_holds_a_joint_with_play(loud: Problem, n
     assert np.linalg.norm(followed - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
+def test_what_is_only_looked_at_rests_where_it_does(loud: Problem) -> None:
+    """Slopes of far out are those of the aircraft without it: they have no such joint."""
+    fixed = {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0, "kind": "bending", "side": "both"}
+    plays = Hypothesis(available_effects()["root-freeplay"], fixed)
+    u = as_stated(loud)
+    u[loud.names.index("EI wing")] = 6.0
+    found = anchor(loud, u, (plays,), np.zeros(0))
+    assert found.origin is not None and not plays.parameters
+    (rests,) = [group.rests for group in found.groups]
+    assert rests is not None and rests.shape[1] == 2 and not rests.any()
+
+
 def test_they_are_kept_until_they_are_forgotten(case: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
     taken = level_following.slopes_of

@@ -71,10 +71,13 @@ class LocalSlopes:
         return [self.places.index(p if p in self.places else home(p)) for p in places]
 
     def rests(self, joints: Sequence[str]) -> Array:
-        """Changes (unknowns, n) of where the weight holds n joints; zeros where that is not among the values."""
-        if "equilibrium" not in self.values:
-            return np.zeros((self.values["drive"].shape[0], len(joints)))
-        return self.values["equilibrium"][:, [self.joints.index(joint) for joint in joints]]
+        """Changes (unknowns, n) of where the weight holds n joints; zeros where these, or that, are not known."""
+        found = np.zeros((self.values["drive"].shape[0], len(joints)))
+        if "equilibrium" in self.values:
+            for k, joint in enumerate(joints):
+                if joint in self.joints:
+                    found[:, k] = self.values["equilibrium"][:, self.joints.index(joint)]
+        return found
 
 
 def origin_at(problem: Problem, u: Array, e: Array, hypotheses: tuple[Hypothesis, ...] = ()) -> Origin | None:
