@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vgvt.effects.elements import JointLaw
+from vgvt.reconcile.mechanics.joints import Hanging
 from vgvt.reconcile.mechanics.law import Law
 
 STIFFNESS = 2000.0
@@ -32,3 +33,15 @@ def test_of_a_joint_at_its_stop_a_linear_model_has_half_of_its_spring() -> None:
     for rest, share in ((-1e-3, 0.5), (-3e-3, 1.0), (0.0, 0.0)):
         law = Law.of(JointLaw("wing-left", "bending", STIFFNESS, play_rad=1e-3), rest)
         assert law.modelled == pytest.approx(share * STIFFNESS, rel=1e-6)
+
+
+def test_joints_carry_what_a_run_weighs_on_them_and_turn_with_where_they_hang() -> None:
+    laws = (Law(STIFFNESS, cubic=2e7, rest=2e-3), Law(STIFFNESS, play=1e-3, rest=-3e-3))
+    hanging = Hanging(np.array([7, 9]), laws, np.array([[0.0, 0.0], [0.5, -0.25]]))
+    first, second = hanging.in_runs()
+    assert [law.load for law in first] == pytest.approx([law.load for law in laws], rel=1e-12)
+    assert [law.load for law in second] == pytest.approx([laws[0].load + 0.5, laws[1].load - 0.25], rel=1e-9)
+    turned = hanging.turned(np.array([1e-3, 0.0]))
+    assert turned.laws[0].rest == pytest.approx(3e-3) and turned.laws[1].rest == laws[1].rest
+    # A structure is linearised where its joints are.
+    assert turned.laws[0].modelled == pytest.approx(STIFFNESS + 3 * 2e7 * 3e-3**2, rel=1e-4)

@@ -85,17 +85,35 @@ def test_slopes_in_the_joint_itself_are_as_good(case: Problem, k: int) -> None:
     assert np.linalg.norm(followed - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
-@pytest.mark.parametrize("name", ["mass servo-middle", "mass flap-middle", "mass winglet", "sensor mass"])
-def test_slopes_follow_where_the_weight_holds_a_joint_with_play(loud: Problem, name: str) -> None:
-    """It opens the later the more rests on it: held, slopes in these masses are wrong by 4 to 40 %."""
-    plays = (Hypothesis(available_effects()["root-freeplay"], {"kind": "bending", "side": "both"}),)
-    u, e = as_stated(loud), plays[0].scores({"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0})
-    k = loud.names.index(name)
+# The hook's y turns either root the other way; with no joint at all its slope is as far off.
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("mass servo-middle", 0.01),
+        ("mass flap-middle", 0.01),
+        ("mass winglet", 0.01),
+        ("sensor mass", 0.01),
+        ("hook y", 0.1),
+    ],
+)
+@pytest.mark.parametrize(
+    ("effect", "sizes"),
+    [
+        ("root-freeplay", {"gap_rad": 2e-3, "root_stiffness_n_m_per_rad": 2000.0}),
+        ("cubic-root-stiffness", {"cubic_n_m_per_rad3": 2e7, "root_stiffness_n_m_per_rad": 2000.0}),
+    ],
+)
+def test_slopes_follow_where_the_weight_holds_a_joint(
+    loud: Problem, effect: str, sizes: dict[str, float], name: str, most: float
+) -> None:
+    """One with play opens the later the more rests on it: held, slopes in these masses are wrong by 4 to 40 %."""
+    joint = (Hypothesis(available_effects()[effect], {"kind": "bending", "side": "both"}),)
+    u, e, k = as_stated(loud), joint[0].scores(sizes), loud.names.index(name)
     aside = 1e-3 * np.eye(u.size)[k]
-    sides = [anchor(loud, there, plays, e, slopes=False).mechanical(there, e) for there in (u + aside, u - aside)]
+    sides = [anchor(loud, there, joint, e, slopes=False).mechanical(there, e) for there in (u + aside, u - aside)]
     wanted = (sides[0] - sides[1]) / 2e-3
-    followed = anchor(loud, u, plays, e, structures=Structures(loud, whole=True, follows=Following())).slopes()[k]
-    assert np.linalg.norm(followed - wanted) < 0.01 * np.linalg.norm(wanted)
+    followed = anchor(loud, u, joint, e, structures=Structures(loud, whole=True, follows=Following())).slopes()[k]
+    assert np.linalg.norm(followed - wanted) < most * np.linalg.norm(wanted)
 
 
 def test_what_is_only_looked_at_rests_where_it_does(loud: Problem) -> None:
