@@ -45,8 +45,6 @@ from vgvt.simulation import simulate
 
 NONLINEAR = ("cubic-root-stiffness", "root-friction", "root-freeplay")
 NOISE = 0.003
-# Joints that depend on level need a finer step than the linear aircraft: as many cells as can still be stepped.
-STEPPED_CELLS = 16
 BASELINE = PAGES.parents[1] / "scoreboard" / "baselines" / "one-level-or-two.csv"
 COLUMNS = (
     "truth", "laboratory", "levels", "verdict", "named", "held-out χ²/ν", "next best, nats behind", "CPU s", "source",
@@ -124,7 +122,7 @@ def records(truth: Truth) -> dict[float, tuple[Campaign, tuple[Any, ...]]]:
     if truth.source == SECOND:
         return {level: _finite_elements(truth, level) for level in (truth.quiet, truth.loud)}
     scenario = nominal()
-    cells = STEPPED_CELLS if truth.engine == "mujoco" else lab.TRUE_CELLS
+    cells = lab.STEPPED_CELLS if truth.engine == "mujoco" else lab.TRUE_CELLS
     true = lab.drawn(lab.quiet(scenario), named_stream(20260101, "one level or two", truth.name), cells)
     half = truth.engine == "mujoco"
     acquisition = true.acquisition.model_copy(update={"runs": RUNS}) if half else true.acquisition
