@@ -73,6 +73,7 @@ def test_a_group_is_reduced_beside_its_own_chain(case: Problem) -> None:
     continuum, stated = (plain_of(case, cells, group).matrices.spare for cells in (0.0, -1.0))
     lacking = grouping.spare_by_cells(case, group.structure, group.rows)
     assert np.abs(lacking).max() > 1e-3 * np.abs(continuum).max()
+    # A difference of what is nearly the same: entries that hardly lack anything are round-off.
     np.testing.assert_allclose(continuum - stated, lacking, rtol=1e-9, atol=1e-12 * np.abs(lacking).max())
 
 
