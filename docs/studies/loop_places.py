@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from vgvt.reconcile import Place, Verdict
+from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES
 from vgvt.scenario import Scenario
 
 STATION_M = 0.30
@@ -78,10 +79,14 @@ def where_explained(place: Place) -> Where:
 
 
 def said_place(verdict: Verdict, scenario: Scenario) -> Where:
-    """Where a verdict says that something is: where what it names first sits, else what explains most."""
+    """Where a verdict says that something is: what has no name, what it names first, or what explains most."""
+    places = verdict.localisation.places if verdict.localisation else ()
+    nameless = verdict.attribution.nameless
+    if nameless is not None:
+        label = nameless.where.label.removesuffix(ON_BOTH_SIDES)
+        return next((where_explained(p) for p in places if p.label == label), NOWHERE)
     for effect in verdict.effects[:1]:
         named = where(effect.name, {**effect.settings, **{k: v[0] for k, v in effect.parameters.items()}}, scenario)
         if named.known:
             return named
-    places = verdict.localisation.places if verdict.localisation else ()
     return where_explained(places[0]) if places else NOWHERE

@@ -69,6 +69,7 @@ def told(folder: Path, campaign: Campaign, name: str, monkeypatch: pytest.Monkey
     monkeypatch.setattr(loop, "attribute", naming(name))
     monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: found)
     monkeypatch.setattr(beyond_names, "takes_nearly_all", lambda found: True)
+    monkeypatch.setattr(loop, "set_against_nameless", lambda found, *_: found)
     monkeypatch.setattr(loop, "strange_names", lambda found: frozenset())
     monkeypatch.setattr(loop, "turned", lambda found: None)
     monkeypatch.setattr(loop, "with_told_parameters", lambda found, *_: found)

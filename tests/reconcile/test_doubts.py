@@ -35,7 +35,13 @@ def found(null: Any, final: Any, rounds: int = 1) -> Any:
     addition = Addition(rival, (rival,), (rival,), None)  # type: ignore[arg-type]
     left = SimpleNamespace(adequate=True)
     return SimpleNamespace(
-        null=null, final=final, rounds=(addition,) * rounds, final_residual=left, null_residual=left, still=None
+        null=null,
+        final=final,
+        rounds=(addition,) * rounds,
+        final_residual=left,
+        null_residual=left,
+        still=None,
+        nameless=None,
     )
 
 
@@ -65,6 +71,17 @@ def test_what_a_law_still_explains_is_a_doubt() -> None:
     (said,) = doubts(more)
     assert "A force at 5+Z that is smooth over frequency would still explain 14 nats more" in said
     assert kind_of(more) is Kind.PARTLY_EXPLAINED
+
+
+def test_a_thing_without_a_name_is_a_doubt_beside_names_and_unknown_without_any() -> None:
+    nameless = SimpleNamespace(in_words="a force at 5+Z that is smooth over frequency, explains the data better")
+    beside, alone = found(fitted(), fitted()), found(fitted(), fitted(), rounds=0)
+    assert kind_of(alone) is Kind.ADEQUATE
+    beside.nameless = alone.nameless = nameless
+    (said,) = doubts(beside)
+    assert said == f"Beside it one thing that has no name, {nameless.in_words}"
+    assert kind_of(beside) is Kind.PARTLY_EXPLAINED
+    assert kind_of(alone) is Kind.UNKNOWN
 
 
 def test_a_calibration_on_its_way_is_a_doubt_where_something_is_left() -> None:
@@ -137,7 +154,9 @@ def test_many_far_scores_are_counted_rather_than_listed() -> None:
 @pytest.mark.parametrize(("score", "kind"), [(3.0, Kind.ADEQUATE), (16.0, Kind.UNKNOWN)])
 def test_data_met_far_outside_the_tolerances_are_not_explained(score: float, kind: Kind) -> None:
     """A body's inertia sixteen standard deviations off may stand for something that the catalogue lacks."""
-    found: Any = SimpleNamespace(rounds=(), null_residual=SimpleNamespace(adequate=True), null=fitted(0.5, score))
+    found: Any = SimpleNamespace(
+        rounds=(), null_residual=SimpleNamespace(adequate=True), null=fitted(0.5, score), nameless=None
+    )
     assert kind_of(found) is kind
 
 
@@ -231,7 +250,7 @@ def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.
 
     led: Any = SimpleNamespace(
         null=SimpleNamespace(converged=True), vetoed=(rival("soft root"), rival("cable"), rival("cable", 60.0)),
-        leads=(SimpleNamespace(winner=rival("soft root"), alike=(), held_out_before=3.0),),
+        leads=(SimpleNamespace(winner=rival("soft root"), alike=(), held_out_before=3.0),), nameless=None,
     )  # fmt: skip
     refused = [words for words in reasons._of_the_unknown(led) if "speak against it" in words]
     # Of several variants of one effect the best is told.
@@ -250,7 +269,7 @@ def told(name: str, nats: float, held_out: float | None = 0.9, left: float = 0.9
 def test_where_nothing_is_held_out_held_out_data_are_not_blamed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reasons, "implausible", lambda fit: ())
     about: Any = SimpleNamespace(
-        null=SimpleNamespace(converged=True), leads=(), vetoed=(told("added-mass", 120.0, None),)
+        null=SimpleNamespace(converged=True), leads=(), vetoed=(told("added-mass", 120.0, None),), nameless=None
     )
     (said,) = (words for words in reasons._of_the_unknown(about) if "added-mass" in words)
     assert said.startswith(

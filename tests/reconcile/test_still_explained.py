@@ -17,16 +17,9 @@ from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence import still_explained as evidence
-from vgvt.reconcile.evidence.free_places import FreePlace, free_places, mirror_images
-from vgvt.reconcile.evidence.still_explained import (
-    ON_BOTH_SIDES,
-    StillExplained,
-    _columns,
-    _laws,
-    _spans,
-    _surprise,
-    still_explained,
-)
+from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, FreePlace, free_places, mirror_images
+from vgvt.reconcile.evidence.smooth_law import law_terms
+from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _courses, still_explained, surprise
 from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -146,11 +139,21 @@ def test_mirror_images_move_alike_on_either_side() -> None:
 def test_runs_are_called_by_the_numbers_that_the_campaign_gives_them() -> None:
     """Of runs 1, 2, 5 and 7 the third is run 5, as in every label of its channels."""
     place: Any = SimpleNamespace(kind="structure")
-    spans = _spans(place, np.arange(4), dict(enumerate((1, 2, 5, 7))))
-    assert [when for when, _ in spans] == [
+    courses = dict(_courses(place, np.arange(4), dict(enumerate((1, 2, 5, 7)))))
+    assert list(courses) == [
         "", "from run 2 on", "from run 5 on", "in run 1 alone", "in run 2 alone", "in run 5 alone", "in run 7 alone",
+        "more from run to run", "more from run to run, less and less",
     ]  # fmt: skip
-    assert [list(runs) for _, runs in spans][2] == [2, 3]
+    assert courses["from run 5 on"] == pytest.approx([0, 0, 1, 1])
+    assert courses["in run 2 alone"] == pytest.approx([0, 1, 0, 0])
+    assert courses["more from run to run"] == pytest.approx([0, 1 / 3, 2 / 3, 1])
+
+
+def test_a_law_acts_in_runs_that_are_held_out_too() -> None:
+    """Of four runs the third is held out: what begins in the second acts there."""
+    place: Any = SimpleNamespace(kind="structure")
+    courses = dict(_courses(place, np.array([0, 1, 3]), dict(enumerate((1, 2, 3, 4)))))
+    assert courses["from run 2 on"] == pytest.approx([0, 1, 1, 1])
 
 
 def test_what_is_rough_over_frequency_is_no_law(damped: Problem, right: Fit) -> None:
@@ -171,14 +174,14 @@ def test_what_is_rough_over_frequency_is_no_law(damped: Problem, right: Fit) -> 
 
 def test_terms_share_out_one_and_chance_is_that_of_noise() -> None:
     frequency = np.geomspace(3, 35, 50)
-    laws = _laws(frequency)
+    laws = law_terms(frequency)
     assert laws.sum(axis=1) == pytest.approx(1)
     # A straight line in the logarithm is among them, and so is a cubic.
     wanted = np.log(frequency) ** 3
     assert laws @ np.linalg.lstsq(laws, wanted, rcond=None)[0] == pytest.approx(wanted)
     drawn = 0.5 * np.sum(np.random.default_rng(0).standard_normal((20_000, 2 * laws.shape[1])) ** 2, axis=1)
     # Of noise, minus the logarithm of a chance is exponential: its mean is one, and beyond three lies exp(-3).
-    nats = np.array([_surprise(h) for h in drawn])
+    nats = np.array([surprise(h) for h in drawn])
     assert nats.mean() == pytest.approx(1, abs=0.03)
     assert np.mean(nats > 3) == pytest.approx(np.exp(-3), abs=0.006)
 

@@ -10,6 +10,7 @@ import pytest
 from loop_places import NOWHERE, Where, said_place, where, where_explained
 
 from vgvt.reconcile import Place
+from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES
 
 
 @pytest.mark.parametrize(
@@ -81,11 +82,17 @@ def test_a_verdict_says_where_what_it_names_first_sits_or_else_where_the_residua
     )
     drift = SimpleNamespace(name="run-drift", settings={}, parameters={})
 
-    def said(*effects: object, places: object = residual) -> Where:
-        verdict: Any = SimpleNamespace(effects=effects, localisation=places)
+    def said(*effects: object, places: object = residual, nameless: str | None = None) -> Where:
+        where = None if nameless is None else SimpleNamespace(where=SimpleNamespace(label=nameless))
+        attribution = SimpleNamespace(nameless=where)
+        verdict: Any = SimpleNamespace(effects=effects, localisation=places, attribution=attribution)
         return said_place(verdict, loop_truth.nominal())
 
     assert said(fixed, freed).point_m == (0.5, 1.0)
     assert said(freed, fixed).point_m == (0.6, -1.0)
     assert said(drift, fixed) == said() == Where((0.7, -0.2))
     assert said(places=None) == NOWHERE
+    # What has no name is what the verdict says is there, whatever is named beside it.
+    assert said(fixed, nameless="force channel") == Where(force=True)
+    assert said(fixed, nameless=f"force at 12+Z{ON_BOTH_SIDES}") == Where((0.7, -0.2))
+    assert said(fixed, nameless="force at 1+Z") == NOWHERE

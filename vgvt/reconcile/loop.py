@@ -12,6 +12,7 @@ from vgvt.reconcile.decision.attribute import Attribution, attribute
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
+from vgvt.reconcile.decision.nameless_instead import set_against_nameless
 from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.decision.told import with_told_parameters
 from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
@@ -104,7 +105,11 @@ def reconcile(
         if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
     found = with_told_parameters(found, limits, lambda f, m: tell(_TURNED, m), workers)
-    found = asked_beyond_names(found, limits)
+    against = set_against_nameless(found, limits, lambda f, m: tell(_TURNED, m))
+    if against.nameless is None:
+        found = asked_beyond_names(found, limits)
+    else:
+        found = with_told_parameters(against, limits, lambda f, m: tell(_TURNED, m), workers)
     measured, parts = problem.measured, found.null.problem.split
     kind = kind_of(found)
     places = None

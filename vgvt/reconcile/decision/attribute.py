@@ -18,6 +18,7 @@ from vgvt.reconcile.decision.place_control import controlled
 from vgvt.reconcile.evidence.bending import plain_likenesses, straightened
 from vgvt.reconcile.evidence.confirmation import confirmed_by_held_out, held_out_nats, takes_enough
 from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.evidence.nameless import Nameless
 from vgvt.reconcile.evidence.plausible import implausible, likelier
 from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.rivals import Rival, against, distinct
@@ -52,7 +53,8 @@ class Attribution:
 
     ``leads`` are rounds that take too little to give a name, or are no plausible thing, ``led`` the fit with them
     (:mod:`vgvt.reconcile.decision.leads`). ``still`` is what a law at one place explains beside the names, where it is
-    more than chance explains (:mod:`vgvt.reconcile.decision.beyond_names`).
+    more than chance explains (:mod:`vgvt.reconcile.decision.beyond_names`). ``nameless`` is a thing of no catalogue
+    that does better than names did (:mod:`vgvt.reconcile.decision.nameless_instead`).
     """
 
     null: Fit
@@ -65,6 +67,7 @@ class Attribution:
     leads: tuple[Addition, ...] = ()
     led: Fit | None = None
     still: StillExplained | None = None
+    nameless: Nameless | None = None
 
     def __repr__(self) -> str:
         before, after = self.null_residual.train_chi2_per_dof, self.final_residual.train_chi2_per_dof

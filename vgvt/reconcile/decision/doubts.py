@@ -42,6 +42,8 @@ def doubts(found: Attribution) -> tuple[str, ...]:
             f"A {found.still.words} that is smooth over frequency would still explain {found.still.nats:.0f} nats more "
             "than chance does: what was named is not quite what is there, or not alone"
         )
+    if found.nameless is not None:
+        said.append(f"Beside it one thing that has no name, {found.nameless.in_words}")
     return tuple(said)
 
 

@@ -24,7 +24,7 @@ def kind_of(found: Attribution) -> Kind:
     """The verdict that an attribution amounts to."""
     if not found.rounds:
         # Data that are met at the price of tolerances far exceeded are not explained by the scenario as stated.
-        met = found.null_residual.adequate and not strained_too_much(found.null)
+        met = found.null_residual.adequate and not strained_too_much(found.null) and found.nameless is None
         return Kind.ADEQUATE if met else Kind.UNKNOWN
     doubtful = bool(doubts(found))
     # What a joint that depends on level leaves, or makes of the tolerances, is for the second level to say: a name that

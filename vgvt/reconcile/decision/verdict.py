@@ -100,6 +100,7 @@ class Verdict:
             "effects": [_effect_document(e) for e in self.effects],
             "leads": [_effect_document(e) for e in self.leads],
             "unexplained": list(self.unexplained),
+            "nameless": None if self.attribution.nameless is None else self.attribution.nameless.document(),
             "before": self.before.document(),
             "after": self.after.document(),
             "resimulated": self.resimulated.document(),

@@ -19,6 +19,8 @@ ComplexArray = NDArray[np.complex128]
 _UP = np.array([0.0, 0.0, 1.0])
 EVERY_RUN = " in every run"
 """What the label of a place ends with that is one sensor, wherever it roves."""
+ON_BOTH_SIDES = " and its mirror image"
+"""What the label of two places ends with that are asked together."""
 _MIRRORED_M = 1e-3
 
 
@@ -41,7 +43,7 @@ class FreePlace:
 
 
 def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[FreePlace]:
-    """Every place that could carry something: grid points, hook, body, roots, and the channels that are kept (C,)."""
+    """Every place that could carry something: grid points, body, hook, roots, and the channels that are kept (C,)."""
     groups = here.assembled
     plan = groups[0].plan
     found = []
@@ -50,6 +52,10 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
         rows = tuple(g.structure.axis[g.structure.places.index(point.site)] for g in groups)
         motion = point.dof.direction.name
         found.append(FreePlace(f"force at {point.dof}", "structure", at, rows, None, motion=motion))
+    for x, y in on_centre_line(problem):
+        at = (x, y, plan.scenario.airframe.body.centre_of_gravity_m[2])
+        rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(at))[0] for g in groups)
+        found.append(FreePlace(f"force on the body at x = {x:.2f} m", "structure", at, rows, None))
     hook = plan.scenario.suspension.hook_m
     rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(hook))[0] for g in groups)
     found.append(FreePlace("force at the hook", "structure", hook, rows, None))
@@ -82,6 +88,21 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
     return found
 
 
+def on_centre_line(problem: Problem) -> list[tuple[float, float]]:
+    """Three points (x, y) of the body, from nose to tail."""
+    body = problem.scenario.airframe.body
+    x = [p[0] for p in body.outline_m] or [body.centre_of_gravity_m[0]]
+    return [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
+
+
+def with_mirror_images(places: Sequence[FreePlace]) -> dict[str, tuple[FreePlace, ...]]:
+    """Places by their labels, each alone, and those together that are each other's mirror images."""
+    found: dict[str, tuple[FreePlace, ...]] = {p.label: (p,) for p in places}
+    for k, j in mirror_images(places):
+        found[f"{places[k].label}{ON_BOTH_SIDES}"] = (places[k], places[j])
+    return found
+
+
 def mirror_images(places: Sequence[FreePlace]) -> list[tuple[int, int]]:
     """Indices of two places that are each other's mirror images, the one with y > 0 first, where they move alike.
 
@@ -107,7 +128,7 @@ def answered(here: Anchor, place: FreePlace, predicted: ComplexArray, chain: Com
     out = np.zeros(predicted.shape, dtype=complex)
     omega = 2 * np.pi * here.problem.measured.frequency_hz
     for group, row in zip(here.groups, place.rows, strict=True):
-        pushed = replace(group.matrices, drive=_reduced(group, row), spare=np.zeros_like(group.matrices.spare))
+        pushed = replace(group.matrices, drive=reduced_row(group, row), spare=np.zeros_like(group.matrices.spare))
         masses = tuple(group.masses_kg[r] if group.roving else np.zeros(r.size) for r in group.runs)
         out[group.channels] = accelerances(pushed, omega, group.runs, masses)
     return np.asarray(out * chain)
@@ -115,14 +136,14 @@ def answered(here: Anchor, place: FreePlace, predicted: ComplexArray, chain: Com
 
 def moved(group: Reduced, row: Array, omega: Array) -> tuple[ComplexArray, ComplexArray]:
     """Displacement (L,) along a row over a group's coordinates by a unit of the shaker, and by a unit along the row."""
-    own = _reduced(group, row)
+    own = reduced_row(group, row)
     seen = replace(group.matrices, axis=own[None], tilt=np.zeros((1, own.size)), spare=np.zeros(1))
     runs, none = (np.array([0]),), (np.zeros(1),)
     by_drive = accelerances(seen, omega, runs, none)[0] / -(omega**2)
     return by_drive, accelerances(replace(seen, drive=own), omega, runs, none)[0] / -(omega**2)
 
 
-def _reduced(group: Reduced, row: Array) -> Array:
+def reduced_row(group: Reduced, row: Array) -> Array:
     """A row over a group's assembled coordinates in its reduced ones."""
     wide = np.zeros(group.basis.shape[0])
     wide[: row.size] = row

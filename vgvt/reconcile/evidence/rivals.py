@@ -77,6 +77,13 @@ def _met(one: Fit, other: Fit) -> bool:
     return same[0] == same[1] and float(np.abs(one.e - other.e).max(initial=0.0)) < _MET
 
 
+def worth_to(found: Fit) -> float:
+    """What one of the values that a fit was made to is worth to it: as many as are independent of what it leaves."""
+    measured, keep = found.problem.measured, found.problem.split.train
+    rho = standardised(found.problem, (found.predicted - measured.values)[keep])
+    return float(min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth)
+
+
 def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     """Fits with one effect more as rivals, judged against the model without it, best first.
 
@@ -87,10 +94,7 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     """
     if not fits:
         return ()
-    found = max(fits, key=lambda f: f.evidence_nats)
-    measured, keep = found.problem.measured, found.problem.split.train
-    rho = standardised(found.problem, (found.predicted - measured.values)[keep])
-    worth = min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth
+    worth = worth_to(max(fits, key=lambda f: f.evidence_nats))
     rivals, lasting = [], lasting_nats(current)
     for f in fits:
         raw = f.evidence_nats - current.evidence_nats

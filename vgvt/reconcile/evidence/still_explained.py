@@ -8,17 +8,26 @@ frequency, or such a factor on a channel, whatever thing may have it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
 
-from vgvt.reconcile.evidence.free_places import EVERY_RUN, FreePlace, answered, free_places, mirror_images, moved
+from vgvt.effects.run_schedule import Shape, progress
+from vgvt.reconcile.evidence.free_places import (
+    EVERY_RUN,
+    ON_BOTH_SIDES,
+    FreePlace,
+    answered,
+    free_places,
+    mirror_images,
+    moved,
+)
 from vgvt.reconcile.evidence.lasting import lasting
 from vgvt.reconcile.evidence.residual import independent_values
+from vgvt.reconcile.evidence.smooth_law import TERMS, law_terms
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import data_misfit, standardised
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
@@ -26,9 +35,8 @@ from vgvt.reconcile.question.thresholds import noise_share
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-ON_BOTH_SIDES = " and its mirror image"
-_TERMS = 4
-"""Complex values of a law: cubic in the logarithm of frequency, which a stiffness, mass, damper and mixtures are."""
+# How soon what creeps settles, as effects of the catalogue have it.
+_PACE_RUNS = 3.0
 # Of a direction's square length, what is left of it beside all that the unknowns imitate and is still one of its own.
 _ITS_OWN = 1e-12
 
@@ -38,13 +46,16 @@ class StillExplained:
     """The place where a smooth law explains most of what a fit leaves, and by how many ``nats`` more than chance.
 
     Chance would do as much in one of exp(nats) campaigns at any of the places. ``kind`` is as a free place's, ``when``
-    says in which runs the law acts, nothing where in all of them.
+    says when the law acts, nothing where alike in all runs, and ``course`` (R,) by how much in each run.
+    ``asked`` is how many places and courses over the runs there were to choose from.
     """
 
     label: str
     kind: str
     nats: float
     when: str = ""
+    course: tuple[float, ...] = ()
+    asked: int = 1
 
     @property
     def words(self) -> str:
@@ -57,8 +68,8 @@ class StillExplained:
 def still_explained(found: Fit) -> StillExplained | None:
     """What a smooth law at one place explains of what a fit leaves; None beside joints that depend on level.
 
-    The law acts in every run, from some run on, or in one alone. Judged as names are, by tempered values and where the
-    model's error lasts: the lesser of the two counts.
+    The law acts in every run, from some run on, in one alone, or more from run to run. Judged as names are, by tempered
+    values and where the model's error lasts: the lesser of the two counts.
     """
     problem = found.problem
     here = anchor(problem, found.u, found.hypotheses, found.e, slopes=False)
@@ -67,7 +78,7 @@ def still_explained(found: Fit) -> StillExplained | None:
     keep = problem.split.train
     run_of = np.array([c.run for c in problem.measured.channels])
     numbers = {c.run: c.run_number for c in problem.measured.channels}
-    chain, laws = here.chain(found.u, found.e), _laws(problem.measured.frequency_hz)
+    chain, laws = here.chain(found.u, found.e), law_terms(problem.measured.frequency_hz)
     views = _views(found)
     places = free_places(problem, here, keep)
     columns = [_columns(found, here, place, chain, laws) for place in places]
@@ -79,29 +90,34 @@ def still_explained(found: Fit) -> StillExplained | None:
     ]
     told: list[StillExplained] = []
     for place, acting in asked:
-        spans = _spans(place, run_of[keep if place.mask is None else keep & place.mask], numbers)
-        nats = np.min([view.nats(acting, run_of[keep], [runs for _, runs in spans]) for view in views], axis=0)
+        courses = _courses(place, run_of[keep if place.mask is None else keep & place.mask], numbers)
+        nats = np.min([view.nats(acting, run_of[keep], [c for _, c in courses]) for view in views], axis=0)
         told += [
-            StillExplained(place.label, place.kind, float(n), when) for n, (when, _) in zip(nats, spans, strict=True)
+            StillExplained(place.label, place.kind, float(n), when, tuple(map(float, course)))
+            for n, (when, course) in zip(nats, courses, strict=True)
         ]
     best = max(told, key=lambda s: s.nats)
-    return replace(best, nats=best.nats - float(np.log(len(told))))
+    return replace(best, nats=best.nats - float(np.log(len(told))), asked=len(told))
 
 
-def _spans(
-    place: FreePlace, acting: NDArray[np.intp], numbers: Mapping[int, int]
-) -> list[tuple[str, NDArray[np.intp]]]:
-    """In which runs, counted from 0, a law may act at a place where it has something to act on in those ``acting``.
+def _courses(place: FreePlace, acting: NDArray[np.intp], numbers: Mapping[int, int]) -> list[tuple[str, Array]]:
+    """How a law may act over the runs (R,), in words and numbers, at a place with something to act on in some of them.
 
-    ``numbers`` are those that the campaign gives its runs.
+    ``acting`` are those runs, counted from 0, and ``numbers`` what the campaign calls its runs.
     """
-    runs = np.unique(acting)
-    spans = [("", runs)]
-    spans += [(f"from run {numbers[first]} on", runs[runs >= first]) for first in runs[1:-1]]
-    if place.kind != "sensor" and runs.size > 1:
+    every, seen = np.arange(max(numbers) + 1), np.unique(acting)
+    courses = [("", np.ones(every.size))]
+    courses += [(f"from run {numbers[first]} on", np.where(every >= first, 1.0, 0.0)) for first in seen[1:-1]]
+    if place.kind != "sensor" and seen.size > 1:
         # One sensor in one run is a place of its own.
-        spans += [(f"in run {numbers[run]} alone", np.array([run])) for run in runs]
-    return spans
+        courses += [(f"in run {numbers[run]} alone", np.where(every == run, 1.0, 0.0)) for run in seen]
+    if seen.size > 2:
+        # What creeps is there a little in every run, and at its own pace.
+        shapes: tuple[tuple[Shape, str], ...] = (("linear", ""), ("exponential", ", less and less"))
+        for shape, how in shapes:
+            come = [progress(shape, int(run), every.size, _PACE_RUNS, 2) for run in every]
+            courses.append((f"more from run to run{how}", np.array(come)))
+    return courses
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,19 +140,25 @@ class _View:
         whole = np.concatenate([misfit, found.scores])
         return cls(found, whole - basis @ (basis.T @ whole), basis, worth, lasts)
 
-    def nats(self, columns: Array, run_of: NDArray[np.intp], spans: list[NDArray[np.intp]]) -> Array:
+    def nats(self, columns: Array, run_of: NDArray[np.intp], courses: Sequence[Array]) -> Array:
         """Minus the logarithm of the chance that columns (2 N, 2 terms) of nothing take as much as these do.
 
-        In each of the spans of runs (spans,); ``run_of`` (fitted channels,) are the runs of the rows.
+        By each of the courses over the runs (R,); ``run_of`` (fitted channels,) are the runs of the rows.
         """
         judged = lasting(self.found.problem, columns) if self.lasts else columns
-        # Rows of different runs share nothing: what a span of runs has are sums of what its runs have.
+        # Rows of different runs share nothing: what a course has are sums of what its runs have.
         rows = np.broadcast_to(run_of[None, :, None], (2, run_of.size, judged.shape[0] // (2 * run_of.size))).ravel()
         by_run = [judged[rows == run] for run in range(int(run_of.max()) + 1)]
         square = np.array([c.T @ c for c in by_run])
         imitated = np.array([self.basis[: rows.size][rows == r].T @ c for r, c in enumerate(by_run)])
         taken = np.array([c.T @ self.left[: rows.size][rows == r] for r, c in enumerate(by_run)])
-        return np.array([self._surprise(square[s].sum(0), imitated[s].sum(0), taken[s].sum(0)) for s in spans])
+        shares = [course[: square.shape[0]] for course in courses]
+        return np.array(
+            [
+                self._surprise(*(np.tensordot(g, of, axes=1) for g, of in ((c**2, square), (c, imitated), (c, taken))))
+                for c in shares
+            ]
+        )
 
     def _surprise(self, square: Array, imitated: Array, taken: Array) -> float:
         """The same by products of columns (k, k), with the basis (scores, k), and with what is left (k,)."""
@@ -145,7 +167,7 @@ class _View:
         sizes, sides = np.linalg.eigh(own)
         kept = sizes > _ITS_OWN
         along = (sides[:, kept].T @ (taken / length)) ** 2 / sizes[kept]
-        return _surprise(0.5 * self.worth * float(along.sum()))
+        return surprise(0.5 * self.worth * float(along.sum()))
 
 
 def _views(found: Fit) -> tuple[_View, _View]:
@@ -176,17 +198,10 @@ def _columns(found: Fit, here: Anchor, place: FreePlace, chain: ComplexArray, la
     return np.asarray(np.sqrt(2) * np.concatenate([flat.real, flat.imag]))
 
 
-def _laws(frequency_hz: Array) -> Array:
-    """The terms (L, terms): Bernstein's cubics in the logarithm of frequency over the band."""
-    x = np.log(frequency_hz)
-    ends = np.repeat([x[0], x[-1]], _TERMS)
-    return np.asarray(BSpline.design_matrix(np.minimum(x, np.nextafter(x[-1], x[0])), ends, _TERMS - 1).toarray())
-
-
-def _surprise(half: float) -> float:
+def surprise(half: float) -> float:
     """Minus the logarithm of the chance that noise has such a ``half`` square sum along 2 terms' directions.
 
     Of an even number of values it is exp(-h) (1 + h + h²/2 + …), with half as many summands.
     """
-    summands = np.cumprod([1.0, *(half / k for k in range(1, _TERMS))])
+    summands = np.cumprod([1.0, *(half / k for k in range(1, TERMS))])
     return half - float(np.log(summands.sum()))

@@ -24,6 +24,7 @@ from vgvt.effects.action import ChannelFilter
 from vgvt.effects.beams import plain_name
 from vgvt.effects.parameter import parameters_of
 from vgvt.effects.registry import EffectPluginWarning, available_effects
+from vgvt.reconcile.evidence.free_places import on_centre_line
 from vgvt.reconcile.evidence.plausible import reach
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
@@ -140,16 +141,9 @@ def places(problem: Problem) -> tuple[tuple[float, float], ...]:
     """Points (x, y) over the aircraft: the drive point, along the centre line, and along each beam at its middle."""
     driven = problem.scenario.shaker.position_m
     # What sits on the drive point is told from what hangs below the gauge by little: it must be offered there.
-    points = [(float(driven[0]), float(driven[1])), *_on_centre_line(problem)]
+    points = [(float(driven[0]), float(driven[1])), *on_centre_line(problem)]
     points += [point for beam in _on_beams(problem) for point in beam]
     return tuple(dict.fromkeys((round(a, 4), round(b, 4)) for a, b in points))
-
-
-def _on_centre_line(problem: Problem) -> list[tuple[float, float]]:
-    """Three points (x, y) of the body, from nose to tail."""
-    body = problem.scenario.airframe.body
-    x = [p[0] for p in body.outline_m] or [body.centre_of_gravity_m[0]]
-    return [(float(v), 0.0) for v in np.linspace(min(x) + 0.05 * np.ptp(x), max(x) - 0.05 * np.ptp(x), 3)]
 
 
 def _on_beams(problem: Problem) -> list[list[tuple[float, float]]]:
@@ -170,7 +164,7 @@ def tied_places(problem: Problem) -> tuple[tuple[float, float, float, float], ..
 
     An end on the body does not move against it: a fit that begins there finds no way off it.
     """
-    beams, (_, middle, _) = _on_beams(problem), _on_centre_line(problem)
+    beams, (_, middle, _) = _on_beams(problem), on_centre_line(problem)
     pairs = [(point, middle) for beam in beams for point in beam]
     # The ends of a tie are free to move where it is fitted: two of each beam will do.
     pairs += itertools.combinations([point for beam in beams for point in beam[2::3]], 2)
