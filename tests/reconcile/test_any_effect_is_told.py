@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,11 @@ from vgvt.reconcile import Kind, Verdict, loop, reconcile
 from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.leads import demoted
+from vgvt.reconcile.evidence.nameless import Nameless
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.outcome.account import account_of
 from vgvt.reconcile.outcome.cells import at_whole_cells
@@ -63,16 +68,18 @@ def naming(name: str) -> Any:
     return attributed
 
 
-def told(folder: Path, campaign: Campaign, name: str, monkeypatch: pytest.MonkeyPatch) -> Verdict:
+def told(
+    folder: Path, campaign: Campaign, name: str, monkeypatch: pytest.MonkeyPatch, against: Any = lambda found, *_: found
+) -> Verdict:
     """The verdict that names an effect, with all that follows a search."""
     monkeypatch.setattr(loop, "calibrate", as_stated)
     monkeypatch.setattr(loop, "attribute", naming(name))
     monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: found)
     monkeypatch.setattr(beyond_names, "takes_nearly_all", lambda found: True)
-    monkeypatch.setattr(loop, "set_against_nameless", lambda found, *_: found)
     monkeypatch.setattr(loop, "strange_names", lambda found: frozenset())
     monkeypatch.setattr(loop, "turned", lambda found: None)
     monkeypatch.setattr(loop, "with_told_parameters", lambda found, *_: found)
+    monkeypatch.setattr(loop, "set_against_nameless", against)
     known = {name: available_effects()[name]}
     return reconcile(campaign, roving_scenario(), effects=known, lines=LINES, folder=folder)
 
@@ -96,3 +103,33 @@ def test_it_has_its_account_its_page_and_its_scenario(
     page = render_reconcile_page(account)
     assert name in page and "</html>" in page
     assert not re.search(r"\bnan\b", page.split("<script", 1)[0], re.IGNORECASE)
+
+
+def test_what_a_nameless_thing_does_without_is_a_lead_and_the_thing_is_told(
+    folder: Path, campaign: Campaign, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def against(found: Attribution, *_: Any) -> Attribution:
+        null = found.null
+        where = StillExplained("force at 18+Z", "structure", 40.0, "from run 2 on", (0.0, 1.0, 1.0, 1.0), 100)
+        nameless = Nameless(
+            where, null.problem, (), null.u, null.e, np.zeros(LINES, dtype=complex), null.predicted, null.chi2, 0.0,
+            0.0, ("run-drift",), 31.0,
+        )  # fmt: skip
+        return replace(demoted(found), nameless=nameless)
+
+    def unasked(*_: Any) -> None:
+        raise AssertionError("what has no name beside it is asked of names that are none any more")
+
+    monkeypatch.setattr(loop, "asked_beyond_names", unasked)
+    found = told(folder, campaign, "run-drift", monkeypatch, against)
+    assert found.kind is Kind.UNKNOWN and not found.effects
+    assert [e.name for e in found.leads] in (["run-drift"], [])
+    words = (
+        "a force at 18+Z from run 2 on that is smooth over frequency, explains the data 31 nats better than run-drift"
+    )
+    assert any(words in said for said in found.reasons)
+    document = json.loads(json.dumps(found.document()))["nameless"]
+    assert document["place"] == "force at 18+Z" and document["when"] == "from run 2 on"
+    assert document["instead_of"] == ["run-drift"] and document["ahead_nats"] == 31.0
+    page = render_reconcile_page(account_of(found, title="told"))
+    assert words in page
