@@ -19,7 +19,14 @@ from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence import still_explained as evidence
 from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, FreePlace, free_places, mirror_images
 from vgvt.reconcile.evidence.smooth_law import law_terms
-from vgvt.reconcile.evidence.still_explained import StillExplained, _columns, _courses, still_explained, surprise
+from vgvt.reconcile.evidence.still_explained import (
+    StillExplained,
+    _columns,
+    _courses,
+    _views,
+    still_explained,
+    surprise,
+)
 from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -142,11 +149,28 @@ def test_runs_are_called_by_the_numbers_that_the_campaign_gives_them() -> None:
     courses = dict(_courses(place, np.arange(4), dict(enumerate((1, 2, 5, 7)))))
     assert list(courses) == [
         "", "from run 2 on", "from run 5 on", "in run 1 alone", "in run 2 alone", "in run 5 alone", "in run 7 alone",
-        "more from run to run", "more from run to run, less and less",
+        "more from run to run", "more from run to run, ever more slowly",
     ]  # fmt: skip
     assert courses["from run 5 on"] == pytest.approx([0, 0, 1, 1])
     assert courses["in run 2 alone"] == pytest.approx([0, 1, 0, 0])
     assert courses["more from run to run"] == pytest.approx([0, 1 / 3, 2 / 3, 1])
+
+
+def test_a_course_is_the_law_by_so_much_in_each_run(damped: Problem, right: Fit) -> None:
+    """What a law takes by a course is what its columns take that are multiplied by it, run by run."""
+    keep = damped.split.train
+    run_of = np.array([c.run for c in damped.measured.channels])[keep]
+    here = anchor(damped, right.u, right.hypotheses, right.e, slopes=False)
+    place = free_places(damped, here, keep)[3]
+    laws = law_terms(damped.measured.frequency_hz)
+    columns = _columns(right, here, place, here.chain(right.u, right.e), laws)
+    course = np.array([0.0, 0.3, 0.7, 1.0])
+    by_row = np.tile(np.repeat(course[run_of], damped.measured.frequency_hz.size), 2)
+    for view in _views(with_noise(right, 4)):
+        (by_course,) = view.nats(columns, run_of, [course])
+        (by_hand,) = view.nats(columns * by_row[:, None], run_of, [np.ones(4)])
+        assert by_course == pytest.approx(by_hand)
+        assert by_course != pytest.approx(view.nats(columns, run_of, [np.ones(4)])[0])
 
 
 def test_a_law_acts_in_runs_that_are_held_out_too() -> None:

@@ -146,11 +146,17 @@ def demoted(found: Attribution) -> Attribution:
     """The same with every name a lead, and the model without effects at the end; no leads where nothing is missing."""
     bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
     if not found.null_residual.adequate or strained_too_much(found.null):
-        return replace(bare, leads=tuple(map(with_nearly_as_near, found.rounds)), led=found.final)
+        return led_by_all(found)
     # What the first round asked is what stood between these data and a name; what could not be was refused one.
     strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
     rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
     return replace(bare, last_rivals=rivals, vetoed=(*strange, *found.vetoed))
+
+
+def led_by_all(found: Attribution) -> Attribution:
+    """The same with every name a lead, and the model without effects at the end."""
+    bare = replace(found, rounds=(), final=found.null, final_residual=found.null_residual)
+    return replace(bare, leads=tuple(map(with_nearly_as_near, found.rounds)), led=found.final)
 
 
 def shares(found: Attribution) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,20 @@ _CHANCE = 2.0
 _MUCH = 0.25
 # Of how far the tolerances were leant on: what takes this share of it is what they had imitated.
 _MOST = 0.5
+
+
+class Foretelling(Protocol):
+    """Anything that foretells data: a fit, or one with a thing that has no name."""
+
+    @property
+    def problem(self) -> Problem:
+        """What it was made for."""
+        ...
+
+    @property
+    def foretold(self) -> ComplexArray:
+        """A/F (C, L), each held-out channel's own gain left open within its tolerance."""
+        ...
 
 
 def confirmed_by_held_out(
@@ -110,6 +125,13 @@ def held_out_nats(judge: Fit, found: Fit, without: Fit) -> float:
     return _nats(judge, found, without, found.problem.split.held)
 
 
+def not_spoken_against(found: Foretelling, names: Fit) -> bool:
+    """Whether held-out data do not prefer ``names`` to what is set against them, by more than chance fluctuation."""
+    held = names.problem.split.held
+    between = _worth(names, held) * _square_sum(_of(names.problem, held, found.foretold - names.foretold))
+    return _nats(names, found, names, held) > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * between))
+
+
 def preferred_by(winner: Fit, other: Fit) -> float:
     """By how many nats held-out data, or all where nothing is held out, prefer one fit to another.
 
@@ -121,11 +143,11 @@ def preferred_by(winner: Fit, other: Fit) -> float:
     return _nats(judge, winner, other, rows)
 
 
-def _nats(judge: Fit, found: Fit, without: Fit, rows: Rows) -> float:
+def _nats(judge: Fit, found: Foretelling, without: Foretelling, rows: Rows) -> float:
     return _worth(judge, rows) * (_square_sum(_missed(without, rows)) - _square_sum(_missed(found, rows)))
 
 
-def _missed(found: Fit, rows: Rows) -> ComplexArray:
+def _missed(found: Foretelling, rows: Rows) -> ComplexArray:
     """What a fit misses of some channels (C,)."""
     return _of(found.problem, rows, found.foretold - found.problem.measured.values)
 

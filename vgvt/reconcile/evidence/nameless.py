@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from vgvt.data.shown import headed
 from vgvt.reconcile.evidence.free_places import free_places, with_mirror_images
+from vgvt.reconcile.evidence.lasting import lasting_evidence
 from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
 from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.fitting.descent import arrived, moved, solved
+from vgvt.reconcile.fitting.foretold import foretold, held_out_chi2
 from vgvt.reconcile.fitting.misfit import data_misfit, jacobian, standardised
 from vgvt.reconcile.prediction.carried import Structures
 from vgvt.reconcile.prediction.grouping import NoStructureError
@@ -36,6 +38,8 @@ _FIRST_DAMPING, _FREER, _HELD_BACK, _REFUSED = 1e-2, 0.2, 2.0, 4.0
 _FREE, _HELD = 1e-2, 1.0
 # As many times what a free step promised to take off may yet be taken off: the slopes are those of a smaller law.
 _HOPELESS = 2.0
+# Peaks that are apart promise little at first.
+_FIRST_LOOK = 2
 # What holds a law's values, in the deviations that each of them makes: nothing, but for those that change nothing.
 _LOOSE = 1e-9
 
@@ -46,9 +50,10 @@ class Nameless:
 
     ``law`` (L,) is its dynamic stiffness, N/m or N m/rad, or what it adds to a factor of one; ``chi2`` the square sum
     of the misfit and ``cost`` that of the scores, too; ``predicted`` (C, L) what is foretold with it.
-    ``evidence_nats`` is Laplace's of the scores, the law's values held: they have no prior, and cost what chance would
-    make of as many. Where it was set against names, it stands ``instead_of`` these, ``ahead_nats`` before all names
-    together by all that it costs.
+    ``evidence_nats`` is Laplace's of the scores, the law's values held, and ``lasting_nats`` where errors of the model
+    last: these values have no prior, and cost what chance would make of as many. Slopes are those without the law.
+    Where it was set against names, it stands ``instead_of`` these, ``ahead_nats`` before all names together by all
+    that it costs.
     """
 
     where: StillExplained
@@ -61,6 +66,7 @@ class Nameless:
     chi2: float
     cost: float
     evidence_nats: float
+    lasting_nats: float
     instead_of: tuple[str, ...] = ()
     ahead_nats: float = 0.0
 
@@ -73,8 +79,8 @@ class Nameless:
         names = " and ".join(self.instead_of)
         said = f"a {self.where.words} that is smooth over frequency"
         if self.instead_of:
-            ahead = f"{self.ahead_nats:.0f} nats better than" if self.ahead_nats >= 1 else "as well as"
-            said += f", explains the data {ahead} {names}"
+            ahead = "more" if self.ahead_nats >= 0 else "less"
+            said += f", takes {abs(self.ahead_nats):.0f} nats {ahead} than {names}"
         held = self.held_out_chi2_per_dof
         left = f"it leaves {self.chi2_per_dof:.2f} per degree of freedom"
         return f"{said}: {left}{'' if held is None else f', {held:.2f} of those held out'}"
@@ -94,17 +100,18 @@ class Nameless:
     @property
     def chi2_per_dof(self) -> float:
         """χ² per fitted real number, each channel by itself."""
-        return self._left(self.problem.split.train)
+        measured, train = self.problem.measured, self.problem.split.train
+        return float(np.mean(np.abs((self.predicted - measured.values)[train] / measured.sigma[train]) ** 2))
+
+    @property
+    def foretold(self) -> ComplexArray:
+        """The prediction (C, L), each held-out channel's own gain left open within its tolerance."""
+        return foretold(self.problem, self.predicted)
 
     @property
     def held_out_chi2_per_dof(self) -> float | None:
-        """The same of held-out data, whose channels' own gains are as stated; None where there are none."""
-        held = self.problem.split.held
-        return self._left(held) if held.any() else None
-
-    def _left(self, rows: NDArray[np.bool_]) -> float:
-        measured = self.problem.measured
-        return float(np.mean(np.abs((self.predicted - measured.values)[rows] / measured.sigma[rows]) ** 2))
+        """χ² per held-out value, by what is foretold of them; None where nothing is held out."""
+        return held_out_chi2(self.problem, self.predicted)
 
 
 def with_nameless(
@@ -131,23 +138,25 @@ def with_nameless(
     except NoStructureError:
         return None
     damping = _FIRST_DAMPING
-    for _ in range(_STEPS):
+    for step in range(_STEPS):
         slopes = _Slopes.of(state)
         reached, damping = _lower(state, slopes, structures, damping)
         if reached is None:
             break
         state = reached
-        if state.cost - worthless > _HOPELESS * slopes.promised:
+        if step >= _FIRST_LOOK and state.cost - worthless > _HOPELESS * slopes.promised:
             break
         if arrived(state.misfit.size, slopes.promised, state.cost):
             break
-    law = terms @ state.sizes
+    slopes = _Slopes.of(state)
     share = sum(float(np.log(h.share)) for h in hypotheses)
-    evidence = -0.5 * (state.cost + _Slopes.of(state).log_det) + share
-    chi2 = float(state.misfit @ state.misfit)
+    scores = np.concatenate([state.u, state.e])
+    evidence = -0.5 * (state.cost + slopes.log_det) + share
+    lasting = lasting_evidence(problem, state.misfit, slopes.tangent, scores, share)
+    chi2, law = float(state.misfit @ state.misfit), terms @ state.sizes
     return Nameless(
-        where, problem, hypotheses, state.u, state.e, law, state.predicted, chi2, state.cost, evidence
-    )  # fmt: skip
+        where, problem, hypotheses, state.u, state.e, law, state.predicted, chi2, state.cost, evidence, lasting
+    )
 
 
 def _lower(state: _State, slopes: _Slopes, structures: Structures, damping: float) -> tuple[_State | None, float]:
@@ -158,9 +167,17 @@ def _lower(state: _State, slopes: _Slopes, structures: Structures, damping: floa
         if reached is not None and reached.cost < state.cost:
             kept = (state.cost - reached.cost) / slopes.promised_by(move)
             factor = _FREER if kept > _KEEPS_MOST else _HELD_BACK if kept < _KEEPS_LITTLE else 1.0
-            return reached.sloped(structures), factor * damping
+            try:
+                return reached.sloped(structures), factor * damping
+            except NoStructureError:
+                return None, damping
         damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
     return None, damping
+
+
+def _alike(one: Anchor, other: Anchor) -> bool:
+    """Whether runs share structures alike at two anchors: places are rows over the coordinates of each."""
+    return [g.channels.tolist() for g in one.assembled] == [g.channels.tolist() for g in other.assembled]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,14 +210,14 @@ class _State:
         It has no slopes in the unknowns.
         """
         problem, hypotheses = self.here.problem, self.here.hypotheses
-        count, scores = self.u.size + self.e.size, np.concatenate([self.u, self.e])
-        longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max(initial=0.0)))
-        by_score = move[:count] * min(1.0, longest / max(float(np.abs(move[:count]).max(initial=0.0)), 1e-300))
-        u, e = moved(problem, hypotheses, self.u, self.e, by_score)
+        count = self.u.size + self.e.size
+        u, e = moved(problem, hypotheses, self.u, self.e, move[:count])
         change = move[count:] * unit
         sizes = self.sizes + change[:TERMS] + 1j * change[TERMS:]
         try:
             here = anchor(problem, u, hypotheses, e, slopes=False, structures=structures)
+            if not _alike(self.here, here):
+                return None
             return _State.at(here, self.acting, self.terms, u, e, sizes)
         except NoStructureError:
             return None
@@ -217,15 +234,19 @@ class _State:
 class _Slopes:
     """Gradient (n,) and half the curvature (n, n) of half the cost, in scores and in the law's values by ``unit``.
 
-    A law's values are in units of what changes the misfit by one (2 TERMS,).
+    A law's values are in units of what changes the misfit by one (2 TERMS,); ``tangent`` (2 N, scores) are the misfit's
+    derivatives in the scores. No score moves by more than ``longest``.
     """
 
     gradient: Array
     normal: Array
     unit: Array
+    tangent: Array
+    longest: float
 
     @classmethod
     def of(cls, state: _State) -> _Slopes:
+        """Slopes of a state."""
         problem = state.here.problem
         # Slopes in the unknowns are those without the law: what it makes of them steps find out.
         tangent = jacobian(state.here, state.u, state.e, state.predicted)
@@ -237,7 +258,8 @@ class _Slopes:
         scores = np.concatenate([state.u, state.e])
         held = np.concatenate([np.ones(scores.size), np.full(2 * TERMS, _LOOSE)])
         gradient = whole.T @ state.misfit + np.concatenate([scores, np.zeros(2 * TERMS)])
-        return cls(gradient, whole.T @ whole + np.diag(held), unit)
+        longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max(initial=0.0)))
+        return cls(gradient, whole.T @ whole + np.diag(held), unit, tangent, longest)
 
     @property
     def promised(self) -> float:
@@ -251,7 +273,9 @@ class _Slopes:
 
     def move(self, damping: float) -> Array:
         """A damped Gauss-Newton step (n,)."""
-        return -solved(self.normal + damping * np.eye(self.gradient.size), self.gradient)
+        move = -solved(self.normal + damping * np.eye(self.gradient.size), self.gradient)
+        farthest = float(np.abs(move[: -2 * TERMS]).max(initial=0.0))
+        return move * min(1.0, self.longest / max(farthest, 1e-300))
 
     def promised_by(self, move: Array) -> float:
         """What a step (n,) takes off the cost where slopes stay as they are."""

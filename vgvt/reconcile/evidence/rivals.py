@@ -84,6 +84,12 @@ def worth_to(found: Fit) -> float:
     return float(min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth)
 
 
+def overrated(chi2: float, current: Fit, worth: float) -> float:
+    """By how many nats what a model with that χ² gains over another is too much, where a value is ``worth`` less."""
+    gained = 0.0 if chi2 > _ASTRAY * current.chi2 else current.chi2 - chi2
+    return 0.5 * (1 - worth) * gained
+
+
 def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     """Fits with one effect more as rivals, judged against the model without it, best first.
 
@@ -98,7 +104,6 @@ def against(current: Fit, fits: Sequence[Fit]) -> tuple[Rival, ...]:
     rivals, lasting = [], lasting_nats(current)
     for f in fits:
         raw = f.evidence_nats - current.evidence_nats
-        gained = 0.0 if f.chi2 > _ASTRAY * current.chi2 else current.chi2 - f.chi2
-        tempered = raw - 0.5 * (1 - worth) * gained
+        tempered = raw - overrated(f.chi2, current, worth)
         rivals.append(Rival(f, tempered, raw, lasting_nats(f) - lasting, f.held_out_chi2_per_dof))
     return tuple(sorted(rivals, key=lambda r: -r.gain_nats))

@@ -44,7 +44,8 @@ class SmoothLaw:
         """A/F (C, L) with a ``law`` (L,), and the derivatives (C, L) of each line in the law's value there.
 
         ``predicted`` (C, L) is A/F without it and ``chain`` (C, L) what the measuring chain makes of it. Exact in the
-        law, however stiff: what it is pushed by is what moves there with it in place.
+        law, however stiff: what it is pushed by is what moves there with it in place. A static flexibility that the
+        reduced coordinates miss there is taken for the law's own, and a record ends as it does without the law.
         """
         acts = self.course[[c.run for c in here.problem.measured.channels]]
         first = self.places[0]

@@ -26,12 +26,11 @@ from vgvt.reconcile.evidence.free_places import (
     moved,
 )
 from vgvt.reconcile.evidence.lasting import lasting
-from vgvt.reconcile.evidence.residual import independent_values
+from vgvt.reconcile.evidence.rivals import worth_to
 from vgvt.reconcile.evidence.smooth_law import TERMS, law_terms
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import data_misfit, standardised
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
-from vgvt.reconcile.question.thresholds import noise_share
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -113,7 +112,7 @@ def _courses(place: FreePlace, acting: NDArray[np.intp], numbers: Mapping[int, i
         courses += [(f"in run {numbers[run]} alone", np.where(every == run, 1.0, 0.0)) for run in seen]
     if seen.size > 2:
         # What creeps is there a little in every run, and at its own pace.
-        shapes: tuple[tuple[Shape, str], ...] = (("linear", ""), ("exponential", ", less and less"))
+        shapes: tuple[tuple[Shape, str], ...] = (("linear", ""), ("exponential", ", ever more slowly"))
         for shape, how in shapes:
             come = [progress(shape, int(run), every.size, _PACE_RUNS, 2) for run in every]
             courses.append((f"more from run to run{how}", np.array(come)))
@@ -172,10 +171,8 @@ class _View:
 
 def _views(found: Fit) -> tuple[_View, _View]:
     problem = found.problem
-    keep = problem.split.train
     misfit = data_misfit(problem, found.predicted)
-    rho = standardised(problem, (found.predicted - problem.measured.values)[keep])
-    worth = min(1.0, independent_values(rho) / found.points) * noise_share(problem.measured, keep).worth
+    worth = worth_to(found)
     judged = lasting(problem, np.column_stack([misfit, found.tangent]))
     return (
         _View.of(found, misfit, found.tangent, worth, lasts=False),

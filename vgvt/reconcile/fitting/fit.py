@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from vgvt.data.shown import counted, headed
 from vgvt.reconcile.fitting.descent import NOTHING, arrived, taken
 from vgvt.reconcile.fitting.followed_descent import followed_down
+from vgvt.reconcile.fitting.foretold import foretold, held_out_chi2
 from vgvt.reconcile.fitting.misfit import coarse_sigma, data_misfit, jacobian
 from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.carried import Structures
@@ -44,8 +45,6 @@ FOLLOWED = 60
 """Most steps beside a joint whose stiffness depends on level, with slopes that follow what it shows."""
 # Standard deviations from where slopes were taken that change nothing.
 _THERE = 0.3
-# Standard deviations that a tolerance reaches.
-_WITHIN = 3.0
 # Of the normal distribution's middle 95 %.
 _CONFIDENCE_Z = 1.959963984540054
 
@@ -104,27 +103,12 @@ class Fit:
 
         No other record can tell that gain, whatever the model: a fit without it would be blamed for it.
         """
-        problem, found = self.problem, self.predicted.copy()
-        for nuisance in problem.nuisances:
-            own = np.flatnonzero(nuisance.rows)
-            if nuisance.kind != "gain" or own.size != 1 or not problem.split.held[own[0]]:
-                continue
-            sigma = problem.measured.sigma[own[0]]
-            here = found[own[0]] / sigma
-            missing = problem.measured.values[own[0]] / sigma - here
-            # |missing - a here|² + (a / sd)² / 2, the square sum of complex values against the score's.
-            share = (here.conj() @ missing).real / ((here.conj() @ here).real + 0.5 / nuisance.sd**2)
-            # Many lines leave the prior no say: beyond its tolerance a gain is a miss, whatever they prefer.
-            found[own[0]] *= 1 + float(np.clip(share, -_WITHIN * nuisance.sd, _WITHIN * nuisance.sd))
-        return found
+        return foretold(self.problem, self.predicted)
 
     @property
     def held_out_chi2_per_dof(self) -> float | None:
         """χ² per held-out value, by what the fit foretells of them; None where nothing is held out."""
-        measured, held = self.problem.measured, self.problem.split.held
-        if not held.any():
-            return None
-        return float(np.mean(np.abs((self.foretold - measured.values)[held] / measured.sigma[held]) ** 2))
+        return held_out_chi2(self.problem, self.predicted)
 
     @property
     def scores(self) -> Array:
