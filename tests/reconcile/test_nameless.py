@@ -11,6 +11,7 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.evidence import nameless
+from vgvt.reconcile.evidence.confirmation import not_spoken_against
 from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, free_places, on_centre_line, with_mirror_images
 from vgvt.reconcile.evidence.nameless import Nameless, with_nameless
 from vgvt.reconcile.evidence.smooth_law import SmoothLaw
@@ -174,3 +175,29 @@ def test_what_will_not_do_is_not_gone_on_with(plain: Problem, monkeypatch: pytes
 def test_there_is_none_where_there_is_no_such_place(plain: Problem) -> None:
     where = StillExplained("force at 99+Z", "structure", 0.0, "", ALWAYS, 1)
     assert with_nameless(plain, (), np.zeros(plain.size), np.zeros(0), where) is None
+
+
+def test_held_out_data_speak_against_what_misses_them(plain: Problem) -> None:
+    case = with_data(damped(plain, 18, damping=SMALL), 0)
+    names = fit(case, (), np.zeros(case.size), np.zeros(0), ())
+    where = StillExplained(point(plain, 18)[0], "structure", 0.0, "", ALWAYS, 1)
+    found = searched(case, where)
+    assert not_spoken_against(found, names)
+    # What foretells the same is not spoken against, nor is what differs by less than chance.
+    same = replace(found, predicted=names.predicted)
+    assert not_spoken_against(same, names)
+    worse = found.predicted.copy()
+    worse[case.split.held] = names.predicted[case.split.held] * 1.5
+    assert not not_spoken_against(replace(found, predicted=worse), names)
+
+
+def test_what_is_foretold_leaves_a_held_out_channels_own_gain_open(plain: Problem) -> None:
+    """As of a fit: what no other record can tell is not held against it."""
+    case = with_data(fit(plain, (), np.zeros(plain.size), np.zeros(0), ()), 1)
+    null = fit(case, (), np.zeros(case.size), np.zeros(0), ())
+    found = replace(
+        searched(case, StillExplained("force channel", "drive", 0.0, "", ALWAYS, 1)), predicted=null.predicted
+    )
+    assert found.foretold == pytest.approx(null.foretold)
+    assert found.held_out_chi2_per_dof == pytest.approx(null.held_out_chi2_per_dof)
+    assert found.chi2_per_dof == pytest.approx(null.chi2_per_dof)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -122,3 +123,57 @@ def test_without_names_and_beside_what_waits_for_a_level_nothing_is_asked(
     found = named(null, GAIN)
     monkeypatch.setattr(nameless_instead, "bends_at_one_level", lambda found: True)
     assert set_against_nameless(found, limits(damped)) is found
+
+
+EACH = 9.0
+
+
+@pytest.mark.parametrize(
+    ("still", "beside", "none", "one", "answer"),
+    [
+        # Nothing is left beside two names, which gain 100: a thing instead of them must be ahead by what a name needs.
+        (0.0, 0.0, 108.0, 0.0, None),
+        (0.0, 0.0, 110.0, 0.0, (0, 10.0)),
+        (0.0, 0.0, 0.0, 110.0, (1, 10.0)),
+        # One that stays must gain on none of them what a name needs.
+        (0.0, 0.0, 108.0, 116.0, None),
+        (0.0, 0.0, 108.0, 118.0, (1, 18.0)),
+        # A thing beside both gains 50: each of them must be worth a name beside it.
+        (20.0, 150.0, 133.0, 0.0, (0, 33.0)),
+        (20.0, 150.0, 131.0, 142.0, (1, 42.0)),
+        (20.0, 150.0, 131.0, 140.5, None),
+        # To first order one showed, and fitted it gains less than a name needs: nothing is known to be there.
+        (20.0, 105.0, 100.0, 100.0, None),
+    ],
+)
+def test_what_each_has_to_gain(
+    monkeypatch: pytest.MonkeyPatch, still: float, beside: float, none: float, one: float, answer: Any
+) -> None:
+    names = SimpleNamespace(gain_nats=100.0, lasting_nats=100.0)
+    linear = SimpleNamespace(linear=True)
+    found: Any = SimpleNamespace(
+        rounds=(None, None), null=None, final=SimpleNamespace(hypotheses=(linear, linear), problem=None)
+    )
+
+    def gains(count: int, nats: float, lasting: float | None = None) -> Any:
+        both = np.array([nats, nats if lasting is None else lasting])
+        return SimpleNamespace(kept=tuple(range(count)), nats=both, nameless=count)
+
+    def judged(lasting: float | None = None, against_it: bool = False) -> Any:
+        monkeypatch.setattr(nameless_instead, "bends_at_one_level", lambda found: False)
+        monkeypatch.setattr(nameless_instead, "still_explained", lambda fit: SimpleNamespace(nats=still))
+        monkeypatch.setattr(nameless_instead, "against", lambda *_: (names,))
+        monkeypatch.setattr(nameless_instead, "_best", lambda *_: gains(2, beside))
+        monkeypatch.setattr(
+            nameless_instead, "_with", lambda found, count, needed: iter([gains(count, (none, one)[count], lasting)])
+        )
+        monkeypatch.setattr(nameless_instead, "not_spoken_against", lambda *_: not against_it)
+        monkeypatch.setattr(nameless_instead, "_instead", lambda found, b, ahead, limits: (len(b.kept), ahead))
+        limits: Any = SimpleNamespace(evidence_nats=EACH)
+        result: Any = set_against_nameless(found, limits)
+        return None if result is found else result
+
+    assert judged() == answer
+    # Where errors of the model last it has to gain as much, and held-out data may not speak for the names.
+    assert judged(lasting=0.0) is None
+    assert judged(against_it=True) is None
