@@ -126,6 +126,7 @@ def test_what_a_nameless_thing_does_without_is_a_lead_and_the_thing_is_told(
     assert [e.name for e in found.leads] == ["run-drift"]
     words = "a force at 18+Z from run 2 on that is smooth over frequency, takes 31 nats more than run-drift"
     assert any(words in said for said in found.reasons)
+    assert words in repr(found)
     document = json.loads(json.dumps(found.document()))["nameless"]
     assert document["place"] == "force at 18+Z" and document["when"] == "from run 2 on"
     assert document["instead_of"] == ["run-drift"] and document["ahead_nats"] == 31.0

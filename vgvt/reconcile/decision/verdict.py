@@ -75,6 +75,8 @@ class Verdict:
 
     def __repr__(self) -> str:
         named = [e.in_words for e in self.effects] + [f"a lead, no name: {e.in_words}" for e in self.leads]
+        nameless = self.attribution.nameless
+        named += [] if nameless is None else [f"one thing that has no name: {nameless.in_words}"]
         place = self.localisation.places[:1] if self.localisation and self.kind is not Kind.EXPLAINED else ()
         tests = [f"next test: {s.in_words}" for s in self.suggested_tests[:1]]
         counts = f"{counted(len(self.reasons), 'reason')}, {counted(len(self.suggested_tests), 'suggested test')}"

@@ -52,7 +52,8 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
         rows = tuple(g.structure.axis[g.structure.places.index(point.site)] for g in groups)
         motion = point.dof.direction.name
         found.append(FreePlace(f"force at {point.dof}", "structure", at, rows, None, motion=motion))
-    for x, y in on_centre_line(problem):
+    # A body without an outline is a point.
+    for x, y in dict.fromkeys(on_centre_line(problem)):
         at = (x, y, plan.scenario.airframe.body.centre_of_gravity_m[2])
         rows = tuple(_UP @ point_rows(g.structure, g.plan, "body", np.array(at))[0] for g in groups)
         found.append(FreePlace(f"force on the body at x = {x:.2f} m", "structure", at, rows, None))

@@ -17,7 +17,7 @@ from vgvt.reconcile.evidence.free_places import free_places, with_mirror_images
 from vgvt.reconcile.evidence.lasting import lasting_evidence
 from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
 from vgvt.reconcile.evidence.still_explained import StillExplained
-from vgvt.reconcile.fitting.descent import arrived, moved, solved
+from vgvt.reconcile.fitting.descent import after_a_refusal, after_a_step, arrived, longest_step, moved, solved
 from vgvt.reconcile.fitting.foretold import foretold, held_out_chi2
 from vgvt.reconcile.fitting.misfit import data_misfit, jacobian, standardised
 from vgvt.reconcile.prediction.carried import Structures
@@ -30,12 +30,7 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _STEPS, _REJECTIONS = 20, 6
-# Standard deviations of a score at once, or a share of the farthest.
-_LONGEST_STEP, _LONGEST_SHARE = 1.5, 0.2
-# Of what a step promised, what it keeps where the next may be freer, and where it has to be held back more.
-_KEEPS_MOST, _KEEPS_LITTLE = 0.75, 0.25
-_FIRST_DAMPING, _FREER, _HELD_BACK, _REFUSED = 1e-2, 0.2, 2.0, 4.0
-_FREE, _HELD = 1e-2, 1.0
+_FIRST_DAMPING = 1e-2
 # As many times what a free step promised to take off may yet be taken off: the slopes are those of a smaller law.
 _HOPELESS = 2.0
 # Peaks that are apart promise little at first.
@@ -166,12 +161,11 @@ def _lower(state: _State, slopes: _Slopes, structures: Structures, damping: floa
         reached = state.moved(move, slopes.unit, structures)
         if reached is not None and reached.cost < state.cost:
             kept = (state.cost - reached.cost) / slopes.promised_by(move)
-            factor = _FREER if kept > _KEEPS_MOST else _HELD_BACK if kept < _KEEPS_LITTLE else 1.0
             try:
-                return reached.sloped(structures), factor * damping
+                return reached.sloped(structures), after_a_step(damping, kept)
             except NoStructureError:
                 return None, damping
-        damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
+        damping = after_a_refusal(damping)
     return None, damping
 
 
@@ -258,8 +252,7 @@ class _Slopes:
         scores = np.concatenate([state.u, state.e])
         held = np.concatenate([np.ones(scores.size), np.full(2 * TERMS, _LOOSE)])
         gradient = whole.T @ state.misfit + np.concatenate([scores, np.zeros(2 * TERMS)])
-        longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max(initial=0.0)))
-        return cls(gradient, whole.T @ whole + np.diag(held), unit, tangent, longest)
+        return cls(gradient, whole.T @ whole + np.diag(held), unit, tangent, longest_step(scores))
 
     @property
     def promised(self) -> float:

@@ -81,8 +81,7 @@ class Slopes:
             return None
         scores = np.concatenate([u, e])
         gradient = tangent.T @ data_misfit(here.problem, predicted, sigma) + scores
-        longest = max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max()))
-        return cls(tangent, gradient, tangent.T @ tangent + np.eye(scores.size), longest)
+        return cls(tangent, gradient, tangent.T @ tangent + np.eye(scores.size), longest_step(scores))
 
     def move(self, damping: float) -> Array:
         """A damped Gauss-Newton step (scores,)."""
@@ -121,10 +120,7 @@ def taken(
         reached = _reached(here, moved(here.problem, here.hypotheses, u, e, move), sigma)
         if reached is not None and reached.cost < cost:
             kept = (cost - reached.cost) / slopes.promised(move)
-            if kept > _KEEPS_MOST:
-                damping *= _FREER
-            elif kept < _KEEPS_LITTLE:
-                damping *= _HELD_BACK
+            damping = after_a_step(damping, kept)
             anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
             there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
             gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
@@ -134,8 +130,25 @@ def taken(
             here = _sloped(here, here, u, e, anew=True)
             slopes = Slopes.of(here, u, e, predicted, sigma)
         else:
-            damping = max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
+            damping = after_a_refusal(damping)
     return None
+
+
+def after_a_step(damping: float, kept: float) -> float:
+    """The damping to go on with after a step that ``kept`` so much of what it had promised."""
+    if kept > _KEEPS_MOST:
+        return _FREER * damping
+    return _HELD_BACK * damping if kept < _KEEPS_LITTLE else damping
+
+
+def after_a_refusal(damping: float) -> float:
+    """The damping to try again with after a step that took nothing off."""
+    return max(_REFUSED * damping, _HELD if damping < _FREE else 0.0)
+
+
+def longest_step(scores: Array) -> float:
+    """How far any of these scores (n,) may move at once."""
+    return max(_LONGEST_STEP, _LONGEST_SHARE * float(np.abs(scores).max(initial=0.0)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
