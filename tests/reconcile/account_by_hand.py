@@ -12,6 +12,7 @@ from vgvt.view.reconcile_account import (
     EffectRow,
     ModelState,
     ModeRow,
+    NamelessRow,
     PlaceRow,
     PosteriorRow,
     PowerRow,
@@ -48,6 +49,15 @@ def state(factor: float, adequate: bool) -> ModelState:
     }
     merits = {"train": merit, "held_out": merit, "held_runs": merit, "held_channels": None}
     return ModelState(predicted, np.full((4, 3), merit["chi2_per_dof"]), figures, merits, adequate)
+
+
+def nameless() -> NamelessRow:
+    """A damper of 5 N s/m at one place, less well known where it is stiffer."""
+    law = 2j * np.pi * FREQUENCY * 5.0
+    return NamelessRow(
+        "force at 8+Z from run 2 on", "structure", "a force at 8+Z that <is> smooth", "N/m", FREQUENCY, law,
+        0.02 * np.abs(law) * (1 + 2j), "reads as a damping of 5 N s/m", law * 0.99,
+    )  # fmt: skip
 
 
 def account(kind: str = "ambiguous", named: bool = True) -> Account:

@@ -132,7 +132,7 @@ def test_where_a_step_keeps_less_than_half_the_next_has_its_own_slopes(
     valley.bent = 0.0
     kept = step_from(valley, HERE, 0.1)
     assert kept is not None and kept.here.origin is None
-    monkeypatch.setattr(descent, "_TRUE", 2.0)
+    monkeypatch.setattr(descent, "TRUE", 2.0)
     broken = step_from(valley, HERE, 0.1)
     assert broken is not None and broken.here.origin is not None
     assert np.array_equal(broken.here.origin.u, broken.u)

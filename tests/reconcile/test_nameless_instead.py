@@ -163,9 +163,11 @@ def test_what_each_has_to_gain(
         monkeypatch.setattr(nameless_instead, "bends_at_one_level", lambda found: False)
         monkeypatch.setattr(nameless_instead, "still_explained", lambda fit: SimpleNamespace(nats=still))
         monkeypatch.setattr(nameless_instead, "against", lambda *_: (names,))
-        monkeypatch.setattr(nameless_instead, "_best", lambda *_: gains(2, beside))
+        monkeypatch.setattr(nameless_instead, "best_beside", lambda *_: gains(2, beside))
         monkeypatch.setattr(
-            nameless_instead, "_with", lambda found, count, needed: iter([gains(count, (none, one)[count], lasting)])
+            nameless_instead,
+            "each_beside",
+            lambda found, count, needed: iter([gains(count, (none, one)[count], lasting)]),
         )
         monkeypatch.setattr(nameless_instead, "not_spoken_against", lambda *_: not against_it)
         monkeypatch.setattr(nameless_instead, "_instead", lambda found, b, ahead, limits: (len(b.kept), ahead))

@@ -49,7 +49,7 @@ def test_a_magnet_is_found_where_it_is_and_is_what_it_is(folder: Path, node: int
     # Its law read as a magnet's, beside a point mass that the aircraft's own masses trade with.
     omega = 2 * np.pi * problem.measured.frequency_hz
     parts = np.stack([-np.ones_like(omega), 1j * omega / (1 + 1j * omega * LAG_S), -(omega**2)], axis=1)
-    both = [np.concatenate([v.real, v.imag]) for v in (parts, found.law)]
+    both = [np.concatenate([v.real, v.imag]) for v in (parts, found.law.values)]
     pull, eddy, mass = np.linalg.lstsq(*both, rcond=None)[0]
     assert pull == pytest.approx(PULL, rel=0.15)
     assert eddy == pytest.approx(EDDY, rel=0.15)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from account_by_hand import account
+import pytest
+from account_by_hand import account, nameless
 
 from vgvt.view.reconcile_account import CandidateRow
 from vgvt.view.reconcile_figures import evidence_figure, residual_map_figure
+from vgvt.view.reconcile_law import law_figure
 from vgvt.view.theme import MEASURED_COLOUR
 
 LONG = "hum-filter (mains_hz = 50, channels = odd)"
@@ -74,3 +78,21 @@ def test_a_fit_that_had_not_ended_has_no_mark_where_errors_last() -> None:
     assert len(marks.y) == len(ROWS) and "root-freeplay" not in marks.y
     assert any(trace.name == "its fit had not ended" for trace in figure.data)
     assert figure.layout.xaxis.range[0] > -1
+
+
+def test_a_law_is_drawn_with_its_bands_and_with_what_it_reads_as() -> None:
+    thing = nameless()
+    figure = law_figure(thing)
+    lines = {(t.name, t.yaxis): np.asarray(t.y) for t in figure.data}
+    assert lines["fitted", "y"] == pytest.approx(thing.law.real, rel=1e-5)
+    assert lines["fitted", "y2"] == pytest.approx(thing.law.imag, rel=1e-5)
+    assert thing.read is not None
+    assert lines["as it reads", "y2"] == pytest.approx(thing.read.imag, rel=1e-5)
+    band = lines["one standard deviation", "y2"].reshape(2, -1)
+    assert band[0] - band[1][::-1] == pytest.approx(2 * thing.std.imag, rel=1e-3)
+    assert figure.layout.yaxis.title.text == "real, N/m" and figure.layout.yaxis2.title.text == "imaginary, N/m"
+    # Each name once in the legend; without a reading there is no line of one.
+    assert [t.name for t in figure.data if t.showlegend] == ["one standard deviation", "fitted", "as it reads"]
+    plain = law_figure(replace(thing, read=None, unit=""))
+    assert "as it reads" not in {t.name for t in plain.data}
+    assert plain.layout.yaxis.title.text == "real"

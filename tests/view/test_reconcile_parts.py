@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 
 import pytest
-from account_by_hand import account
+from account_by_hand import account, nameless
 
 from vgvt.view.reconcile_account import PosteriorRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
@@ -30,6 +30,26 @@ def test_a_place_is_named_only_where_it_explains_enough() -> None:
     for denied in (nowhere, replace(told, places=())):
         assert "points at" not in verdict_sentence(denied)
         assert next_steps(denied) and not any("where to knock" in step for step in next_steps(denied))
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [("structure", "where to knock"), ("drive", "look at the force cell"), ("sensor", "look at that sensor")],
+)
+def test_a_thing_without_a_name_is_shown_with_its_law_and_is_where_to_look(kind: str, words: str) -> None:
+    thing = replace(nameless(), kind=kind)
+    told = replace(account("unknown", named=False), nameless=thing, tests=())
+    assert f"one thing without a name, a {thing.words}, fits it best" in verdict_sentence(told)
+    assert "the residual points at" not in verdict_sentence(told)
+    first, *others = next_steps(told)
+    assert words in first and thing.words in first
+    # It is the place that counts, and there is one.
+    assert not any("points at" in step for step in others)
+    assert words in next_steps(replace(account("partly_explained"), nameless=thing, tests=()))[0]
+    page = render_reconcile_page(told)
+    assert "One thing without a name" in page and "A force at 8+Z that &lt;is&gt; smooth." in page
+    assert '"law-data"' in page and "as it reads" in page
+    assert "One thing without a name" not in render_reconcile_page(account())
 
 
 def test_what_the_file_does_when_simulated_stands_beside_the_fit() -> None:

@@ -13,6 +13,7 @@ from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
 from vgvt.reconcile.decision.nameless_instead import set_against_nameless
+from vgvt.reconcile.decision.nameless_told import nameless_told
 from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.decision.told import with_told_parameters
 from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
@@ -107,7 +108,7 @@ def reconcile(
     found = with_told_parameters(found, limits, lambda f, m: tell(_TURNED, m), workers)
     against = set_against_nameless(found, limits, lambda f, m: tell(_TURNED, m))
     if against.nameless is None:
-        found = asked_beyond_names(found, limits)
+        found = nameless_told(asked_beyond_names(found, limits), limits, lambda f, m: tell(_TURNED, m))
     else:
         found = with_told_parameters(against, limits, lambda f, m: tell(_TURNED, m), workers)
     measured, parts = problem.measured, found.null.problem.split

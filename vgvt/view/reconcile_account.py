@@ -69,6 +69,26 @@ class PlaceRow:
     turns: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class NamelessRow:
+    """One thing that has no name, fitted: ``words`` of where and when, ``told`` how well it does, and its law.
+
+    ``law`` (L,) is its dynamic stiffness in ``unit``, or what it adds to a factor of one; ``std`` (L,) one standard
+    deviation of its real part, and of its imaginary part; ``reading`` what it reads as, in words, and ``read`` (L,)
+    the law of that, None where it reads as nothing simple. ``kind`` is as a place's.
+    """
+
+    words: str
+    kind: str
+    told: str
+    unit: str
+    frequency_hz: Array
+    law: ComplexArray
+    std: ComplexArray
+    reading: str
+    read: ComplexArray | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class CandidateRow:
     """A fitted candidate: evidence, held-out χ² per degree of freedom before and after, and what became of it.
@@ -218,9 +238,10 @@ class Account:
     """Everything that the page of a reconciliation shows, of C channels, L lines and B bands.
 
     ``measured`` and ``sigma`` (C, L); ``bands_hz`` (B + 1,); ``limits`` are the thresholds by name;
-    ``located`` says at which model the places were found; ``leads`` come nearest where nothing has a name.
-    ``resimulated`` are the merits {set of data: {figure: value}} of the augmented scenario's simulation, None where
-    there was none; ``resimulation_remark`` is what the reader must know of it.
+    ``located`` says at which model the places were found; ``nameless`` is one thing of no catalogue, where the verdict
+    tells of one; ``leads`` come nearest where nothing has a name. ``resimulated`` are the merits {set of data: {figure:
+    value}} of the augmented scenario's simulation, None where there was none; ``resimulation_remark`` is what the
+    reader must know of it.
     ``turned`` says that the hold-out is another one than that of the first fits. ``noise_per_dof`` is what noise alone
     leaves of fitted data, ``model_form`` the relative error of the model's form in ``sigma``; None where not known.
     """
@@ -245,6 +266,7 @@ class Account:
     candidates: tuple[CandidateRow, ...] = ()
     places: tuple[PlaceRow, ...] = ()
     located: str = ""
+    nameless: NamelessRow | None = None
     posterior: tuple[PosteriorRow, ...] = ()
     modes: tuple[ModeRow, ...] = ()
     power: tuple[PowerRow, ...] = ()

@@ -14,6 +14,7 @@ from vgvt.view import reconcile_sections as parts
 from vgvt.view.html_page import escaped, figure_data, figure_element, html_page
 from vgvt.view.reconcile_account import Account, PowerRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
+from vgvt.view.reconcile_law import law_figure
 from vgvt.view.reconcile_residual import held_out_note, residual_table
 
 _MAP = (
@@ -30,6 +31,12 @@ _PLACES = (
 _STIFFNESS = (
     "The force that explains most, over the motion there. Flat: a spring; rising as ω² with phase 180°: a mass; "
     "rising as ω at 90°: a damper; poles and zeros: something resonant. Scatter: the residual says little there."
+)
+_LAW = (
+    "The law that one thing there would have, smooth over frequency and fitted together with all that is uncertain; "
+    "bands are one standard deviation. On the structure it is force over motion: a level real part is a spring, one "
+    "that falls as ω² a mass, an imaginary part that rises as ω a damper. On a channel it is what is added to a factor "
+    "of one: a level real part is a gain, an imaginary part that falls as ω a delay."
 )
 _EVIDENCE = (
     "Every candidate of the short list fitted together with all unknowns: how much more likely it makes the fitted "
@@ -64,6 +71,7 @@ def render_reconcile_page(account: Account) -> str:
         "named": ("What was named" if account.effects else "What comes nearest", parts.named_section(account)),
         "residual": ("What the model leaves", _residual(account, data)),
         "places": ("Where it comes from", _places(account, data)),
+        "nameless": ("One thing without a name", _nameless(account, data)),
         "candidates": ("Candidates", _candidates(account, data)),
         "error": ("Error before and after" if account.changed else "Error", parts.error_section(account)),
         "modes": ("Mode by mode", parts.modes_section(account)),
@@ -114,6 +122,15 @@ def _places(account: Account, data: dict[str, Any]) -> str:
         body += f"<h3>z(ω) of {escaped(best.label)}: looks like {escaped(looks)}</h3>{_note(_STIFFNESS)}"
         body += figure_element("stiffness-data", f"Dynamic stiffness of {best.label}")
     return body
+
+
+def _nameless(account: Account, data: dict[str, Any]) -> str:
+    found = account.nameless
+    if found is None:
+        return ""
+    data["law-data"] = figure_data(law_figure(found))
+    text = f"<p>{escaped(found.told[0].upper() + found.told[1:])}.</p>{_note(_LAW)}"
+    return text + figure_element("law-data", f"Law of a {found.words}")
 
 
 def _candidates(account: Account, data: dict[str, Any]) -> str:

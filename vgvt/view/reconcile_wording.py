@@ -73,8 +73,10 @@ def verdict_sentence(account: Account) -> str:
         return f"The campaign cannot tell what the scenario lacks: it is {names}{error}."
     if account.kind == "partly_explained":
         return f"The scenario lacks {names}, and something else that no effect of the catalogue explains{error}."
-    place = account.pointed_at
+    place, thing = account.pointed_at, account.nameless
     where = "" if place is None else f"; the residual points at {place.label}"
+    if thing is not None:
+        where = f"; one thing without a name, a {thing.words}, fits it best"
     leads = " and ".join(_with_rivals(e) for e in account.leads)
     nearest = f"; what comes nearest, {leads}, is a lead and no name" if leads else ""
     return f"Something is missing that no effect of the catalogue explains{where}{nearest}{error}."
@@ -83,8 +85,11 @@ def verdict_sentence(account: Account) -> str:
 def next_steps(account: Account) -> tuple[str, ...]:
     """What to do with the verdict."""
     steps = list(_NEXT[account.kind])
-    place = account.pointed_at
-    if account.kind == "unknown" and place is not None:
+    place, thing = account.pointed_at, account.nameless
+    if thing is not None:
+        # Fitted with all that is uncertain, and so better than where most of a residual is.
+        steps.insert(0, _LOOK[thing.kind].format(place=thing.words))
+    elif account.kind == "unknown" and place is not None:
         steps.insert(0, _LOOK[place.kind].format(place=place.label))
     best = account.tests[0] if account.tests else None
     if best is not None and best.nats >= account.limits["set_nats"]:

@@ -90,7 +90,7 @@ def leant_on_far(strain: float, without: Residual, *, met: bool) -> bool:
 
 def why_no_name(found: Attribution) -> str:
     """Why leads are no names, in words."""
-    if found.nameless is not None:
+    if found.nameless is not None and found.nameless.instead_of:
         return "what one thing that has no name does without is a lead"
     led = found.led
     strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []

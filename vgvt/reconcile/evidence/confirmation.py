@@ -43,6 +43,20 @@ class Foretelling(Protocol):
         ...
 
 
+class Taking(Protocol):
+    """Anything that takes some of what was too much: a fit, or one with a thing that has no name."""
+
+    @property
+    def chi2_per_dof(self) -> float:
+        """χ² per fitted real number."""
+        ...
+
+    @property
+    def scores(self) -> NDArray[np.float64]:
+        """All that is uncertain, in stated standard deviations."""
+        ...
+
+
 def confirmed_by_held_out(
     found: Fit, missed: float | None, current: Fit, before: Residual, thresholds: Thresholds
 ) -> bool:
@@ -94,17 +108,21 @@ def takes_enough(found: Fit, current: Fit, before: Residual) -> bool:
     return strained and strain_sd(found) <= (1 - _MOST) * before.strain_sd
 
 
-def share_taken(found: Fit, current: Fit, before: Residual) -> float:
+def share_taken(found: Taking, current: Fit, before: Residual) -> float:
     """What a fit takes of what was too much in ``current`` without it: misfit beyond noise and bent tolerances.
 
     ``before`` is what ``current`` leaves. One where nothing was too much.
     """
+    whole, scores, left = too_much(current, before), current.scores, found.scores
+    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + float(scores @ scores - left @ left)
+    return taken / whole if whole > 0 else 1.0
+
+
+def too_much(current: Fit, before: Residual) -> float:
+    """What is too much of the cost of a fit that leaves ``before``: misfit beyond noise, and bent tolerances."""
     missed = (current.chi2_per_dof - before.noise_per_dof) * current.points
-    scores, left = float(current.scores @ current.scores), float(found.scores @ found.scores)
     # Scores that nothing bends have a square of one each at most.
-    bent = max(0.0, scores - current.scores.size)
-    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + scores - left
-    return taken / (missed + bent) if missed + bent > 0 else 1.0
+    return missed + max(0.0, float(current.scores @ current.scores) - current.scores.size)
 
 
 def shares_taken(found: Fit, current: Fit, after: Residual, before: Residual) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.data.shown import headed
 from vgvt.reconcile.evidence.lasting import lasting_nats
@@ -16,7 +17,10 @@ from vgvt.reconcile.evidence.residual import independent_values
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share
+
+ComplexArray = NDArray[np.complex128]
 
 # Of what the model without an effect misses: a bent one may meet data by chance a little better than a right one.
 _ASTRAY = 2.0
@@ -79,9 +83,14 @@ def _met(one: Fit, other: Fit) -> bool:
 
 def worth_to(found: Fit) -> float:
     """What one of the values that a fit was made to is worth to it: as many as are independent of what it leaves."""
-    measured, keep = found.problem.measured, found.problem.split.train
-    rho = standardised(found.problem, (found.predicted - measured.values)[keep])
-    return float(min(1.0, independent_values(rho) / found.points) * noise_share(measured, keep).worth)
+    return worth_of(found.problem, found.predicted)
+
+
+def worth_of(problem: Problem, predicted: ComplexArray) -> float:
+    """What one of the fitted values is worth to whatever foretells (C, L)."""
+    measured, keep = problem.measured, problem.split.train
+    rho = standardised(problem, (predicted - measured.values)[keep])
+    return float(min(1.0, independent_values(rho) / (2 * rho.size)) * noise_share(measured, keep).worth)
 
 
 def overrated(chi2: float, current: Fit, worth: float) -> float:

@@ -7,7 +7,6 @@ damper and mixtures of them are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,8 +14,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from vgvt.reconcile.evidence.free_places import FreePlace, reduced_row
-from vgvt.reconcile.mechanics.response import accelerances, poles_of
+from vgvt.reconcile.fitting.misfit import Linearised
+from vgvt.reconcile.mechanics.joints import Joints
+from vgvt.reconcile.mechanics.level_slopes import level_accelerance_slopes
+from vgvt.reconcile.mechanics.response import Slopes
+from vgvt.reconcile.prediction.levels import Levels
 from vgvt.reconcile.prediction.surrogate import Anchor, Reduced
+from vgvt.reconcile.question.problem import Problem
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -38,65 +42,89 @@ class SmoothLaw:
     places: tuple[FreePlace, ...]
     course: Array
 
-    def changed(
-        self, here: Anchor, predicted: ComplexArray, chain: ComplexArray, law: ComplexArray
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """A/F (C, L) with a ``law`` (L,), and the derivatives (C, L) of each line in the law's value there.
+    def on(self, here: Anchor, law: ComplexArray) -> Linearised:
+        """A model with a ``law`` (L,) in place, exact however stiff, and with it its slopes in all that is uncertain.
 
-        ``predicted`` (C, L) is A/F without it and ``chain`` (C, L) what the measuring chain makes of it. Exact in the
-        law, however stiff: what it is pushed by is what moves there with it in place. A static flexibility that the
-        reduced coordinates miss there is taken for the law's own, and a record ends as it does without the law.
+        A static flexibility that the reduced coordinates miss there is taken for the law's own, and a record ends as it
+        does without the law. Not beside joints that depend on level.
         """
-        acts = self.course[[c.run for c in here.problem.measured.channels]]
         first = self.places[0]
         if first.rows is None:
             assert first.mask is not None
-            factor = predicted * (first.mask * acts)[:, None]
-            return predicted + factor * law, factor
-        found, slopes = predicted.copy(), np.zeros_like(predicted)
+            return _Multiplied(here, 1 + (first.mask * self._acts(here))[:, None] * law)
+        groups = []
         for k, group in enumerate(here.groups):
-            own = np.array([reduced_row(group, p.rows[k]) for p in self.places if p.rows is not None])
-            shares = [float(acts[group.channels[rows[0]]]) for rows in group.runs]
-            for channels, change, slope in _in_runs(here, group, own, [share * law for share in shares]):
-                found[channels] += chain[channels] * change
-                slopes[channels] = acts[channels, None] * chain[channels] * slope
-        return found, slopes
+            assert group.levels is None
+            groups.append(replace(group, levels=self._levels(here, k, law)))
+        return replace(here, groups=tuple(groups))
+
+    def by_law(self, here: Anchor, law: ComplexArray, u: Array, e: Array) -> ComplexArray:
+        """Derivatives (C, L) of each line of A/F in the law's value there, at a ``law`` (L,)."""
+        first = self.places[0]
+        if first.rows is None:
+            assert first.mask is not None
+            return np.asarray(here.predict(u, e) * (first.mask * self._acts(here))[:, None])
+        slopes = np.zeros(here.problem.measured.values.shape, dtype=complex)
+        omega = 2 * np.pi * here.problem.measured.frequency_hz
+        for k, group in enumerate(here.groups):
+            levels, masses = self._levels(here, k, law), tuple(group.masses_kg[r] * group.roving for r in group.runs)
+            one = self._shown(here, group, np.ones_like(law))[None]
+            slopes[group.channels] = level_accelerance_slopes(
+                group.matrices, levels.joints, levels.shown, one, omega, group.runs, masses, _nothing_else(group)
+            )[0]
+        return np.asarray(slopes * here.chain(u, e))
+
+    def _acts(self, here: Anchor) -> Array:
+        """By how much it acts on each channel (C,)."""
+        return self.course[[c.run for c in here.problem.measured.channels]]
+
+    def _shown(self, here: Anchor, group: Reduced, law: ComplexArray) -> ComplexArray:
+        """The stiffness (R, J, L) at its places in each run of a group."""
+        acts = self._acts(here)
+        share = np.array([acts[group.channels[rows[0]]] for rows in group.runs])
+        return np.asarray(np.broadcast_to(share[:, None, None] * law, (share.size, len(self.places), law.size)))
+
+    def _levels(self, here: Anchor, index: int, law: ComplexArray) -> Levels:
+        """The law as what joints at its places show in each run of a group."""
+        group = here.groups[index]
+        rows = np.array([reduced_row(group, p.rows[index]) for p in self.places if p.rows is not None])
+        channels, places, lines, effects = group.channels.size, len(rows), law.size, here.e0.size
+        missed = (np.zeros(places), np.zeros((channels, places)), np.zeros((places, places)))
+        left_out = np.zeros((effects + 1, channels, lines), dtype=complex)
+        shown = self._shown(here, group, law)
+        held = np.zeros((effects, *shown.shape), dtype=complex)
+        return Levels(Joints((), rows, *missed), shown, left_out[0], held, left_out[1:])
 
 
-def _in_runs(
-    here: Anchor, group: Reduced, own: Array, laws: Sequence[ComplexArray]
-) -> list[tuple[NDArray[np.intp], ComplexArray, ComplexArray]]:
-    """Of every run of a group its channels, what its law (L,) at rows ``own`` (p, m) changes of A/F, and the slopes.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Multiplied:
+    """A model whose channels read some ``factor`` (C, L) of what they are."""
 
-    With x what moves at the places, x = d - G z x for what the shaker moves there, d (p,), and a unit force at each,
-    G (p, p); then A/F changes by -a z x, a (channels, p) being what a unit force at each does.
-    """
-    omega = 2 * np.pi * here.problem.measured.frequency_hz
-    sensors, count = group.matrices.axis.shape[0], own.shape[0]
-    loads = [group.masses_kg[rows] * group.roving for rows in group.runs]
-    # What moves at the places differs from run to run by the masses that rove: they are rows of each run, without mass.
-    spots = [sensors + k * count + np.arange(count) for k in range(len(group.runs))]
-    runs = tuple(np.concatenate(pair) for pair in zip(group.runs, spots, strict=True))
-    masses = tuple(np.concatenate([mass, np.zeros(count)]) for mass in loads)
-    more = count * len(group.runs)
-    seen = replace(
-        group.matrices,
-        axis=np.vstack([group.matrices.axis, *[own] * len(group.runs)]),
-        tilt=np.vstack([group.matrices.tilt, np.zeros((more, own.shape[1]))]),
-        spare=np.concatenate([group.matrices.spare, np.zeros(more)]),
-    )
-    poles = poles_of(seen, omega)
-    by_drive = accelerances(seen, omega, runs, masses, poles)
-    pushed = [replace(seen, drive=row, spare=np.zeros(sensors + more)) for row in own]
-    by_place = np.stack([accelerances(one, omega, runs, masses, poles) for one in pushed], axis=-1)
-    found = []
-    for rows, at, law in zip(group.runs, spots, laws, strict=True):
-        moved = (by_drive[at] / -(omega**2)).T[:, :, None]
-        flexible = (by_place[at] / -(omega**2)[:, None]).transpose(1, 0, 2)
-        system = np.eye(count) + law[:, None, None] * flexible
-        motion = np.linalg.solve(system, moved)
-        felt = by_place[rows].transpose(1, 0, 2)
-        change = -(felt @ (law[:, None, None] * motion))[:, :, 0]
-        slope = -(felt @ np.linalg.solve(system, motion))[:, :, 0]
-        found.append((group.channels[rows], change.T, slope.T))
-    return found
+    plain: Anchor
+    factor: ComplexArray
+
+    @property
+    def problem(self) -> Problem:
+        return self.plain.problem
+
+    @property
+    def filtered(self) -> bool:
+        return self.plain.filtered
+
+    def predict(self, u: Array, e: Array) -> ComplexArray:
+        return self.plain.predict(u, e) * self.factor
+
+    def chain(self, u: Array, e: Array) -> ComplexArray:
+        return self.plain.chain(u, e) * self.factor
+
+    def slopes(self, wanted: NDArray[np.bool_] | None = None) -> ComplexArray:
+        return self.plain.slopes(wanted)
+
+
+def _nothing_else(group: Reduced) -> Slopes:
+    """Slopes of a structure in one parameter that changes nothing of it."""
+    plain = group.matrices
+    none = {
+        n: np.zeros((1, *getattr(plain, n).shape)) for n in ("mass", "damping", "stiffness", "drive", "axis", "tilt")
+    }
+    return Slopes(**none, masses_kg=np.zeros((1, group.masses_kg.size)))

@@ -5,17 +5,38 @@ Each quantity may stay within its own tolerance while all of them lean on theirs
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from vgvt.reconcile.question.problem import CELLS
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.fitting.fit import Fit
+    from numpy.typing import NDArray
+
+    from vgvt.reconcile.question.problem import Problem
 
 
-def strain_sd(found: Fit) -> float:
+class Fitted(Protocol):
+    """Whatever took scores ``u`` of the unknowns from the stated values, with their ``covariance``."""
+
+    @property
+    def problem(self) -> Problem:
+        """What it was made for."""
+        ...
+
+    @property
+    def u(self) -> NDArray[np.float64]:
+        """Scores of the unknowns."""
+        ...
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Of all scores, those of the unknowns first."""
+        ...
+
+
+def strain_sd(found: Fitted) -> float:
     """By how many standard deviations the square sum of the unknowns' scores exceeds what it should be.
 
     Truths within the tolerances have scores u ~ N(0, 1), of which a fit recovers û with the covariance I - C, where C

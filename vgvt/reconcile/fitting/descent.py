@@ -33,8 +33,8 @@ _KEEPS_MOST, _KEEPS_LITTLE = 0.75, 0.25
 _FREER, _HELD_BACK, _REFUSED = 0.2, 2.0, 4.0
 # A free step that was refused: to be held back at all.
 _FREE, _HELD = 1e-2, 1.0
-# Where a step keeps less of its promise, slopes that were taken elsewhere are taken anew.
-_TRUE = 0.5
+TRUE = 0.5
+"""Where a step keeps less of its promise, slopes that were taken elsewhere are taken anew."""
 # What a free step promises where the bottom is reached: relative to the cost while data miss much, in nats where they
 # are nearly met. A share of the cost is the more nats the more data there are.
 _ENOUGH, _ENOUGH_NATS = 1e-3, 0.5
@@ -121,13 +121,12 @@ def taken(
         if reached is not None and reached.cost < cost:
             kept = (cost - reached.cost) / slopes.promised(move)
             damping = after_a_step(damping, kept)
-            anew = not rough and kept < _TRUE and _misled(here, reached.u, reached.e)
-            there = _sloped(here, reached.here, reached.u, reached.e, anew=anew)
+            anew = not rough and kept < TRUE and misled(here, reached.u, reached.e)
+            there = sloped(here, reached.here, reached.u, reached.e, anew=anew)
             gain, free = (cost - reached.cost) / cost, slopes.promised_freely / cost
             return Step(reached.u, reached.e, there, reached.predicted, damping, gain, free, cost)
-        misled = not rough and _misled(here, u, e)
-        if misled:
-            here = _sloped(here, here, u, e, anew=True)
+        if not rough and misled(here, u, e):
+            here = sloped(here, here, u, e, anew=True)
             slopes = Slopes.of(here, u, e, predicted, sigma)
         else:
             damping = after_a_refusal(damping)
@@ -180,12 +179,12 @@ def _cost(here: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Arra
     return float(misfit @ misfit + u @ u + e @ e)
 
 
-def _misled(here: Anchor, u: Array, e: Array) -> bool:
+def misled(here: Anchor, u: Array, e: Array) -> bool:
     """Whether slopes of ``here`` may be to blame for a broken promise, and others are to be had at u and e."""
     return not here.structures.whole and from_elsewhere(here.problem, u, e, here.origin, here.hypotheses)
 
 
-def _sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> Anchor:
+def sloped(here: Anchor, there: Anchor, u: Array, e: Array, *, anew: bool) -> Anchor:
     """The anchor at scores u and e, whose groups ``there`` has, with slopes from where those of ``here`` are, or new.
 
     Those of the stated values are kept until they mislead.

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.reconcile.prediction.chain import chain_factor
-from vgvt.reconcile.prediction.surrogate import Anchor
 from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.question.shared_noise import apart
 
@@ -14,6 +15,32 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 # Small against a resonance's width for the widest prior; the prediction is smooth to round-off.
 _STEP = 1e-4
+
+
+class Linearised(Protocol):
+    """Whatever foretells A/F around the scores that it stands on: an anchor, or one with something more in place."""
+
+    @property
+    def problem(self) -> Problem:
+        """What it is made for."""
+        ...
+
+    @property
+    def filtered(self) -> bool:
+        """Whether hypotheses act on the measuring chain."""
+        ...
+
+    def predict(self, u: Array, e: Array) -> ComplexArray:
+        """A/F (C, L) at scores u and e."""
+        ...
+
+    def chain(self, u: Array, e: Array) -> ComplexArray:
+        """The measuring chain's factor (C, L)."""
+        ...
+
+    def slopes(self, wanted: NDArray[np.bool_] | None = None) -> ComplexArray:
+        """Derivatives (unknowns + scores e, C, L) of what the chain multiplies, of channels that are wanted (C,)."""
+        ...
 
 
 def data_misfit(problem: Problem, predicted: ComplexArray, sigma: Array | None = None) -> Array:
@@ -36,7 +63,7 @@ def standardised(problem: Problem, change: ComplexArray, sigma: Array | None = N
     return scaled if sigma is not None else apart(problem.measured, problem.split.train, scaled)
 
 
-def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None = None) -> Array:
+def jacobian(anchored: Linearised, u: Array, e: Array, predicted: ComplexArray, sigma: Array | None = None) -> Array:
     """Derivatives (2 N, scores) of :func:`data_misfit` in u, then in e, at the scores that ``anchored`` stands on."""
     problem = anchored.problem
     keep = problem.split.train
@@ -59,7 +86,7 @@ def jacobian(anchored: Anchor, u: Array, e: Array, predicted: ComplexArray, sigm
     return np.asarray(np.sqrt(2) * np.hstack([columns.real, columns.imag]).T)
 
 
-def _relative_slope(anchored: Anchor, u: Array, e: Array, k: int, chain: ComplexArray) -> ComplexArray | float:
+def _relative_slope(anchored: Linearised, u: Array, e: Array, k: int, chain: ComplexArray) -> ComplexArray | float:
     """What a hypothesis' parameter does to the measuring chain, relative to the chain's factor."""
     if not anchored.filtered:
         return 0.0

@@ -29,6 +29,7 @@ from vgvt.view.reconcile_account import (
     ChannelRow,
     EffectRow,
     ModelState,
+    NamelessRow,
     PlaceRow,
     PosteriorRow,
     Standing,
@@ -38,6 +39,7 @@ from vgvt.view.reconcile_account import (
 if TYPE_CHECKING:
     from vgvt.reconcile.decision.addition import Addition
     from vgvt.reconcile.decision.attribute import Attribution
+    from vgvt.reconcile.evidence.nameless import Nameless
     from vgvt.reconcile.evidence.rivals import Rival
     from vgvt.reconcile.next_test.power import Power
     from vgvt.reconcile.question.problem import Problem
@@ -89,6 +91,7 @@ def account_of(
             for p in places
         ),
         located="the calibrated scenario" if at_null else "the scenario with what was named",
+        nameless=None if found.nameless is None else _nameless(found.nameless),
         posterior=_posterior(found.final),
         modes=mode_rows(found.null, found.final),
         power=power_rows(power),
@@ -100,6 +103,15 @@ def account_of(
         noise_per_dof=found.null_residual.noise_per_dof,
         model_form=noise_share(measured, split.train).floor,
     )
+
+
+def _nameless(found: Nameless) -> NamelessRow:
+    law, reading = found.law, found.law.reading
+    read = reading.at(law.frequency_hz) if reading.tells else None
+    return NamelessRow(
+        found.where.words, found.where.kind, found.in_words, law.unit, law.frequency_hz, law.values, law.std,
+        reading.in_words, read,
+    )  # fmt: skip
 
 
 def _geometry(problem: Problem) -> Geometry:

@@ -1,0 +1,159 @@
+"""Where nothing has a name, one thing without one is told: its place and its law, if it gains what a name needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from reconciled_case import campaign_of, roving_scenario
+
+from vgvt.effects import available_effects
+from vgvt.reconcile.decision import nameless_told as told
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.kinds import Kind, kind_of
+from vgvt.reconcile.decision.leads import why_no_name
+from vgvt.reconcile.decision.nameless_told import nameless_told
+from vgvt.reconcile.decision.reasons import reasons_of
+from vgvt.reconcile.evidence.confirmation import share_taken
+from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.evidence.rivals import against
+from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate, fit
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
+
+KNOWN = available_effects()
+PLACE = {"x_m": 0.82, "y_m": 1.05}
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+def case_with(cache: Path, *effects: Any) -> Problem:
+    return make_problem(campaign_of(roving_scenario(), 3, *effects), roving_scenario(), lines=160, cache=cache)
+
+
+def limits(case: Problem) -> Thresholds:
+    return stored_thresholds().at(noise_share(case.measured, case.split.train))
+
+
+def unexplained(null: Fit, *leads: tuple[str, dict[str, float], dict[str, Any]]) -> Attribution:
+    """What a search holds that found no name, but leads."""
+    rounds, current = list[Addition](), null
+    for name, values, settings in leads:
+        hypothesis = Hypothesis(KNOWN[name], settings)
+        start = np.concatenate([current.e, hypothesis.scores(values)])
+        there = fit(null.problem, (*current.hypotheses, hypothesis), current.u, start, FAR)
+        (rival,) = against(current, [there])
+        rounds.append(Addition(rival, (rival,), (rival,), 2.0))
+        current = there
+    before = residual(null, limits(null.problem))
+    return Attribution(null, before, (), null, before, (), (), leads=tuple(rounds), led=current if rounds else None)
+
+
+def test_a_delay_of_the_force_is_told_as_one_however_far_the_tolerances_were_bent(cache: Path) -> None:
+    """The calibration has made up for it with masses and stiffnesses far out: from there alone it is not found."""
+    case = case_with(cache, KNOWN["channel-delay"](delay_s=0.004, channels="force"))
+    null = calibrate(case)
+    assert np.abs(null.u).max() > 50
+    found = nameless_told(unexplained(null), limits(case))
+    thing = found.nameless
+    assert thing is not None and thing.where.label == "force channel"
+    assert thing.chi2_per_dof < found.null_residual.limits.chi2_per_dof < null.chi2_per_dof
+    assert np.abs(thing.u).max() < 5
+    reading = {p.name: p.value for p in thing.law.reading.parts}
+    # A force that comes late makes A/F early.
+    assert reading["delay"] == pytest.approx(-0.004, rel=0.1)
+    assert abs(reading["gain error"]) < 0.05
+    assert kind_of(found) is Kind.UNKNOWN and not found.rounds
+    said = reasons_of(Kind.UNKNOWN, found, limits(case), None)
+    assert f"One thing that has no name, {thing.in_words}" in said
+    assert f"takes {found.nameless.ahead_nats:.0f} nats more than the model without it" in thing.in_words
+    assert thing.document()["instead_of"] == [] and thing.document()["beside"] == []
+
+
+def test_beside_a_lead_that_stands_beside_it(cache: Path) -> None:
+    """Half of two is in the catalogue and was a lead, as it took too little: both together meet the data."""
+    gain, damper = KNOWN["channel-gain"](gain_error=0.3, channels="18+Z"), KNOWN["nonproportional-damper"]
+    case = case_with(cache, gain, damper(damping_n_s_per_m=2.0, **PLACE))
+    lead = ("channel-gain", {"gain_error": 0.2}, {"channels": "18+Z"})
+    start = unexplained(calibrate(case), lead)
+    found = nameless_told(start, limits(case))
+    thing = found.nameless
+    assert thing is not None and thing.where.kind == "structure"
+    assert [h.name for h in thing.hypotheses] == ["channel-gain"]
+    alone = nameless_told(unexplained(start.null), limits(case)).nameless
+    assert alone is not None and thing.chi2_per_dof < 0.7 * alone.chi2_per_dof
+    said = " ".join(reasons_of(Kind.UNKNOWN, found, limits(case), None))
+    assert f"{thing.in_words}, beside channel-gain" in said
+    # It is no name, and what speaks against the lead is what spoke against it before.
+    assert kind_of(found) is Kind.UNKNOWN and not found.rounds
+    assert why_no_name(found) == why_no_name(start)
+
+
+def test_beside_a_right_name_that_leaves_something(cache: Path) -> None:
+    """The name stays, and what is left has a place and a law."""
+    gain, damper = KNOWN["channel-gain"](gain_error=0.3, channels="18+Z"), KNOWN["nonproportional-damper"]
+    case = case_with(cache, gain, damper(damping_n_s_per_m=2.0, **PLACE))
+    lead = unexplained(calibrate(case), ("channel-gain", {"gain_error": 0.2}, {"channels": "18+Z"}))
+    assert lead.led is not None
+    start = replace(
+        lead, rounds=lead.leads, leads=(), led=None, final=lead.led, final_residual=residual(lead.led, limits(case))
+    )
+    assert kind_of(start) is Kind.PARTLY_EXPLAINED
+    found = nameless_told(start, limits(case))
+    assert found.nameless is not None and found.nameless.where.kind == "structure"
+    assert kind_of(found) is Kind.PARTLY_EXPLAINED and found.rounds == start.rounds and found.final is start.final
+    assert [h.name for h in found.nameless.hypotheses] == ["channel-gain"]
+    assert found.nameless.chi2_per_dof < start.final.chi2_per_dof
+    said = " ".join(reasons_of(Kind.PARTLY_EXPLAINED, found, limits(case), None))
+    assert f"Beside it one thing that has no name, {found.nameless.in_words}" in said
+    # Half of what the name leaves: its own share of the whole is no matter.
+    assert share_taken(found.nameless, start.final, start.final_residual) > 0.5
+    # Where a name depends on level nothing is asked.
+    bent = replace(found.final.hypotheses[0], cls=KNOWN["root-friction"], settings={})
+    nonlinear = replace(start, final=replace(start.final, hypotheses=(bent,)))
+    assert nameless_told(nonlinear, limits(case)) is nonlinear
+
+
+def test_nothing_is_told_where_there_is_a_name_or_nothing_is_missing(cache: Path) -> None:
+    case = case_with(cache)
+    found = unexplained(calibrate(case))
+    assert kind_of(found) is Kind.ADEQUATE
+    assert nameless_told(found, limits(case)) is found
+    (addition,) = unexplained(found.null, ("channel-gain", {"gain_error": 0.01}, {"channels": "18+Z"})).leads
+    named = replace(found, rounds=(addition,), final=addition.winner.fit)
+    assert nameless_told(named, limits(case)) is named
+
+
+def test_what_gains_too_little_or_held_out_data_speak_against_is_not_told(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = case_with(cache, KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE))
+    start = unexplained(calibrate(case))
+    found = nameless_told(start, limits(case))
+    assert found.nameless is not None
+    most = replace(limits(case), evidence_nats=found.nameless.ahead_nats + 1)
+    assert nameless_told(start, most) is start
+    # What takes less than half of what is too much is not all there is, whatever it gains.
+    taken = told.share_taken(found.nameless, start.null, start.null_residual)
+    assert taken > 0.5
+    with monkeypatch.context() as patched:
+        patched.setattr(told, "_HALF", taken + 0.01)
+        assert nameless_told(start, limits(case)) is start
+    monkeypatch.setattr(told, "not_spoken_against", lambda *_: False)
+    assert nameless_told(start, limits(case)) is start
+
+
+def test_what_rings_within_the_band_is_no_thing_whose_law_is_smooth(cache: Path) -> None:
+    """Its law gains a thousand nats, and leaves most of what is there to be told by the residual line by line."""
+    case = case_with(cache, KNOWN["local-absorber"](mass_kg=0.1, frequency_hz=9.0, damping_ratio=0.05, **PLACE))
+    start = unexplained(calibrate(case))
+    assert start.null_residual.train_chi2_per_dof > 10
+    assert nameless_told(start, limits(case)) is start
