@@ -19,9 +19,11 @@ from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.leads import led_by_all
+from vgvt.reconcile.evidence.fitted_law import FittedLaw
 from vgvt.reconcile.evidence.nameless import Nameless
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.evidence.smooth_law import TERMS
 from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.outcome.account import account_of
@@ -108,12 +110,15 @@ def test_it_has_its_account_its_page_and_its_scenario(
 def test_what_a_nameless_thing_does_without_is_a_lead_and_the_thing_is_told(
     folder: Path, campaign: Campaign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    line = np.linspace(3.0, 35.0, LINES)
+    law = FittedLaw(line, np.full(TERMS, 40.0 + 0j), np.eye(2 * TERMS), "structure", False)
+
     def against(found: Attribution, *_: Any) -> Attribution:
         null = found.null
         where = StillExplained("force at 18+Z", "structure", 40.0, "from run 2 on", (0.0, 1.0, 1.0, 1.0), 100)
         nameless = Nameless(
-            where, null.problem, (), null.u, null.e, np.zeros(LINES, dtype=complex), null.predicted, null.chi2, 0.0,
-            0.0, 0.0, ("run-drift",), 31.0,
+            where, null.problem, (), null.u, null.e, null.covariance, law, null.predicted, null.chi2, 0.0, 0.0, 0.0,
+            ("run-drift",), 31.0,
         )  # fmt: skip
         return replace(led_by_all(found), nameless=nameless)
 
@@ -124,11 +129,12 @@ def test_what_a_nameless_thing_does_without_is_a_lead_and_the_thing_is_told(
     found = told(folder, campaign, "run-drift", monkeypatch, against)
     assert found.kind is Kind.UNKNOWN and not found.effects
     assert [e.name for e in found.leads] == ["run-drift"]
-    words = "a force at 18+Z from run 2 on that is smooth over frequency, takes 31 nats more than run-drift"
+    words = "a force at 18+Z from run 2 on that is smooth over frequency and reads as a stiffness of 40 "
     assert any(words in said for said in found.reasons)
     assert words in repr(found)
     document = json.loads(json.dumps(found.document()))["nameless"]
     assert document["place"] == "force at 18+Z" and document["when"] == "from run 2 on"
     assert document["instead_of"] == ["run-drift"] and document["ahead_nats"] == 31.0
     page = render_reconcile_page(account_of(found, title="told"))
-    assert words in page
+    assert words in page and "takes 31 nats more than run-drift" in page
+    assert document["law"]["real"] == pytest.approx([40.0] * 33)
