@@ -82,7 +82,8 @@ def said_place(verdict: Verdict, scenario: Scenario) -> Where:
     """Where a verdict says that something is: what has no name, what it names first, or what explains most."""
     places = verdict.localisation.places if verdict.localisation else ()
     nameless = verdict.attribution.nameless
-    if nameless is not None:
+    # What stands beside a name, and instead of none, is told after it.
+    if nameless is not None and nameless.instead_of:
         label = nameless.where.label.removesuffix(ON_BOTH_SIDES)
         return next((where_explained(p) for p in places if p.label == label), NOWHERE)
     for effect in verdict.effects[:1]:

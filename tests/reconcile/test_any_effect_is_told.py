@@ -129,7 +129,7 @@ def test_what_a_nameless_thing_does_without_is_a_lead_and_the_thing_is_told(
     found = told(folder, campaign, "run-drift", monkeypatch, against)
     assert found.kind is Kind.UNKNOWN and not found.effects
     assert [e.name for e in found.leads] == ["run-drift"]
-    words = "a force at 18+Z from run 2 on that is smooth over frequency and reads as a stiffness of 40 "
+    words = "a force at 18+Z from run 2 on that is smooth over frequency and reads as a stiffness of 40"
     assert any(words in said for said in found.reasons)
     assert words in repr(found)
     document = json.loads(json.dumps(found.document()))["nameless"]

@@ -79,7 +79,7 @@ def test_a_thing_without_a_name_is_a_doubt_beside_names_and_unknown_without_any(
     assert kind_of(alone) is Kind.ADEQUATE
     beside.nameless = alone.nameless = nameless
     (said,) = doubts(beside)
-    assert said == f"Beside it one thing that has no name, {nameless.in_words}"
+    assert said == f"Not alone: one thing that has no name, {nameless.in_words}"
     assert kind_of(beside) is Kind.PARTLY_EXPLAINED
     assert kind_of(alone) is Kind.UNKNOWN
 

@@ -89,7 +89,7 @@ def test_a_relative_gives_way_and_the_right_name_beside_it_stays(damped: Problem
     assert kind_of(found) is Kind.PARTLY_EXPLAINED
     assert {r.name for r in found.vetoed} == {"local-absorber", "added-mass"}
     said = " ".join(reasons_of(Kind.PARTLY_EXPLAINED, found, limits(damped), None))
-    assert f"Beside it one thing that has no name, {found.nameless.in_words}" in said
+    assert f"Not alone: one thing that has no name, {found.nameless.in_words}" in said
 
 
 def test_a_relative_alone_is_a_lead(damped: Problem, null: Fit, tmp_path_factory: pytest.TempPathFactory) -> None:

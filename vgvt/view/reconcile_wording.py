@@ -20,9 +20,9 @@ KINDS = {
     "unknown": "Not explained by the catalogue",
 }
 _LOOK = {
-    "structure": "The residual points at {place}: on the aircraft that is where to knock and listen.",
-    "drive": "The residual points at the {place}: look at the force cell, how it is mounted, its cable and its gain.",
-    "sensor": "The residual points at {place}: look at that sensor, how it is mounted, its cable and its gain.",
+    "structure": "on the aircraft that is where to knock and listen.",
+    "drive": "look at the force cell, how it is mounted, its cable and its gain.",
+    "sensor": "look at that sensor, how it is mounted, its cable and its gain.",
 }
 """Where to look, by the kind of the place that explains most."""
 _NEXT = {
@@ -88,9 +88,10 @@ def next_steps(account: Account) -> tuple[str, ...]:
     place, thing = account.pointed_at, account.nameless
     if thing is not None:
         # Fitted with all that is uncertain, and so better than where most of a residual is.
-        steps.insert(0, _LOOK[thing.kind].format(place=thing.words))
+        steps.insert(0, f"The thing without a name is a {thing.words}: {_LOOK[thing.kind]}")
     elif account.kind == "unknown" and place is not None:
-        steps.insert(0, _LOOK[place.kind].format(place=place.label))
+        article = "the " if place.kind == "drive" else ""
+        steps.insert(0, f"The residual points at {article}{place.label}: {_LOOK[place.kind]}")
     best = account.tests[0] if account.tests else None
     if best is not None and best.nats >= account.limits["set_nats"]:
         words = (

@@ -54,7 +54,8 @@ class Attribution:
     ``leads`` are rounds that take too little to give a name, or are no plausible thing, ``led`` the fit with them
     (:mod:`vgvt.reconcile.decision.leads`). ``still`` is what a law at one place explains beside the names, where it is
     more than chance explains (:mod:`vgvt.reconcile.decision.beyond_names`). ``nameless`` is a thing of no catalogue
-    that does better than names did (:mod:`vgvt.reconcile.decision.nameless_instead`).
+    that does better than names did (:mod:`vgvt.reconcile.decision.nameless_instead`), or with what they leave
+    (:mod:`vgvt.reconcile.decision.nameless_told`).
     """
 
     null: Fit

@@ -43,7 +43,7 @@ def doubts(found: Attribution) -> tuple[str, ...]:
             "than chance does: what was named is not quite what is there, or not alone"
         )
     if found.nameless is not None:
-        said.append(f"Beside it one thing that has no name, {found.nameless.in_words}")
+        said.append(f"Not alone: one thing that has no name, {found.nameless.in_words}")
     return tuple(said)
 
 

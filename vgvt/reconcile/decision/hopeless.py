@@ -19,4 +19,4 @@ def hopeless(names: int, most: int, found: Fit, without: Fit, after: Residual, b
     """
     if names < _TELLING or not after.limits.far_off(found.chi2_per_dof, after.held_out_chi2_per_dof):
         return False
-    return max(shares_taken(found, without, after, before)) < names / most
+    return max(shares_taken(found, without, after.held_out_chi2_per_dof, before)) < names / most

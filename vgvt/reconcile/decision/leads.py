@@ -20,9 +20,12 @@ from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.question.thresholds import FAR_OFF, Thresholds
 
-# What names take together of what was too much, where the data say that it is not all. Of those that the study saw in
-# part no true ones took less than 94 % of the misfit; of those that took less than this one was true, of a pair.
-_NEARLY_ALL = 0.9
+NEARLY_ALL = 0.9
+"""What names take together of what was too much, where the data say that it is not all.
+
+Of those that the study saw in part no true ones took less than 94 % of the misfit; of those that took less than this
+one was true, of a pair.
+"""
 # What the tolerances may still have to give of what they had to without the names, where these meet the data: what is
 # foretold of a large effect is wrong by a share of it, and they make up for that.
 _LET_GO = 0.1
@@ -68,7 +71,7 @@ def takes_nearly_all(found: Attribution) -> bool:
     Where something else explains what they leave they are not what is there: several effects may be, but of one that
     no catalogue holds its relatives take a part, and were named in the study far more often.
     """
-    return shares(found)[0] >= _NEARLY_ALL
+    return shares(found)[0] >= NEARLY_ALL
 
 
 def leant_on_more(strain: float, without: Residual) -> bool:
@@ -110,9 +113,9 @@ def why_no_name(found: Attribution) -> str:
             f"{FAR_OFF:.0f} times what they may, is a lead"
         )
     taken = share_taken(led, found.null, found.null_residual) if led else 0.0
-    if 1 - 0.5 ** len(found.leads) <= taken < _NEARLY_ALL:
+    if 1 - 0.5 ** len(found.leads) <= taken < NEARLY_ALL:
         return (
-            f"what takes {100 * taken:.0f} % of what is too much, and not {100 * _NEARLY_ALL:.0f}, where something "
+            f"what takes {100 * taken:.0f} % of what is too much, and not {100 * NEARLY_ALL:.0f}, where something "
             "else is left that is more than noise, is a lead"
         )
     return "what does not halve what is too much with every name is a lead"
@@ -164,4 +167,4 @@ def shares(found: Attribution) -> tuple[float, float]:
 
     The second is 1 where held-out data are met, or nothing is held out.
     """
-    return shares_taken(found.final, found.null, found.final_residual, found.null_residual)
+    return shares_taken(found.final, found.null, found.final_residual.held_out_chi2_per_dof, found.null_residual)

@@ -143,8 +143,7 @@ def _of_the_unknown(found: Attribution) -> list[str]:
     """That nothing explains the data, what comes nearest, and what held-out data or its place speak against."""
     said = []
     if found.nameless is not None:
-        beside = " and ".join(h.label for h in found.nameless.hypotheses)
-        said.append(f"One thing that has no name, {found.nameless.in_words}{f', beside {beside}' if beside else ''}")
+        said.append(f"One thing that has no name, {found.nameless.in_words}")
     if not found.null.converged:
         said.append("The calibration had not converged: some of what is left may be its own")
     said.append(

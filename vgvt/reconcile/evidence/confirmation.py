@@ -113,26 +113,22 @@ def share_taken(found: Taking, current: Fit, before: Residual) -> float:
 
     ``before`` is what ``current`` leaves. One where nothing was too much.
     """
-    whole, scores, left = too_much(current, before), current.scores, found.scores
-    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + float(scores @ scores - left @ left)
-    return taken / whole if whole > 0 else 1.0
-
-
-def too_much(current: Fit, before: Residual) -> float:
-    """What is too much of the cost of a fit that leaves ``before``: misfit beyond noise, and bent tolerances."""
     missed = (current.chi2_per_dof - before.noise_per_dof) * current.points
+    scores, left = float(current.scores @ current.scores), float(found.scores @ found.scores)
     # Scores that nothing bends have a square of one each at most.
-    return missed + max(0.0, float(current.scores @ current.scores) - current.scores.size)
+    bent = max(0.0, scores - current.scores.size)
+    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + scores - left
+    return taken / (missed + bent) if missed + bent > 0 else 1.0
 
 
-def shares_taken(found: Fit, current: Fit, after: Residual, before: Residual) -> tuple[float, float]:
+def shares_taken(found: Taking, current: Fit, left: float | None, before: Residual) -> tuple[float, float]:
     """What a fit takes of what was too much in ``current``: as in :func:`share_taken`, and of held-out data.
 
-    ``after`` and ``before`` are what the two leave. The second is 1 where held-out data are met, or none are held out.
+    ``before`` is what ``current`` leaves, ``left`` the held-out χ² per degree of freedom that the fit does. The second
+    is 1 where held-out data are met, or none are held out.
     """
-    fitted = share_taken(found, current, before)
-    left, was = after.held_out_chi2_per_dof, before.held_out_chi2_per_dof
-    if left is None or was is None or left <= after.limits.held_out_per_dof:
+    fitted, was = share_taken(found, current, before), before.held_out_chi2_per_dof
+    if left is None or was is None or left <= before.limits.held_out_per_dof:
         return fitted, 1.0
     excess = was - (before.held_out_noise_per_dof or 0.0)
     return fitted, (was - left) / excess if excess > 0 else 0.0
@@ -144,8 +140,13 @@ def held_out_nats(judge: Fit, found: Fit, without: Fit) -> float:
 
 
 def not_spoken_against(found: Foretelling, names: Fit) -> bool:
-    """Whether held-out data do not prefer ``names`` to what is set against them, by more than chance fluctuation."""
+    """Whether held-out data do not prefer ``names`` to what is set against them, by more than chance fluctuation.
+
+    Where nothing is held out nothing speaks.
+    """
     held = names.problem.split.held
+    if not held.any():
+        return True
     between = _worth(names, held) * _square_sum(_of(names.problem, held, found.foretold - names.foretold))
     return _nats(names, found, names, held) > -max(_HELD_OUT_NATS, _CHANCE * math.sqrt(2 * between))
 

@@ -6,6 +6,7 @@ structure; a gain and a delay on a channel.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,8 @@ _THERE = 2.0
 # Of the best known direction of a law's values, the precision of one that nothing tells.
 _HARDLY = 1e-12
 _POINTS = 33
+# Of a factor: a channel that reads less is dead, and has no gain.
+_DEAD = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,23 +40,31 @@ class Part:
 
     @property
     def in_words(self) -> str:
-        """``a stiffness of -300 ± 12 N/m``."""
+        """``a stiffness of -300 ± 10 N/m``."""
         article = "an" if self.name[0] in "aeiou" else "a"
-        return f"{article} {self.name} of {self.value:.3g} ± {self.std:.1g} {self.unit}".rstrip()
+        # To the first digit of the deviation, and no further.
+        digits = -math.floor(math.log10(self.std)) if 0 < self.std < math.inf else 6
+        value, std = (f"{round(v, digits):.{max(0, digits)}f}" for v in (self.value, self.std))
+        return f"{article} {self.name} of {value} ± {std} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A law as the simplest parts, and the share ``left`` of it that they are not."""
+    """A law as the simplest parts, and the share ``left`` of it that they are not.
+
+    Those of the force channel, where the law is of acceleration over force, are the force's: ``inverse``.
+    """
 
     parts: tuple[Part, ...]
     left: float
+    inverse: bool = False
 
     def at(self, frequency_hz: Array) -> ComplexArray:
         """What it makes of the law at some frequencies (L,)."""
         omega, first, *others = 2 * np.pi * frequency_hz, *(p.value for p in self.parts)
         if len(others) == 1:
-            return np.asarray((1 + first) * np.exp(-1j * omega * others[0]) - 1)
+            factor = (1 + first) * np.exp(-1j * omega * others[0])
+            return np.asarray((1 / factor if self.inverse else factor) - 1)
         damping, mass = others
         return np.asarray(first + 1j * omega * damping - omega**2 * mass)
 
@@ -66,8 +77,10 @@ class Reading:
     def in_words(self) -> str:
         """What it reads as, as the rest of a sentence."""
         seen = [p for p in self.parts if abs(p.value) > _THERE * p.std]
-        if not seen or not self.tells:
+        if not self.tells:
             return f"reads as no {', '.join(p.name for p in self.parts[:-1])} or {self.parts[-1].name} at one place"
+        if not seen:
+            return "is too little known to be read"
         *most, last = (p.in_words for p in seen)
         return f"reads as {', '.join(most)} and {last}" if most else f"reads as {last}"
 
@@ -119,7 +132,8 @@ class FittedLaw:
         """The law as stiffness, damping and mass, or as gain and delay: each line by how well it is known there.
 
         Lines are weighed as if errors of neighbours had nothing to do with each other, so that what is none of the
-        parts leads none of them astray; deviations know that they do.
+        parts leads none of them astray; deviations know that they do, and of what the parts leave. Gain and delay of
+        the force channel are the force's, as the catalogue has them: A/F has their inverse.
         """
         omega, terms = 2 * np.pi * self.frequency_hz, law_terms(self.frequency_hz)
         values, std = self.values, self.std
@@ -131,7 +145,9 @@ class FittedLaw:
         else:
             # A factor (1 + gain error) exp(-i ω delay) has a logarithm in which both are straight.
             sign = 1.0 if float(np.sum(1 + values.real)) > 0 else -1.0
-            sought, slope = _logarithm(sign * (1 + values)), 1 / (1 + values)
+            way = -1.0 if self.kind == "drive" else 1.0
+            factor: ComplexArray = np.where(np.abs(1 + values) > _DEAD, 1 + values, complex(_DEAD))
+            sought, slope = way * _logarithm(sign * factor), way / factor
             laws = np.stack([np.ones_like(omega), -1j * omega], axis=1)
             names = [("gain error", ""), ("delay", "s")]
         weight = 1 / np.maximum(np.concatenate([std.real, std.imag]) * np.tile(np.abs(slope), 2), np.finfo(float).tiny)
@@ -139,14 +155,16 @@ class FittedLaw:
         found = inverse @ (weight * _parts(sought))
         by_size = _parts(np.concatenate([slope[:, None] * terms, 1j * slope[:, None] * terms], axis=1))
         carried = inverse @ (weight[:, None] * by_size)
-        deviations = np.sqrt(np.diag(carried @ self._covariance @ carried.T))
         left = float(np.sum((weight * _parts(sought - laws @ found)) ** 2))
         total = float(np.sum((weight * _parts(sought)) ** 2))
+        # What the parts leave of the law might as well be of any one of them.
+        as_much = left / np.maximum(np.sum((weight[:, None] * _parts(laws)) ** 2, axis=0), np.finfo(float).tiny)
+        deviations = np.sqrt(np.diag(carried @ self._covariance @ carried.T) + as_much)
         if self.kind != "structure":
             gain = sign * float(np.exp(found[0]))
             found, deviations = np.array([gain - 1, found[1]]), deviations * np.array([abs(gain), 1.0])
         parts = tuple(Part(n, float(v), float(s), u) for (n, u), v, s in zip(names, found, deviations, strict=True))
-        return Reading(parts, left / total if total > 0 else 0.0)
+        return Reading(parts, left / total if total > 0 else 0.0, inverse=self.kind == "drive")
 
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.shown import headed
 from vgvt.reconcile.evidence.fitted_law import FittedLaw
-from vgvt.reconcile.evidence.free_places import free_places, with_mirror_images
+from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, free_places, with_mirror_images
 from vgvt.reconcile.evidence.lasting import lasting_evidence
 from vgvt.reconcile.evidence.nameless_descent import Slopes, State, walked
 from vgvt.reconcile.evidence.rivals import worth_of
@@ -70,7 +70,10 @@ class Nameless:
         """What it is, how well it does, and what it leaves, as the rest of a sentence."""
         names = " and ".join(self.instead_of) or "the model without it"
         ahead = "more" if self.ahead_nats >= 0 else "less"
-        said = f"a {self.where.words} that is smooth over frequency and {self.law.reading.in_words}"
+        each = " on each side" if self.where.label.endswith(ON_BOTH_SIDES) else ""
+        said = f"a {self.where.words} that is smooth over frequency and {self.law.reading.in_words}{each}"
+        if self.hypotheses:
+            said += f", beside {' and '.join(h.label for h in self.hypotheses)}"
         said += f", takes {abs(self.ahead_nats):.0f} nats {ahead} than {names}"
         held = self.held_out_chi2_per_dof
         left = f"it leaves {self.chi2_per_dof:.2f} per degree of freedom"
