@@ -10,7 +10,7 @@ from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.beside_nameless import Array, each_alone, gained, places_beside, starts_beside
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import NEARLY_ALL
-from vgvt.reconcile.evidence.confirmation import not_spoken_against, shares_taken
+from vgvt.reconcile.evidence.confirmation import not_spoken_against, shares_taken, too_much
 from vgvt.reconcile.evidence.nameless import Nameless, with_nameless
 from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.evidence.rivals import worth_of
@@ -25,6 +25,8 @@ from vgvt.reconcile.work.progress import Progress, silent
 Stages = tuple[tuple[float, int], ...]
 # Stages for a start that the calibration has bent towards what is missing.
 _BENT = FAR[:-1]
+# A fit is given up that will not take so much of what is too much: nine tenths will not be taken, nor data be met.
+_HALF = 0.5
 # Bottoms whose costs are as near as this are one.
 _SAME = 2.0
 
@@ -46,7 +48,7 @@ def nameless_told(found: Attribution, thresholds: Thresholds, tell: Progress = s
     if kind is Kind.PARTLY_EXPLAINED and all(h.linear for h in found.final.hypotheses):
         tell(0.0, "one nameless thing beside what was named")
         model = _Model(found.final, found.final_residual)
-        there = _best(found, tuple(range(len(found.rounds))), found.final)
+        there = _best(found, tuple(range(len(found.rounds))), found.final, model)
         told = None if there is None else _convincing(there, found.final, model, each)
     elif kind is Kind.UNKNOWN:
         told = _told_of_the_unknown(found, each, tell)
@@ -72,14 +74,14 @@ def _told_of_the_unknown(found: Attribution, each: float, tell: Progress) -> Nam
     led = found.led if found.led is not None and all(h.linear for h in found.led.hypotheses) else None
     asked = replace(found, rounds=found.leads if led else (), final=led or found.null)
     model, told = _Model(found.null, found.null_residual), None
-    alone = _best(asked, (), found.null)
+    alone = _best(asked, (), found.null, model)
     if alone is not None:
         told = _convincing(alone, found.null, model, each)
         if told is not None and _met(told, found.null_residual):
             return told
     for kept, beside in each_alone(asked, 1) if led else ():
         tell(0.5, f"one nameless thing beside {beside.hypotheses[0].name}")
-        both = _best(asked, kept, beside)
+        both = _best(asked, kept, beside, model)
         if both is None or (alone is not None and not _ahead(both, alone, found.null, beside, each)):
             continue
         convinced = _convincing(both, beside, model, each)
@@ -115,17 +117,18 @@ def _met(there: Nameless, left: Residual) -> bool:
     return most.met_by(there.chi2_per_dof, there.held_out_chi2_per_dof) and strain_sd(there) <= most.strain_sd
 
 
-def _best(asked: Attribution, kept: tuple[int, ...], alone: Fit) -> Nameless | None:
+def _best(asked: Attribution, kept: tuple[int, ...], alone: Fit, model: _Model) -> Nameless | None:
     """The nameless thing that does best beside some names or none, ``alone`` their fit, however far its start is.
 
     Where nothing has a name the tolerances are bent as far as they could be: where it does not meet the data from
     there, misplaced peaks are forgiven first, and then the stated values are begun from.
     """
     best: Nameless | None = None
+    worthless = model.fit.cost - _HALF * too_much(*model)
     for where in places_beside(asked.final, alone):
         seen: list[float] = []
         for u, e, stages in _begun(asked, kept, alone):
-            there = with_nameless(alone.problem, alone.hypotheses, u, e, where, stages=stages)
+            there = with_nameless(alone.problem, alone.hypotheses, u, e, where, worthless, stages)
             if there is None:
                 continue
             if best is None or there.evidence_nats > best.evidence_nats:
@@ -140,6 +143,9 @@ def _begun(asked: Attribution, kept: tuple[int, ...], alone: Fit) -> Iterator[tu
     """Scores u and e to begin from, and the stages that come first, those that nearly always do before the others."""
     for u, e in starts_beside(asked.final, kept, alone):
         yield u, e, ()
+    if kept:
+        # What is known of two bends the tolerances no more.
+        return
     yield alone.u, alone.e, _BENT
     try:
         begun = rough_start(alone.problem, alone.hypotheses, alone.e)

@@ -113,12 +113,16 @@ def share_taken(found: Taking, current: Fit, before: Residual) -> float:
 
     ``before`` is what ``current`` leaves. One where nothing was too much.
     """
+    whole, scores, left = too_much(current, before), current.scores, found.scores
+    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + float(scores @ scores - left @ left)
+    return taken / whole if whole > 0 else 1.0
+
+
+def too_much(current: Fit, before: Residual) -> float:
+    """What is too much of the cost of a fit that leaves ``before``: misfit beyond noise, and bent tolerances."""
     missed = (current.chi2_per_dof - before.noise_per_dof) * current.points
-    scores, left = float(current.scores @ current.scores), float(found.scores @ found.scores)
     # Scores that nothing bends have a square of one each at most.
-    bent = max(0.0, scores - current.scores.size)
-    taken = (current.chi2_per_dof - found.chi2_per_dof) * current.points + scores - left
-    return taken / (missed + bent) if missed + bent > 0 else 1.0
+    return missed + max(0.0, float(current.scores @ current.scores) - current.scores.size)
 
 
 def shares_taken(found: Taking, current: Fit, left: float | None, before: Residual) -> tuple[float, float]:
