@@ -63,6 +63,12 @@ def test_on_the_force_channel_it_is_what_the_force_reads(gain: float) -> None:
     assert law.reading.at(LINE) == pytest.approx(law.values, abs=0.06)
 
 
+def test_where_a_channel_reads_next_to_nothing_its_gain_is_hardly_known() -> None:
+    """Of a factor that falls from 1 to 0.05 the lines above would make a third of it missing in the mean."""
+    x = np.log(LINE / LINE[0]) / np.log(LINE[-1] / LINE[0])
+    assert parts(law_of(-0.95 * x**2 + 0j, kind="sensor", std=0.01))["gain error"] == pytest.approx(-0.18, abs=0.03)
+
+
 def test_a_dead_channel_has_no_gain_and_numbers_for_all_that() -> None:
     law = law_of(-1.0 + 0j * LINE, kind="sensor")
     assert all(np.isfinite([p.value, p.std]).all() for p in law.reading.parts)

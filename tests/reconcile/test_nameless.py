@@ -14,7 +14,8 @@ from vgvt.reconcile.evidence import nameless_descent
 from vgvt.reconcile.evidence.confirmation import not_spoken_against
 from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, free_places, on_centre_line, with_mirror_images
 from vgvt.reconcile.evidence.nameless import Nameless, with_nameless
-from vgvt.reconcile.evidence.smooth_law import SmoothLaw
+from vgvt.reconcile.evidence.nameless_descent import Slopes, State
+from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
 from vgvt.reconcile.evidence.still_explained import StillExplained, still_explained
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.fitting.misfit import jacobian, standardised
@@ -134,6 +135,24 @@ def test_slopes_in_all_that_is_uncertain_know_of_the_law(plain: Problem, label: 
     assert np.max(told, axis=0)[0] < 0.05
     assert np.median(told, axis=0)[0] < 0.01
     assert np.median(told, axis=0)[1] > 0.2
+
+
+def test_a_law_is_known_as_well_as_all_that_is_uncertain_leaves_it(plain: Problem) -> None:
+    """And the scores as well as the law leaves them: both are blocks of one covariance."""
+    u, e = np.zeros(plain.size), np.zeros(0)
+    here = anchor(plain, u, (), e)
+    places = with_mirror_images(free_places(plain, here, plain.split.train))[point(plain, 18)[0]]
+    acting, terms = SmoothLaw(places, np.array(ALWAYS)), law_terms(plain.measured.frequency_hz)
+    slopes = Slopes.of(State.at(here, acting, terms, u, e, np.zeros(TERMS, dtype=complex)))
+    whole, law = np.linalg.inv(slopes.normal), slice(-2 * TERMS, None)
+    known = whole[law, law] * np.outer(slopes.unit, slopes.unit)
+    found = np.linalg.inv(slopes.of_law)
+    assert np.diag(found) == pytest.approx(np.diag(known), rel=1e-3)
+    # If nothing else were uncertain it would be known better.
+    alone = np.linalg.inv(slopes.normal[law, law]) * np.outer(slopes.unit, slopes.unit)
+    ratio = np.diag(known) / np.diag(alone)
+    assert (ratio > 1.01).all() and ratio.max() > 5
+    assert slopes.covariance == pytest.approx(whole[: plain.size, : plain.size], abs=1e-6)
 
 
 def test_something_on_the_body_is_among_the_places(plain: Problem) -> None:
