@@ -56,7 +56,7 @@ def nameless() -> NamelessRow:
     law = 2j * np.pi * FREQUENCY * 5.0
     return NamelessRow(
         "force at 8+Z from run 2 on", "structure", "a force at 8+Z that <is> smooth", "N/m", FREQUENCY, law,
-        0.02 * np.abs(law) * (1 + 2j), "reads as a damping of 5 N s/m", law * 0.99,
+        0.02 * np.abs(law) * (1 + 2j), law * 0.99,
     )  # fmt: skip
 
 

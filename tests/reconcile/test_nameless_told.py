@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -104,6 +105,22 @@ def test_beside_a_lead_that_stands_beside_it(cache: Path) -> None:
     # It is no name, and what speaks against the lead is what spoke against it before.
     assert kind_of(found) is Kind.UNKNOWN and not found.rounds
     assert why_no_name(found) == why_no_name(start)
+
+
+@pytest.mark.parametrize(("together", "is_told"), [(108.0, False), (110.0, True)])
+def test_a_lead_has_to_gain_beside_the_thing_too(
+    cache: Path, monkeypatch: pytest.MonkeyPatch, together: float, is_told: bool
+) -> None:
+    """Alone the thing gains 100, and does not convince; with a lead it does, and may owe that to itself."""
+    case = case_with(cache, KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE))
+    start = unexplained(calibrate(case), ("channel-gain", {"gain_error": 0.01}, {"channels": "18+Z"}))
+    alone, both = (SimpleNamespace(gains=np.full(2, g), problem=case, predicted=None) for g in (100.0, together))
+    monkeypatch.setattr(told, "_best", lambda asked, kept, *_: both if kept else alone)
+    monkeypatch.setattr(told, "_convincing", lambda there, *_: both if there is both else None)
+    monkeypatch.setattr(told, "gained", lambda null, beside, there, worth: there.gains)
+    monkeypatch.setattr(told, "worth_of", lambda *_: 1.0)
+    found = nameless_told(start, replace(limits(case), evidence_nats=9.0))
+    assert found.nameless is (both if is_told else None)
 
 
 def test_beside_a_right_name_that_leaves_something(cache: Path) -> None:

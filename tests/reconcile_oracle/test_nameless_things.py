@@ -8,15 +8,21 @@ import never_catalogued as never
 import numpy as np
 import pytest
 import second_laboratory as lab
+from second_laboratory import Coupling, Rig
 from test_second_laboratory import scenario
 
+from vgvt.reconcile.decision.attribute import Attribution
+from vgvt.reconcile.decision.nameless_told import nameless_told
 from vgvt.reconcile.evidence.nameless import with_nameless
+from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.still_explained import still_explained
 from vgvt.reconcile.fitting.fit import NEAR, fit
 from vgvt.reconcile.question.problem import make_problem
+from vgvt.reconcile.question.thresholds import noise_share, stored_thresholds
 from vgvt.scenario import Scenario
 
 PULL, EDDY, LAG_S = 300.0, 5.0, 0.01
+SPRING, DASHPOT = 400.0, 4.0
 
 
 def roving(cells: int) -> Scenario:
@@ -30,6 +36,26 @@ def roving(cells: int) -> Scenario:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Derivatives of the stated aircraft are worked out once."""
     return tmp_path_factory.mktemp("cache")
+
+
+def test_a_stay_reads_as_the_spring_and_the_dashpot_that_it_is(folder: Path) -> None:
+    """Told as a user is told of it, where no effect has a name."""
+
+    def stay(rig: Rig, run: int) -> Rig:
+        row = never.vertical(rig, 8)
+        return rig.coupled(Coupling(row, row, lambda omega: SPRING + 1j * omega * DASHPOT))
+
+    problem = make_problem(lab.campaign_of(roving(8), (stay,)), roving(20), lines=160, cache=folder)
+    null = fit(problem, (), np.zeros(problem.size), np.zeros(0), NEAR)
+    limits = stored_thresholds().at(noise_share(problem.measured, problem.split.train))
+    left = residual(null, limits)
+    found = nameless_told(Attribution(null, left, (), null, left, (), ()), limits).nameless
+    assert found is not None and found.where.label == "force at 8+Z"
+    told = {p.name: p for p in found.law.reading.parts}
+    assert told["stiffness"].value == pytest.approx(SPRING, rel=0.15)
+    assert told["damping"].value == pytest.approx(DASHPOT, rel=0.15)
+    assert abs(told["mass"].value) < 0.01
+    assert found.law.reading.left < 0.05
 
 
 @pytest.mark.parametrize("node", [5, 18])

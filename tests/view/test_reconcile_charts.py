@@ -91,6 +91,9 @@ def test_a_law_is_drawn_with_its_bands_and_with_what_it_reads_as() -> None:
     band = lines["one standard deviation", "y2"].reshape(2, -1)
     assert band[0] - band[1][::-1] == pytest.approx(2 * thing.std.imag, rel=1e-3)
     assert figure.layout.yaxis.title.text == "real, N/m" and figure.layout.yaxis2.title.text == "imaginary, N/m"
+    # Where nothing tells the law its band does not leave it flat.
+    (wide,) = (t for t in law_figure(replace(thing, std=1e9 * thing.std)).data if t.fill and t.yaxis == "y2")
+    assert np.ptp(wide.y) < 8 * np.abs(thing.law).max()
     # Each name once in the legend; without a reading there is no line of one.
     assert [t.name for t in figure.data if t.showlegend] == ["one standard deviation", "fitted", "as it reads"]
     plain = law_figure(replace(thing, read=None, unit=""))

@@ -74,8 +74,8 @@ class NamelessRow:
     """One thing that has no name, fitted: ``words`` of where and when, ``told`` how well it does, and its law.
 
     ``law`` (L,) is its dynamic stiffness in ``unit``, or what it adds to a factor of one; ``std`` (L,) one standard
-    deviation of its real part, and of its imaginary part; ``reading`` what it reads as, in words, and ``read`` (L,)
-    the law of that, None where it reads as nothing simple. ``kind`` is as a place's.
+    deviation of its real part, and of its imaginary part; ``read`` (L,) what it reads as, None where that is nothing
+    simple. ``kind`` is as a place's.
     """
 
     words: str
@@ -85,7 +85,6 @@ class NamelessRow:
     frequency_hz: Array
     law: ComplexArray
     std: ComplexArray
-    reading: str
     read: ComplexArray | None = None
 
 

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 _BAND = "rgba(128,136,148,0.28)"
+# Of the largest value: a band that is wider, where nothing tells the law, would leave none of it to be seen.
+_WIDEST = 3.0
 
 
 def law_figure(found: NamelessRow) -> Figure:
@@ -22,7 +24,9 @@ def law_figure(found: NamelessRow) -> Figure:
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     line = found.frequency_hz.astype(np.float32)
     parts = (("real", found.law.real, found.std.real), ("imaginary", found.law.imag, found.std.imag))
-    for row, (name, value, std) in enumerate(parts, start=1):
+    widest = _WIDEST * float(np.abs(found.law).max())
+    for row, (name, value, told) in enumerate(parts, start=1):
+        std = np.minimum(told, widest)
         figure.add_scatter(
             x=np.concatenate([line, line[::-1]]),
             y=np.concatenate([value + std, (value - std)[::-1]]).astype(np.float32),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,7 +58,8 @@ def walked(state: State, most: int, worthless: float = np.inf) -> tuple[State, b
 
 def _lower(state: State, slopes: Slopes, damping: float) -> tuple[State | None, float]:
     """The state after the first step that takes something off the cost, None where none does, and the next damping."""
-    try:
+    # What hangs, and does not where a slope is taken, has no way on from there.
+    with suppress(NoStructureError):
         for _ in range(_REJECTIONS):
             move = slopes.move(damping)
             reached = state.moved(move, slopes.unit)
@@ -69,8 +71,6 @@ def _lower(state: State, slopes: Slopes, damping: float) -> tuple[State | None, 
                 slopes = Slopes.of(state)
             else:
                 damping = after_a_refusal(damping)
-    except NoStructureError:
-        pass
     return None, damping
 
 

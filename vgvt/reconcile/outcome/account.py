@@ -110,7 +110,7 @@ def _nameless(found: Nameless) -> NamelessRow:
     read = reading.at(law.frequency_hz) if reading.tells else None
     return NamelessRow(
         found.where.words, found.where.kind, found.in_words, law.unit, law.frequency_hz, law.values, law.std,
-        reading.in_words, read,
+        read,
     )  # fmt: skip
 
 
