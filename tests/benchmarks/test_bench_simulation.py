@@ -15,7 +15,7 @@ import scipy.signal
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation import compiled_dampers, simulate, simulated_campaign
+from vgvt.simulation import compiled_dampers, linear, simulate, simulated_campaign
 from vgvt.simulation.assembly import Rig, driven_rig, plans
 from vgvt.simulation.linear import joint_force, stiffness_matrix
 from vgvt.simulation.mujoco_engine import step_runs
@@ -57,10 +57,13 @@ def fine_rig() -> Rig:
 
 
 @pytest.mark.benchmark(group="hati, stiffness with 60 cells a wing")
-def test_stiffness(benchmark: BenchmarkFixture, fine_rig: Rig) -> None:
-    """Without the dampers of modes, which do nothing at rest."""
+@pytest.mark.parametrize("how", ["in closed form", "by differences"])
+def test_stiffness(benchmark: BenchmarkFixture, monkeypatch: pytest.MonkeyPatch, fine_rig: Rig, how: str) -> None:
+    """Differences without the dampers of modes, which do nothing at rest."""
+    if how == "by differences":
+        monkeypatch.setattr(linear, "tangent_stiffness", lambda model, data: None)
     data = mujoco.MjData(fine_rig.model)
-    benchmark.pedantic(stiffness_matrix, args=(fine_rig.model, data, fine_rig.qpos), rounds=3)
+    benchmark.pedantic(stiffness_matrix, args=(fine_rig.model, data, fine_rig.qpos), rounds=5, warmup_rounds=1)
 
 
 @pytest.mark.benchmark(group="hati, stiffness with 60 cells a wing")

@@ -1,4 +1,4 @@
-"""Stiffness is taken without the dampers of modes, which reach over every joint and do nothing at rest."""
+"""Differences for a stiffness are taken without the dampers of modes, which reach over every joint and rest, too."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vgvt.scenario import load_scenario
+from vgvt.simulation import linear
 from vgvt.simulation.assembly import driven_rig, plans
 from vgvt.simulation.linear import joint_force, stiffness_matrix
 
@@ -55,7 +56,8 @@ def test_a_dampers_force_is_the_same_as_ever() -> None:
 
 
 @pytest.mark.parametrize("name", ["hati-unsymmetric", "garteur-sm-ag19", "bff"])
-def test_an_aircraft_is_as_stiff_as_with_all_its_tendons(name: str) -> None:
+def test_an_aircraft_is_as_stiff_as_with_all_its_tendons(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setattr(linear, "tangent_stiffness", lambda model, data: None)
     rig = driven_rig(plans(load_scenario(name))[0], 0)
     data = mujoco.MjData(rig.model)
     step = 1e-5

@@ -1,8 +1,8 @@
 """The linearised model: M, C, K and the maps of sensors and actuators at an equilibrium.
 
-Mass comes from MuJoCo's composite inertia; stiffness and damping are central
-differences of the joint forces, which hold gravity, the spring's tension and
-every passive element. Sensor rows are analytic Jacobians of their sites.
+Mass comes from MuJoCo's composite inertia, stiffness in closed form from gravity, the springs and the tendons' tension;
+what is not known so, and damping of more than joints and tendons, are central differences of the joint forces. Sensor
+rows are analytic Jacobians of their sites.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+from vgvt.simulation.tangent import tangent_stiffness
 
 # Forces here are linear up to geometry: this step leaves truncation and round-off near 1e-9 of the spring.
 _STEP = 1e-5
@@ -119,9 +121,13 @@ def stiffness_matrix(
 ) -> NDArray[np.float64]:
     """Change of the joint forces with position, sign turned, (nv, nv), at ``qpos`` (nq,), where it leaves ``data``.
 
-    By differences of a ``step`` to either side, m or rad.
+    In closed form where that is known (:mod:`vgvt.simulation.tangent`), else by differences of a ``step`` to either
+    side, m or rad.
     """
-
+    data.qpos[:] = qpos
+    closed = tangent_stiffness(model, data)
+    if closed is not None:
+        return closed
     resting = _without_modal_dampers(model)
 
     def force_at(change: NDArray[np.float64]) -> NDArray[np.float64]:

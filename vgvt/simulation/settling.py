@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.simulation.linear import at_rest_n, joint_force
+from vgvt.simulation.tangent import tangent_stiffness
 
 Array = NDArray[np.float64]
 _AT_REST_N = 1e-8
@@ -57,6 +58,10 @@ def _stable(softness: Array) -> bool:
 
 def _softness(model: mujoco.MjModel, data: mujoco.MjData, qpos: Array, force: Array) -> Array:
     """Inverse stiffness (nv, nv) at a position (nq,), where joints are pushed by a force (nv,)."""
+    data.qpos[:] = qpos
+    closed = tangent_stiffness(model, data)
+    if closed is not None:
+        return np.asarray(np.linalg.inv(closed))
     columns = []
     for change in np.eye(model.nv) * _STEP:
         data.qpos[:] = qpos + change
