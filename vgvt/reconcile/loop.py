@@ -8,8 +8,10 @@ from pathlib import Path
 
 from vgvt.data import Campaign
 from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
+from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution, attribute
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
+from vgvt.reconcile.decision.exchanged import exchanged, leads_further
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
 from vgvt.reconcile.decision.nameless_instead import set_against_nameless
@@ -33,8 +35,8 @@ from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
 _CALIBRATED, _ATTRIBUTED, _TURNED, _LOCALISED = 0.15, 0.80, 0.90, 0.95
-# Of a search, what is kept for another one where it ends at what is no plausible thing.
-_SEARCHED = 0.9
+# Of a search, what is there before names are exchanged, and before it is made again without what is no plausible thing.
+_SEARCHED_ONCE, _SEARCHED = 0.85, 0.9
 
 
 @one_thread
@@ -75,19 +77,29 @@ def reconcile(
     hypotheses = candidates(problem, effects)
     origin = provenance_of(campaign, scenario, {h.name: h.cls for h in hypotheses}, limits, lines)
 
-    def searched(start: Fit, file: str, span: tuple[float, float], without: frozenset[str]) -> Attribution:
+    def searched(
+        start: Fit, file: str, span: tuple[float, float], without: frozenset[str] = frozenset(),
+        rounds: tuple[Addition, ...] = (),
+    ) -> Attribution:  # fmt: skip
         asked = [h for h in hypotheses if h.name not in without]
         kept = None if folder is None else Checkpoint.of(folder / file, origin, floor, most, sorted(without))
+        begun = None if kept is None else kept.begun(start.problem, asked)
         return attribute(
             start, asked, limits, most=most, workers=workers,
             progress=lambda f, m: tell(span[0] + (span[1] - span[0]) * f, m),
-            begun=None if kept is None else kept.begun(start.problem, asked),
+            begun=(start, rounds, ()) if begun is None and rounds else begun,
             keep=None if kept is None else kept.keep,
         )  # fmt: skip
 
     def attributed(start: Fit, name: str, begins: float, ends: float) -> Attribution:
-        middle = begins + _SEARCHED * (ends - begins)
-        found = searched(start, f"{name}.json", (begins, middle), frozenset())
+        middle, end = (begins + share * (ends - begins) for share in (_SEARCHED_ONCE, _SEARCHED))
+        found = searched(start, f"{name}.json", (begins, middle))
+        rounds = exchanged(found, limits, lambda f, m: tell(middle, m), workers)
+        if rounds:
+            tell(middle, f"again with {', '.join(a.winner.name for a in rounds)}")
+            other = searched(found.null, f"{name}-exchanged.json", (middle, end), rounds=rounds)
+            found = other if leads_further(other, found, limits.set_nats) else found
+        middle = end
         strange = strange_names(found)
         if not strange:
             return found

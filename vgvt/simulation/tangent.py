@@ -73,6 +73,7 @@ def _outer(parents: bytes) -> Array:
     for k, parent in enumerate(known):
         if parent >= 0:
             outer[:, k] += outer[:, parent]
+    outer.setflags(write=False)
     return outer
 
 
