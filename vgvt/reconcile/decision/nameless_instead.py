@@ -30,7 +30,8 @@ def set_against_nameless(found: Attribution, thresholds: Thresholds, tell: Progr
 
     Where a thing at one place, fitted beside all names, gains what a name needs, something nameless is there, and each
     of them has to gain as much beside it. Where none does, the fewest names that stand with a nameless thing must be
-    ahead of all of them by that. Either way by both views of the model's own error, and held-out data must not speak
+    ahead of all of them by that, or at all where the two are fewer things: on one that does as well alone, two and
+    three names have gained nothing. Either way by both views of the model's own error, and held-out data must not speak
     for the names. What depends on level at one place waits for a second level.
     """
     if not found.rounds or bends_at_one_level(found) or not all(h.linear for h in found.final.hypotheses):
@@ -45,7 +46,8 @@ def set_against_nameless(found: Attribution, thresholds: Thresholds, tell: Progr
     fewer: Array | None = None
     for count in range(named):
         tell(count / named, f"one nameless thing beside {count} of {named} names")
-        needed = gain + each
+        # As many things as there were names must be ahead by a name's worth, fewer of them ahead at all.
+        needed = gain + (each if count + 1 == named else 0.0)
         if there and beside is not None:
             needed = np.maximum(gain, beside.nats) - each * (named - count)
         if fewer is not None:
