@@ -66,6 +66,9 @@ BAD = [
     pytest.param(measured(), ("--band", 40, 60), ("40 to 60", "within 2 and 25"), id="band"),
     pytest.param(measured(), ("--band", 9, 4), ("not a band",), id="band upside down"),
     pytest.param(measured(), ("--only", "local-absorbr"), ("local-absorbr", "local-absorber"), id="effect"),
+    pytest.param(
+        measured(), ("--without", "mains-hum, added-mass"), ("--without mains-hum --without added-mass",), id="a list"
+    ),
     pytest.param(measured(), ("--only", "mains-hum", "--without", "mains-hum"), ("no effect to try",), id="none left"),
 ]
 

@@ -144,7 +144,10 @@ def chosen_effects(only: list[str], without: list[str]) -> dict[str, type]:
     for option, names in (("--only", only), ("--without", without)):
         for name in names:
             if name not in found:
-                raise InputError(option, f"there is no effect {name!r}", choose_one_of(name, tuple(found)))
+                several = [part.strip() for part in name.split(",") if part.strip() in found]
+                again = f"give {option} once for each effect: {' '.join(f'{option} {part}' for part in several)}"
+                advice = again if len(several) > 1 else choose_one_of(name, tuple(found))
+                raise InputError(option, f"there is no effect {name!r}", advice)
     kept = {name: cls for name, cls in found.items() if (not only or name in only) and name not in without}
     if not kept:
         raise InputError("--only and --without", "leave no effect to try", "leave one of them out")
