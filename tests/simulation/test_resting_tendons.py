@@ -1,4 +1,4 @@
-"""Differences for a stiffness are taken without the dampers of modes, which reach over every joint and rest, too."""
+"""Differences for a stiffness leave out the dampers of modes, which reach over every joint and do nothing at rest."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ from vgvt.scenario import load_scenario
 from vgvt.simulation import linear
 from vgvt.simulation.assembly import bare_rig, driven_rig, plans
 from vgvt.simulation.linear import joint_force, settle, stiffness_matrix
+from vgvt.simulation.settling import settle_near
 from vgvt.simulation.tangent import tangent_stiffness
 
 Array = NDArray[np.float64]
@@ -190,3 +191,11 @@ def test_a_rig_comes_to_rest_where_its_forces_do(monkeypatch: pytest.MonkeyPatch
     assert np.abs(found).max() > 1e-4
     monkeypatch.setattr(linear, "tangent_stiffness", lambda model, data: None)
     np.testing.assert_allclose(found, settle(model), atol=1e-9)
+
+
+def test_what_nothing_holds_has_no_rest_nearby() -> None:
+    """A coordinate without any stiffness, as a joint within its gap: left to the way downhill."""
+    loose = PENDULUM.replace('stiffness="4"', "").format(spring=6, held=1)
+    model = mujoco.MjModel.from_xml_string(loose)
+    assert np.linalg.matrix_rank(closed(model, np.zeros(2))) == 1
+    assert settle_near(model, np.array([0.1, 0.0]), None) is None

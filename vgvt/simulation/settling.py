@@ -38,7 +38,11 @@ def settle_near(model: mujoco.MjModel, start: Array, softness: Array | None) -> 
         if not np.isfinite(left):
             return None
         if inverse is None or used >= _SERVES or left > _CONTRACTING * before:
-            inverse, used, own = _softness(model, data, qpos, force), 0, True
+            try:
+                inverse, used, own = _softness(model, data, qpos, force), 0, True
+            except np.linalg.LinAlgError:
+                # A joint with play, within its gap: nothing holds it.
+                return None
         move = inverse @ force
         share = min(1.0, _LONGEST_STEP / max(float(np.abs(move).max()), 1e-300))
         # A step that was cut short says nothing of where the whole one leads.

@@ -35,9 +35,8 @@ def tangent_stiffness(model: mujoco.MjModel, data: mujoco.MjData) -> Array | Non
     mujoco.mj_comPos(model, data)
     mujoco.mj_tendon(model, data)
     outer = _outer(model.dof_parentid.tobytes())
-    axes = data.xaxis
-    turning = (model.jnt_type == _HINGE)[:, None] * axes
-    found = _mirrored(_weight(model, data, outer, axes, turning), outer)
+    turning = (model.jnt_type == _HINGE)[:, None] * data.xaxis
+    found = _mirrored(_weight(model, data, outer, turning), outer)
     found[np.diag_indices_from(found)] += _of_spring(
         data.qpos - model.qpos_spring, model.jnt_stiffness, model.jnt_stiffnesspoly
     )[1]
@@ -83,10 +82,10 @@ def _mirrored(half: Array, outer: Array) -> Array:
     return np.asarray(half + half.T - np.diag(np.diag(half)))
 
 
-def _weight(model: mujoco.MjModel, data: mujoco.MjData, outer: Array, axes: Array, turning: Array) -> Array:
+def _weight(model: mujoco.MjModel, data: mujoco.MjData, outer: Array, turning: Array) -> Array:
     """Second derivatives (nv, nv), by an outer coordinate and an inner one, of the weight's potential.
 
-    ``axes`` (nv, 3) are those of all coordinates, and ``turning`` (nv, 3) those of hinges alone.
+    ``turning`` (nv, 3) are the axes of hinges, zero for slides.
     """
     # Of all that a coordinate moves: its mass, and that times where it is.
     weld = model.body_weldid
@@ -95,7 +94,7 @@ def _weight(model: mujoco.MjModel, data: mujoco.MjData, outer: Array, axes: Arra
     heavy = model.body_mass[moved] * (1 - model.body_gravcomp[moved])
     carried = outer[:, last] @ np.column_stack([heavy, heavy[:, None] * data.xipos[moved]])
     mass = carried[:, :1]
-    inner = mass * (axes - turning) + _cross(turning, carried[:, 1:] - mass * data.xanchor)
+    inner = mass * (data.xaxis - turning) + _cross(turning, carried[:, 1:] - mass * data.xanchor)
     return np.asarray(_cross(turning, model.opt.gravity) @ inner.T)
 
 

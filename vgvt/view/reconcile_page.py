@@ -36,8 +36,8 @@ _LAW = (
     "The law that one thing there would have, smooth over frequency and fitted together with all that is uncertain; "
     "bands are one standard deviation. On the structure it is force over motion: a level real part is a spring, one "
     "that falls as ω² a mass, an imaginary part that rises as ω a damper. On a channel it is what is added to a factor "
-    "of one: a level real part is a gain, an imaginary part that falls as ω a delay; of "
-    "the force, by which all are divided, it is the inverse of what it reads as."
+    "of one: a level real part is a gain, an imaginary part that falls as ω a delay; of the "
+    "force, by which all are divided, it is the inverse of what it reads as."
 )
 _EVIDENCE = (
     "Every candidate of the short list fitted together with all unknowns: how much more likely it makes the fitted "
