@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from studies.command_line import BEGIN_AGAIN, one_of, parser_of, raise_if_asked, worked_off
 from studies.kept_documents import read_kept
 
-from vgvt.bench.executors import leave_with_parent
+from vgvt.bench.executors import at_work, leave_with_parent
 from vgvt.effects import Family, available_effects
 from vgvt.files.atomically import replacing
 from vgvt.scenario import Scenario, load_scenario
@@ -90,6 +90,7 @@ def _at(scenario: Scenario, share: float) -> Scenario:
     return scenario.model_copy(update={"excitation": excitation.model_copy(update=update)})
 
 
+@at_work()
 def draw(effect: str, path: Path, folder: Path) -> float:
     """Write FOLDER/EFFECT.png; returns the relative change of A/F at the sensor that changes most."""
     pair = pair_of(effect, path)

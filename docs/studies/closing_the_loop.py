@@ -49,7 +49,8 @@ from loop_work import core, work
 from rich.console import Console
 from virtual_lab import PAGES, write_results
 
-from vgvt.bench.executors import in_order_of_completion, process_pool
+from vgvt.bench.completion import in_order_of_completion
+from vgvt.bench.executors import process_pool
 from vgvt.bench.store import Store
 from vgvt.data import InputError
 from vgvt.scenario.streams import named_stream

@@ -17,8 +17,9 @@ from patience import soon
 import vgvt.bench.bench as bench_module
 from vgvt.bench.bench import BenchPlan, bench, failures
 from vgvt.bench.cell import derived_seed, run_cell
+from vgvt.bench.completion import in_order_of_completion
 from vgvt.bench.entry import Entry
-from vgvt.bench.executors import dask_cluster, in_order_of_completion, process_pool
+from vgvt.bench.executors import dask_cluster, process_pool
 from vgvt.bench.rows import COLUMNS, MEASURED
 from vgvt.bench.summary import summary
 from vgvt.bench.table import read_table, table_of, write_csv, write_parquet

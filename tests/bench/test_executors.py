@@ -19,7 +19,8 @@ import pytest
 from patience import soon
 from threadpoolctl import threadpool_info
 
-from vgvt.bench.executors import MakeExecutor, in_order_of_completion, process_pool
+from vgvt.bench.completion import in_order_of_completion
+from vgvt.bench.executors import MakeExecutor, at_work, process_pool
 
 
 @dataclass(frozen=True)
@@ -139,6 +140,7 @@ def test_a_worker_that_is_killed_leaves_nothing_on_disk(temporary: Path) -> None
     assert list(temporary.iterdir()) == []
 
 
+@at_work()
 def tidy_slowly(told: Path) -> None:
     """In a folder until it is told to leave, and then for a while longer, as one that waits for its contestant."""
     with tempfile.TemporaryDirectory(prefix="vgvt-contest-") as folder:
@@ -151,7 +153,7 @@ def tidy_slowly(told: Path) -> None:
 
 
 def test_a_worker_that_is_gone_lets_the_others_tidy(temporary: Path, tmp_path: Path) -> None:
-    """The pool ends them; and it takes for a death, too, that one between two cells leaves at once on Ctrl-C."""
+    """The pool ends them."""
     told = tmp_path / "told"
     with process_pool(2)() as pool:
         busy = pool.submit(tidy_slowly, told)

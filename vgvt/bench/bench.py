@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vgvt.bench.cell import Cell, seeded
+from vgvt.bench.completion import in_order_of_completion
 from vgvt.bench.entry import Entry
-from vgvt.bench.executors import MakeExecutor, in_order_of_completion
+from vgvt.bench.executors import MakeExecutor
 from vgvt.bench.fingerprint import fingerprint
 from vgvt.bench.resume import left_to_do
 from vgvt.bench.store import Store

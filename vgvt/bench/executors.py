@@ -1,4 +1,4 @@
-"""Where cells are worked off: in this process, in a pool of processes, or on a Dask cluster."""
+"""Where cells are worked off: in a pool of processes, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -11,18 +11,15 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from multiprocessing import get_context
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from threading import Thread
 from types import FrameType
 from typing import Any
 
-from vgvt.bench.cell import Cell, Row, run_cell
 from vgvt.data import InputError
 
 MakeExecutor = Callable[[], AbstractContextManager[Executor]]
@@ -31,8 +28,9 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLI
 _LOOK_S = 1.0  # between two looks for the parent
 _TO_TIDY_S = 5.0  # for a worker without a parent or a pool to take away what it has on disk
 _AGAIN_S = 0.1  # between two tries to remove what somebody still writes into
-_ATTEMPTS = 3  # of a cell whose worker died under it
-_leaving, _terminated = threading.Event(), threading.Event()
+ATTEMPTS = 3
+"""How often a cell is begun whose worker died under it."""
+_leaving, _terminated, _at_work = threading.Event(), threading.Event(), threading.Event()
 
 
 def process_pool(workers: int) -> MakeExecutor:
@@ -52,7 +50,7 @@ def process_pool(workers: int) -> MakeExecutor:
         pool = ProcessPoolExecutor(
             workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(), folder)
         )
-        # In a thread: Ctrl-C breaks off none, and whoever goes on with an error need not wait for cells under way.
+        # In a thread: whoever goes on with an error need not wait for cells under way.
         closing = Thread(target=_closed, args=(pool, folder), name="close the pool")
         try:
             folder.mkdir(mode=0o700)
@@ -110,7 +108,9 @@ def leave_with_parent(parent: int, folder: Path | None = None) -> None:
             time.sleep(_LOOK_S)
         if not _leaving.is_set():
             signal.pthread_kill(own, signal.SIGINT)
-        time.sleep(_TO_TIDY_S)
+        until = time.monotonic() + _TO_TIDY_S
+        while _at_work.is_set() and time.monotonic() < until:
+            time.sleep(_AGAIN_S)
         inherit()
         os._exit(1)
 
@@ -119,17 +119,31 @@ def leave_with_parent(parent: int, folder: Path | None = None) -> None:
 
 
 def _leave(number: int, _frame: FrameType | None) -> None:
-    """The handler of SIGINT and SIGTERM in a worker: the way out that no one prints, and that nothing breaks off.
+    """The handler of SIGINT and SIGTERM in a worker: the way out of a cell that no one prints, and nothing breaks off.
 
-    Where it ends in a finaliser the cell is worked off to its end. Cells that wait behind it are not begun.
+    Where it ends in a finaliser the cell is worked off to its end. Cells that wait behind it are not begun. Between two
+    cells nothing is raised: what hands them over holds locks, which a way out would leave locked for all workers.
     """
     if number == signal.SIGTERM:
         _terminated.set()
     if _leaving.is_set():
         return
     _leaving.set()
-    sys.unraisablehook = lambda _: None
-    raise SystemExit(1)
+    if _at_work.is_set():
+        sys.unraisablehook = lambda _: None
+        raise SystemExit(1)
+
+
+@contextmanager
+def at_work() -> Iterator[None]:
+    """Around the work at a cell, in a worker: from here Ctrl-C has a way out. SystemExit where it came before."""
+    _at_work.set()
+    try:
+        if _leaving.is_set():
+            raise SystemExit(1)
+        yield
+    finally:
+        _at_work.clear()
 
 
 def dask_cluster(address: str, workers: int) -> MakeExecutor:
@@ -163,67 +177,6 @@ def dask_cluster(address: str, workers: int) -> MakeExecutor:
             except OSError as error:
                 raise InputError("--cluster", f"no scheduler answers at {address}", "start it first") from error
             # Dask itself runs a task again elsewhere when its worker dies.
-            yield client.get_executor(pure=False, retries=_ATTEMPTS - 1)
+            yield client.get_executor(pure=False, retries=ATTEMPTS - 1)
 
     return make
-
-
-def in_order_of_completion(
-    cells: Sequence[Cell], make: MakeExecutor | None, work: Callable[[Cell], list[Row]] = run_cell
-) -> Iterator[tuple[Cell, list[Row]]]:
-    """Every cell with its rows as soon as they are there; serially without an executor.
-
-    A pool that loses a worker is made anew. What was under way is done again after all the rest, each with nothing
-    beside it: a worker that dies then was killed by that cell. A cell that does so three times raises
-    RuntimeError with its title, and so do workers that die three times in a row before they begin anything.
-    """
-    if make is None:
-        for cell in cells:
-            yield cell, work(cell)
-        return
-    left = dict.fromkeys(range(len(cells)))
-    deaths: dict[int, int] = {}  # of those that were under way when a worker died: how many were surely theirs
-    before_work = 0
-    while left:
-        together = [k for k in left if k not in deaths] or [min(deaths, key=lambda k: (deaths[k], k))]
-        with TemporaryDirectory(prefix="vgvt-under-way-", ignore_cleanup_errors=True) as folder, make() as executor:
-            marks = {k: Path(folder) / str(k) for k in together}
-            futures = {executor.submit(_marked, mark, work, cells[k]): k for k, mark in marks.items()}
-            for k, rows in _until_broken(futures):
-                del left[k]
-                deaths.pop(k, None)
-                yield cells[k], rows
-            under_way = [k for k, mark in marks.items() if k in left and mark.exists()]
-        for k in under_way:
-            deaths[k] = deaths.get(k, 0) + (len(under_way) == 1)
-            if deaths[k] >= _ATTEMPTS:
-                raise RuntimeError(f"{cells[k].title}: its worker died {_ATTEMPTS} times")
-        before_work = before_work + 1 if not under_way and any(k in left for k in together) else 0
-        if before_work >= _ATTEMPTS:
-            raise RuntimeError(f"the workers died {_ATTEMPTS} times in a row before they began anything")
-
-
-def _marked(mark: Path, work: Callable[[Cell], list[Row]], cell: Cell) -> list[Row]:
-    """The rows of a cell; the mark is there while it is under way, and stays when the worker dies under it."""
-    if _leaving.is_set():
-        raise SystemExit(1)
-    with suppress(OSError):  # on another machine the folder is not there, and nobody asks for the mark
-        mark.touch()
-    try:
-        return work(cell)
-    finally:
-        with suppress(OSError):
-            mark.unlink()
-
-
-def _until_broken(futures: dict[Future[list[Row]], int]) -> Iterator[tuple[int, list[Row]]]:
-    """Results as they come; ends early when the pool breaks."""
-    waiting = set(futures)
-    while waiting:
-        done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-        for future in done:
-            try:
-                rows = future.result()
-            except BrokenProcessPool:
-                return
-            yield futures[future], rows
