@@ -25,9 +25,30 @@ _STEP = 3e-4
 
 
 _Pair = tuple[ComplexArray, ComplexArray]
-_Rows = tuple[NDArray[np.intp], ...]
 _Kind = tuple[tuple[int, ...], tuple[int, ...] | None]
-_Of = tuple[NDArray[np.intp], _Rows, Array, Levels | None, Matrices, dict[str, Array], Array | None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """Of a group of runs what its joints' motion follows from; ``levels`` None where none is marched.
+
+    ``channels`` (C,) and the ``rows`` of its runs are the group's, ``masses_kg`` (C,) of its sensors what its
+    ``matrices`` do not hold; ``slopes`` are those of the matrices (k or more, …) in k amounts, ``rests`` (k, J) those
+    of where the weight holds the joints, rad (None: held).
+    """
+
+    channels: NDArray[np.intp]
+    rows: tuple[NDArray[np.intp], ...]
+    masses_kg: Array
+    levels: Levels | None
+    matrices: Matrices
+    slopes: dict[str, Array]
+    rests: Array | None
+
+    @property
+    def kind(self) -> _Kind:
+        """What slopes that were taken earlier must have been taken of."""
+        return tuple(self.channels.tolist()), None if self.levels is None else self.levels.shown.shape
 
 
 @dataclass(slots=True, eq=False)
@@ -44,57 +65,40 @@ class Following:
         """They are of somewhere else: where they are asked for next they are taken anew."""
         self.taken = None
 
-    def followed(self, measured: Measured, groups: Sequence[_Of], rates: Array) -> tuple[Levels | None, ...]:
-        """Levels of groups that follow the unknowns: of each what :func:`slopes_of` is given, and ``rates``.
+    def followed(self, measured: Measured, groups: Sequence[Followed], rates: Array) -> tuple[Levels | None, ...]:
+        """Levels of groups that follow the unknowns, whose amounts of a stated deviation are ``rates`` (k,).
 
         They are taken anew also where runs are grouped otherwise than they were, as with a change between them that a
         step has taken back, or joints are no longer what they were.
         """
-        kinds = tuple(
-            (tuple(channels.tolist()), None if levels is None else levels.shown.shape)
-            for channels, _, _, levels, _, _, _ in groups
-        )
+        kinds = tuple(g.kind for g in groups)
         if self.taken is None or kinds != self.of:
-            self.taken = tuple(
-                None
-                if levels is None
-                else slopes_of(measured, channels, rows, masses_kg, levels, matrices, slopes, rests, rates)
-                for channels, rows, masses_kg, levels, matrices, slopes, rests in groups
-            )
+            self.taken = tuple(None if g.levels is None else slopes_of(measured, g, g.levels, rates) for g in groups)
             self.of = kinds
-        joined = zip((g[3] for g in groups), self.taken, strict=True)
-        return tuple(None if levels is None else replace(levels, follows=pair) for levels, pair in joined)
+        return tuple(
+            None if g.levels is None else replace(g.levels, follows=pair)
+            for g, pair in zip(groups, self.taken, strict=True)
+        )
 
 
-def slopes_of(
-    measured: Measured,
-    channels: NDArray[np.intp],
-    rows: tuple[NDArray[np.intp], ...],
-    masses_kg: Array,
-    levels: Levels,
-    matrices: Matrices,
-    slopes: dict[str, Array],
-    rests: Array | None,
-    rates: Array,
-) -> _Pair:
-    """Slopes (k, R, J, L) of what joints of a group show, and (k, C, L) of what they leave ringing, in k amounts.
+def slopes_of(measured: Measured, group: Followed, levels: Levels, rates: Array) -> _Pair:
+    """Slopes (k, R, J, L) of what a group's joints show, and (k, C, L) of what they leave ringing, in k amounts.
 
-    ``channels`` (C,) and the ``rows`` of its runs are the group's, ``masses_kg`` (C,) of its sensors what its
-    ``matrices`` do not hold; ``slopes`` are those of the matrices (k or more, …), ``rests`` (k, J) those of where the
-    weight holds the joints, rad (None: held), and ``rates`` (k,) the amounts of a stated deviation. What a march that
-    runs away would change is held, and how much more one run's sensors weigh on a joint than the others'.
+    ``levels`` are the group's, ``rates`` (k,) the amounts of a stated deviation. What a march that runs away would
+    change is held, and how much more one run's sensors weigh on a joint than the others'.
     """
-    runs = np.array([measured.channels[channels[own[0]]].run for own in rows])
+    runs = np.array([measured.channels[group.channels[own[0]]].run for own in group.rows])
     shown = np.zeros((rates.size, *levels.shown.shape), dtype=complex)
     left_out = np.zeros((rates.size, *levels.left_out.shape), dtype=complex)
     for k, rate in enumerate(rates):
         step = _STEP * float(rate)
-        changes = {name: step * by[k] for name, by in slopes.items()}
-        joints = levels.joints if rests is None else levels.joints.turned(step * rests[k])
+        changes = {name: step * by[k] for name, by in group.slopes.items()}
+        joints = levels.joints if group.rests is None else levels.joints.turned(step * group.rests[k])
         if joints is levels.joints and not any(change.any() for change in changes.values()):
             continue
-        beside = replace(matrices, **{name: getattr(matrices, name) + change for name, change in changes.items()})
-        there = marched_runs(measured, runs, rows, joints, masses_kg, beside)
+        moved = {name: getattr(group.matrices, name) + change for name, change in changes.items()}
+        beside = replace(group.matrices, **moved)
+        there = marched_runs(measured, runs, group.rows, joints, group.masses_kg, beside)
         if all(np.isfinite(found).all() for found in there):
             shown[k], left_out[k] = (there[0] - levels.shown) / step, (there[1] - levels.left_out) / step
     return shown, left_out

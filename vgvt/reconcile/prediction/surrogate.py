@@ -30,7 +30,7 @@ from vgvt.reconcile.prediction.grouping import (
     sensor_mass_index,
 )
 from vgvt.reconcile.prediction.left_out import spare_slopes
-from vgvt.reconcile.prediction.level_following import Following
+from vgvt.reconcile.prediction.level_following import Followed, Following
 from vgvt.reconcile.prediction.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.prediction.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
 from vgvt.reconcile.prediction.plain import loaded, plain_of
@@ -236,7 +236,7 @@ def anchor(
 def _following(problem: Problem, u: Array, groups: tuple[Reduced, ...], known: Following) -> tuple[Reduced, ...]:
     """Groups whose joints follow the unknowns, by what is known of that, else by marches here."""
     rates = np.array([k.rate(float(a)) for k, a in zip(problem.unknowns, u, strict=False)])
-    of = [(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes, g.rests) for g in groups]
+    of = [Followed(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes, g.rests) for g in groups]
     levels = known.followed(problem.measured, of, rates)
     return tuple(replace(group, levels=there) for group, there in zip(groups, levels, strict=True))
 
