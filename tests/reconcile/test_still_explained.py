@@ -15,6 +15,7 @@ from reconciled_case import campaign_of, roving_scenario
 from vgvt.effects import available_effects
 from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
+from vgvt.reconcile.decision.leads import why_no_name
 from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence import still_explained as evidence
 from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, FreePlace, free_places, mirror_images
@@ -239,6 +240,23 @@ def test_names_that_leave_a_law_more_than_a_tenth_of_what_was_too_much_are_leads
     assert len(judged.rounds) == names
     assert (judged.still is not None) == (names > 0)
     assert len(judged.leads) == 1 - names
+
+
+@pytest.mark.parametrize(("missed", "nats", "names"), [(2.0, 13.0, 0), (2.0, 8.0, 2), (0.9, 13.0, 2)])
+def test_several_names_that_leave_a_thing_to_one_place_are_leads(
+    monkeypatch: pytest.MonkeyPatch, missed: float, nats: float, names: int
+) -> None:
+    """Another payload was a drift and another hang, and the way of the force in that run explained 25 nats more."""
+    beside = StillExplained("force channel", "drive", nats, "in run 5 alone")
+    monkeypatch.setattr(beyond_names, "still_explained", lambda fit: beside)
+    monkeypatch.setattr(beyond_names, "bends_at_one_level", lambda found: False)
+    case = found_by((missed, 0.9), (0.75, 0.9), names=2)
+    case = replace(case, null_residual=left(0.9, adequate=missed < 1.0))
+    judged = asked_beyond_names(case, SimpleNamespace(evidence_nats=9.0))
+    assert len(judged.rounds) == names
+    assert len(judged.leads) == 2 - names
+    if not names:
+        assert "beside all of them a factor on the force channel in run 5 alone that is smooth" in why_no_name(judged)
 
 
 @pytest.mark.parametrize(

@@ -95,6 +95,11 @@ def why_no_name(found: Attribution) -> str:
     """Why leads are no names, in words."""
     if found.nameless is not None and found.nameless.instead_of:
         return "what one thing that has no name does without is a lead"
+    if found.still is not None:
+        return (
+            f"beside all of them a {found.still.words} that is smooth over frequency would still explain "
+            f"{found.still.nats:.0f} nats more than chance does: pieces of one thing that has no name leave such a rest"
+        )
     led = found.led
     strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
     if strange:

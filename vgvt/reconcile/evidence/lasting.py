@@ -8,8 +8,9 @@ models, J. R. Stat. Soc. B 63(3), 2001). What an effect buys must be bought from
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.fitting.descent import solved
 from vgvt.reconcile.fitting.misfit import data_misfit
+from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.problem import Problem
 
@@ -39,6 +42,8 @@ SHARE = 0.5
 _LONGEST = 20.0
 # Nats that a free step promises at the bottom of a fit, if any.
 _PROMISED = 0.5
+# What a step may promise, in nats, unasked; and the shares of it that are tried where it promises more.
+_UNASKED, _SHARES = 10.0, (1.0, 0.5, 0.25)
 
 
 @lru_cache(maxsize=32)
@@ -53,12 +58,25 @@ def lasting_nats(found: Fit) -> float:
     misfit = data_misfit(found.problem, found.predicted)
     gradient = found.tangent.T @ misfit + found.scores
     arrived = found.converged or 0.5 * float(gradient @ found.covariance @ gradient) < _PROMISED
-    return lasting_evidence(found.problem, misfit, found.tangent, found.scores, share, arrived=arrived)
+    return lasting_evidence(
+        found.problem, misfit, found.tangent, found.scores, share, arrived=arrived, aside=partial(_aside, found)
+    )
+
+
+def _aside(found: Fit, scores: Array) -> Array | None:
+    """The misfit (2 N,) of a fit's model at other scores; None where there is no such aircraft."""
+    u, e = np.split(scores, [found.u.size])
+    try:
+        predicted = anchor(found.problem, u, found.hypotheses, e, slopes=False).predict(u, e)
+    except NoStructureError:
+        return None
+    return data_misfit(found.problem, predicted)
 
 
 def lasting_evidence(
-    problem: Problem, misfit: Array, tangent: Array, scores: Array, log_share: float, *, arrived: bool = True
-) -> float:
+    problem: Problem, misfit: Array, tangent: Array, scores: Array, log_share: float, *, arrived: bool = True,
+    aside: Callable[[Array], Array | None] | None = None,
+) -> float:  # fmt: skip
     """Laplace's log evidence, nats, of a fit with misfit (2 N,), its derivatives (2 N, scores) and ``scores`` (scores,)
     where the model's error lasts; ``log_share`` is the prior's of its variants.
 
@@ -66,7 +84,8 @@ def lasting_evidence(
     that promise more by the fit's own measure, at whose bottom it stands, promise what is not there, as beside a joint
     that is marched: that much of them is not believed, nor a longer step than they carry. Of a fit that has not
     ``arrived`` they do promise what is there, and taking it off from what this measure sees would leave less than any
-    scores do: no more is gained than to the linearised model's own bottom.
+    scores do: no more is gained than to the linearised model's own bottom. Where much is promised, the misfit ``aside``
+    (2 N,), at other scores, is asked for it: a model that misses much promises most, and keeps least.
     """
     judged = lasting(problem, np.column_stack([misfit, tangent]))
     left, slopes = judged[:, 0], judged[:, 1:]
@@ -81,7 +100,21 @@ def lasting_evidence(
         gradient = slopes.T @ left + scores
         least = here - float(gradient @ solved(precision, gradient))
     cost = max(cost, least)
+    if aside is not None and here - cost > 2 * _UNASKED:
+        cost = max(cost, _kept(problem, scores, part * step, here, aside))
     return -0.5 * (cost + float(np.linalg.slogdet(precision)[1])) + log_share
+
+
+def _kept(problem: Problem, scores: Array, step: Array, here: float, aside: Callable[[Array], Array | None]) -> float:
+    """The least cost by this measure on the way back along a ``step`` (scores,) from scores at which it is ``here``."""
+    costs = [here]
+    for share in _SHARES:
+        there = scores - share * step
+        misfit = aside(there)
+        if misfit is not None:
+            judged = lasting(problem, misfit[:, None])
+            costs.append(float(np.sum(judged**2) + there @ there))
+    return float(np.nanmin(costs))
 
 
 def lasting(problem: Problem, vectors: Array) -> Array:
