@@ -11,7 +11,8 @@ import argparse
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from itertools import zip_longest
@@ -137,7 +138,7 @@ def small_plan(base: int = 1, short: bool = False) -> list[Case]:
 
 def results_of(
     cases: Sequence[Any], folder: Path, workers: int, minutes: float, do: Callable[[Any], list[Row]] = work
-) -> Iterator[tuple[Any, list[Row], bool]]:
+) -> Generator[tuple[Any, list[Row], bool]]:
     """Every case, its rows and whether they were there already; done ones first, none begun after ``minutes``."""
     store: Any = Store(folder, core())
     left = []
@@ -150,10 +151,11 @@ def results_of(
     # The clock on the wall: workers are other processes. They live to the end and keep what they once derived.
     in_time = partial(_begun_before, time.time() + 60 * minutes, do)
     pool: Any = in_order_of_completion(left, process_pool(workers) if workers > 1 else None, in_time)  # type: ignore[arg-type]
-    for case, rows in pool:
-        if rows:
-            store.keep(case, rows)
-            yield case, rows, False
+    with closing(pool):
+        for case, rows in pool:
+            if rows:
+                store.keep(case, rows)
+                yield case, rows, False
 
 
 def _begun_before(end: float, do: Callable[[Any], list[Row]], case: Any) -> list[Row]:
@@ -166,16 +168,17 @@ def run(
 ) -> None:
     """Work off the cases with progress and the time left."""
     console, fresh, start = Console(stderr=True), 0, time.monotonic()
-    for done, (case, found, old) in enumerate(results_of(cases, folder, workers, minutes, do), 1):
-        raise_if_asked()
-        if not old:
-            fresh += 1
-            left_min = (time.monotonic() - start) / fresh * (len(cases) - done) / 60
-            said = found[0].get("named") or found[0].get("test") or found[0].get("reason", "")
-            console.print(
-                f"{done}/{len(cases)}, {left_min:.0f} min left: {case.title}: {found[0]['verdict']} {said}",
-                highlight=False, soft_wrap=True,
-            )  # fmt: skip
+    with closing(results_of(cases, folder, workers, minutes, do)) as every:
+        for done, (case, found, old) in enumerate(every, 1):
+            raise_if_asked()
+            if not old:
+                fresh += 1
+                left_min = (time.monotonic() - start) / fresh * (len(cases) - done) / 60
+                said = found[0].get("named") or found[0].get("test") or found[0].get("reason", "")
+                console.print(
+                    f"{done}/{len(cases)}, {left_min:.0f} min left: {case.title}: {found[0]['verdict']} {said}",
+                    highlight=False, soft_wrap=True,
+                )  # fmt: skip
 
 
 def results(rows: Sequence[Row]) -> str:

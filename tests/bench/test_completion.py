@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -156,3 +157,30 @@ def test_a_worker_at_a_cell_leaves_it_on_ctrl_c() -> None:
         time.sleep(0.5)
         os.kill(pid, signal.SIGINT)
         assert isinstance(under_way.exception(timeout=30), SystemExit)
+
+
+def sent_away(stub: Stub) -> list[dict[str, Any]]:
+    """The first worker that has the second cell gets the signal that ends workers, as from a batch system."""
+    mark = Path(os.environ["VGVT_TEST_MARKS"]) / "sent away"
+    if stub.number == 1 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(60)
+    return work(stub)
+
+
+def test_a_worker_that_is_sent_away_is_one_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its cell is done again by another one: no reason to end without a word."""
+    monkeypatch.setenv("VGVT_TEST_MARKS", str(tmp_path))
+    cells = [Stub(k) for k in range(4)]
+    rows = in_order_of_completion(cells, process_pool(1), sent_away)  # type: ignore[arg-type]
+    assert sorted(cell.number for cell, _ in rows) == [0, 1, 2, 3]
+
+
+def test_what_the_environment_said_of_threads_it_says_again_where_there_is_no_pool(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    with pytest.raises(ValueError, match="max_workers"), process_pool(0)():
+        pytest.fail("there is no such pool")
+    assert os.environ["OMP_NUM_THREADS"] == "7"

@@ -59,6 +59,14 @@ def absorber_and_mount(*others: Any, second: tuple[Any, ...] = ()) -> Any:
     return search((rival("absorber", nats=100.0), list(others)), (rival("absorber", "mount", nats=60.0), list(second)))
 
 
+@pytest.fixture(autouse=True)
+def held_out(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Whether held-out data let what is ahead be: they do, unless a test says otherwise."""
+    lets = [True]
+    monkeypatch.setattr(module, "not_spoken_against", lambda found, names: lets[0])
+    return lets
+
+
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     """The models that were fitted, in order."""
@@ -232,6 +240,17 @@ def test_the_search_that_went_on_counts_where_it_leads_further(
     judged_by(monkeypatch, of(absorber_mount=160.0, mount_strain=nats))
     other = search((rival("mount", nats=90.0), []), (rival("mount", "strain", nats=9.0), []), adequate=adequate)
     assert leads_further(other, absorber_and_mount(), LIMITS.set_nats) is further
+
+
+def test_held_out_data_may_speak_for_the_names_that_were_found(
+    monkeypatch: pytest.MonkeyPatch, asked: list[tuple[str, ...]], held_out: list[bool]
+) -> None:
+    held_out[:] = [False]
+    case = absorber_and_mount(rival("strain", nats=80.0))
+    judged_by(monkeypatch, of(absorber_mount=160.0, mount_strain=200.0, mount=90.0, strain=80.0))
+    assert exchanged(case, LIMITS) == ()
+    other = search((rival("mount", nats=90.0), []), (rival("mount", "strain", nats=9.0), []), adequate=True)
+    assert not leads_further(other, case, LIMITS.set_nats)
 
 
 def test_no_name_is_no_way_on(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -199,3 +199,72 @@ def test_what_nothing_holds_has_no_rest_nearby() -> None:
     model = mujoco.MjModel.from_xml_string(loose)
     assert np.linalg.matrix_rank(closed(model, np.zeros(2))) == 1
     assert settle_near(model, np.array([0.1, 0.0]), None) is None
+
+
+PUSHED = """
+<mujoco>
+  <compiler angle="radian"/>
+  <option gravity="0 0 -9" {option}>{flags}</option>
+  <worldbody>
+    <body>
+      <joint name="turn" type="hinge" axis="0 1 0" stiffness="6" {joint}/>
+      <inertial pos="0 0 -2" mass="3" diaginertia="1 1 1"/>
+      <geom size="0.1" contype="0" conaffinity="0"/>
+    </body>
+    {beside}
+  </worldbody>
+  <actuator>{actuator}</actuator>
+</mujoco>
+"""
+
+
+def pushed(**parts: str) -> mujoco.MjModel:
+    words = {name: parts.get(name, "") for name in ("option", "flags", "joint", "beside", "actuator")}
+    return mujoco.MjModel.from_xml_string(PUSHED.format(**words))
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"flags": '<flag spring="disable"/>'},
+        {"flags": '<flag gravity="disable"/>'},
+        {"option": 'density="1.2" wind="5 0 0"'},
+        {"joint": 'actuatorgravcomp="true"'},
+        {"actuator": '<motor joint="turn" ctrlrange="1 2" ctrllimited="true"/>'},
+        {"actuator": '<motor joint="turn" forcerange="1 2" forcelimited="true"/>'},
+        {"joint": 'actuatorfrcrange="1 2" actuatorfrclimited="true"', "actuator": '<motor joint="turn"/>'},
+        {"actuator": '<position joint="turn" kp="3"/>'},
+    ],
+    ids=str,
+)
+def test_what_may_push_is_not_known(parts: dict[str, str]) -> None:
+    """Forces that this does not ask about, or does not find: differences see them."""
+    model = pushed(**parts)
+    assert tangent_stiffness(model, mujoco.MjData(model)) is None
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"option": 'density="1.2"'},
+        {"actuator": '<motor joint="turn" ctrlrange="-1 2" ctrllimited="true"/>'},
+        {"beside": '<body mocap="true" pos="1 1 1"><geom size="0.2"/></body>'},
+    ],
+    ids=str,
+)
+def test_what_does_nothing_at_rest_changes_nothing(parts: dict[str, str]) -> None:
+    """Least of all a body that hangs on no joint, which is its own anchor."""
+    model = pushed(**parts)
+    bent = np.array([0.2])
+    np.testing.assert_allclose(closed(model, bent), [[6 + 9 * 3 * 2 * np.cos(0.2)]], rtol=1e-12)
+    np.testing.assert_allclose(closed(model, bent), by_differences(model, bent), rtol=1e-6)
+
+
+def test_what_moves_and_ropes_without_length_are_not_known() -> None:
+    model = pushed()
+    data = mujoco.MjData(model)
+    data.qvel[:] = 1.0
+    assert tangent_stiffness(model, data) is None
+    joined = BENT.format().replace('<site name="one" pos="0.3 0.1 0"/>', '<site name="one" pos="0 0.3 1"/>')
+    together = mujoco.MjModel.from_xml_string(joined)
+    assert tangent_stiffness(together, mujoco.MjData(together)) is None

@@ -42,8 +42,8 @@ def in_order_of_completion(
     finished: _Finished = SimpleQueue()
     said: _Said = SimpleQueue()
     thread = Thread(target=_told, args=(cells, make, work, finished, said), name="work off cells")
-    thread.start()
     try:
+        thread.start()
         while (word := said.get()) is not None:
             if isinstance(word, BaseException):
                 raise word
@@ -51,7 +51,8 @@ def in_order_of_completion(
             yield cells[k], rows
     finally:
         finished.put(None)
-        thread.join()
+        if thread.ident is not None:
+            thread.join()
 
 
 def _told(cells: Sequence[Cell], make: MakeExecutor, work: Work, finished: _Finished, said: _Said) -> None:
@@ -109,7 +110,10 @@ def _marked(mark: Path, work: Work, cell: Cell) -> list[Row]:
 
 
 def _until_broken(futures: dict[Future[list[Row]], int], finished: _Finished) -> Iterator[tuple[int, list[Row]]]:
-    """Results as they come; ends early when the pool breaks. _NobodyListensError when whoever asked has gone."""
+    """Results as they come; ends early when the pool breaks, or somebody sends a worker away.
+
+    _NobodyListensError when whoever asked has gone.
+    """
     left = len(futures)
     while left:
         future = finished.get()
@@ -120,6 +124,6 @@ def _until_broken(futures: dict[Future[list[Row]], int], finished: _Finished) ->
         left -= 1
         try:
             rows = future.result()
-        except BrokenProcessPool:
+        except (BrokenProcessPool, SystemExit):
             return
         yield futures[future], rows

@@ -22,6 +22,13 @@ from typing import Any
 
 from vgvt.data import InputError
 
+
+class _Worker:
+    """What a worker knows of itself: plain values, as a handler of signals may come while an event's lock is held."""
+
+    leaving = terminated = at_work = False
+
+
 MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -30,7 +37,6 @@ _TO_TIDY_S = 5.0  # for a worker without a parent or a pool to take away what it
 _AGAIN_S = 0.1  # between two tries to remove what somebody still writes into
 ATTEMPTS = 3
 """How often a cell is begun whose worker died under it."""
-_leaving, _terminated, _at_work = threading.Event(), threading.Event(), threading.Event()
 
 
 def process_pool(workers: int) -> MakeExecutor:
@@ -46,19 +52,19 @@ def process_pool(workers: int) -> MakeExecutor:
         folder = Path(tempfile.gettempdir()) / f"vgvt-pool-{secrets.token_hex(6)}"
         # Spawned, and the variables set before: BLAS reads them once, when numpy is loaded.
         before = {name: os.environ.get(name) for name in _THREADS}
-        os.environ.update(dict.fromkeys(_THREADS, "1"))
-        pool = ProcessPoolExecutor(
-            workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(), folder)
-        )
-        # In a thread: whoever goes on with an error need not wait for cells under way.
-        closing = Thread(target=_closed, args=(pool, folder), name="close the pool")
         try:
-            folder.mkdir(mode=0o700)
-            yield pool
-        except BaseException:
-            closing.start()
-            raise
-        else:
+            os.environ.update(dict.fromkeys(_THREADS, "1"))
+            pool = ProcessPoolExecutor(
+                workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(), folder)
+            )
+            # In a thread: whoever goes on with an error need not wait for cells under way.
+            closing = Thread(target=_closed, args=(pool, folder), name="close the pool")
+            try:
+                folder.mkdir(mode=0o700)
+                yield pool
+            except BaseException:
+                closing.start()
+                raise
             closing.start()
             closing.join()
         finally:
@@ -104,12 +110,12 @@ def leave_with_parent(parent: int, folder: Path | None = None) -> None:
             _gone(folder)
 
     def watch() -> None:
-        while os.getppid() == parent and not _terminated.is_set():
+        while os.getppid() == parent and not _Worker.terminated:
             time.sleep(_LOOK_S)
-        if not _leaving.is_set():
+        if not _Worker.leaving:
             signal.pthread_kill(own, signal.SIGINT)
         until = time.monotonic() + _TO_TIDY_S
-        while _at_work.is_set() and time.monotonic() < until:
+        while _Worker.at_work and time.monotonic() < until:
             time.sleep(_AGAIN_S)
         inherit()
         os._exit(1)
@@ -125,11 +131,11 @@ def _leave(number: int, _frame: FrameType | None) -> None:
     cells nothing is raised: what hands them over holds locks, which a way out would leave locked for all workers.
     """
     if number == signal.SIGTERM:
-        _terminated.set()
-    if _leaving.is_set():
+        _Worker.terminated = True
+    if _Worker.leaving:
         return
-    _leaving.set()
-    if _at_work.is_set():
+    _Worker.leaving = True
+    if _Worker.at_work:
         sys.unraisablehook = lambda _: None
         raise SystemExit(1)
 
@@ -137,13 +143,13 @@ def _leave(number: int, _frame: FrameType | None) -> None:
 @contextmanager
 def at_work() -> Iterator[None]:
     """Around the work at a cell, in a worker: from here Ctrl-C has a way out. SystemExit where it came before."""
-    _at_work.set()
+    _Worker.at_work = True
     try:
-        if _leaving.is_set():
+        if _Worker.leaving:
             raise SystemExit(1)
         yield
     finally:
-        _at_work.clear()
+        _Worker.at_work = False
 
 
 def dask_cluster(address: str, workers: int) -> MakeExecutor:

@@ -22,6 +22,7 @@ from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.decision.undecided import next_best, undecided
 from vgvt.reconcile.decision.verdict import Verdict, leads_of, named_effects
 from vgvt.reconcile.evidence.localise import localise
+from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.outcome.augment import augment, write_reconciled
@@ -79,7 +80,7 @@ def reconcile(
 
     def searched(
         start: Fit, file: str, span: tuple[float, float], without: frozenset[str] = frozenset(),
-        rounds: tuple[Addition, ...] = (),
+        rounds: tuple[Addition, ...] = (), vetoed: tuple[Rival, ...] = (),
     ) -> Attribution:  # fmt: skip
         asked = [h for h in hypotheses if h.name not in without]
         kept = None if folder is None else Checkpoint.of(folder / file, origin, floor, most, sorted(without))
@@ -87,7 +88,7 @@ def reconcile(
         return attribute(
             start, asked, limits, most=most, workers=workers,
             progress=lambda f, m: tell(span[0] + (span[1] - span[0]) * f, m),
-            begun=(start, rounds, ()) if begun is None and rounds else begun,
+            begun=(start, rounds, vetoed) if begun is None and rounds else begun,
             keep=None if kept is None else kept.keep,
         )  # fmt: skip
 
@@ -97,7 +98,8 @@ def reconcile(
         rounds = exchanged(found, limits, lambda f, m: tell(middle, m), workers)
         if rounds:
             tell(middle, f"again with {', '.join(a.winner.name for a in rounds)}")
-            other = searched(found.null, f"{name}-exchanged.json", (middle, end), rounds=rounds)
+            refused = tuple(r for r in found.vetoed if any(r in a.rivals for a in rounds))
+            other = searched(found.null, f"{name}-exchanged.json", (middle, end), rounds=rounds, vetoed=refused)
             found = other if leads_further(other, found, limits.set_nats) else found
         middle = end
         strange = strange_names(found)

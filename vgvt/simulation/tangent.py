@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 _JOINT, _PULLEY, _SITE = (
     int(w) for w in (mujoco.mjtWrap.mjWRAP_JOINT, mujoco.mjtWrap.mjWRAP_PULLEY, mujoco.mjtWrap.mjWRAP_SITE)
 )
+_NEEDED = int(mujoco.mjtDisableBit.mjDSBL_SPRING) | int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
 _SLIDE, _HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
 
 
@@ -26,8 +27,8 @@ def tangent_stiffness(model: mujoco.MjModel, data: mujoco.MjData) -> Array | Non
     """Change of the joint forces with position, sign turned, (nv, nv), at the position in ``data``, without velocity.
 
     ``data`` is brought up to date there, but for its forces. At the very end of a tendon's play it is that of the side
-    on which it does nothing. None for what this does not know: ball joints, tendons around bodies, actuators that
-    push.
+    on which it does nothing. None for what this does not know: ball joints, tendons around bodies or without length,
+    actuators that push, wind, flexible bodies, springs or weight that are switched off, and anything that moves.
     """
     if not _known(model, data):
         return None
@@ -50,15 +51,35 @@ def tangent_stiffness(model: mujoco.MjModel, data: mujoco.MjData) -> Array | Non
             found += rate[tendon] * np.outer(row, row)
         else:
             pull = float(tension[tendon]), float(rate[tendon])
-            found += _of_path(model, data, list(_segments(model, wraps)), pull, (outer, turning))
+            bent = _of_path(model, data, list(_segments(model, wraps)), pull, (outer, turning))
+            if bent is None:
+                return None
+            found += bent
     return found
 
 
 def _known(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
     """Whether all that pushes joints at rest is what :func:`tangent_stiffness` asks about."""
     straight = model.jnt_type.min(initial=_SLIDE) >= _SLIDE and model.wrap_type.max(initial=_SITE) <= _SITE
-    pushed = model.nu and (model.actuator_biastype != mujoco.mjtBias.mjBIAS_NONE).any()
-    return bool(straight and not (pushed or data.act.any() or data.ctrl.any()))
+    usual = not model.opt.disableflags & _NEEDED
+    still = not data.qvel.any() and not (model.opt.wind.any() and (model.opt.density or model.opt.viscosity))
+    stiff = not model.nflex and not model.nplugin
+    return bool(straight and usual and still and stiff and not _pushed(model, data))
+
+
+def _pushed(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+    """Whether an actuator may push at rest: by what it is told, by its bias, or as no force is beyond its limits."""
+    if data.act.any() or data.ctrl.any() or model.jnt_actgravcomp.any():
+        return True
+    if not model.nu:
+        return False
+    told = model.actuator_ctrllimited.astype(bool) & (model.actuator_actnum == 0)
+    limits = (
+        (told, model.actuator_ctrlrange), (model.actuator_forcelimited, model.actuator_forcerange),
+        (model.jnt_actfrclimited, model.jnt_actfrcrange), (model.tendon_actfrclimited, model.tendon_actfrcrange),
+    )  # fmt: skip
+    beyond = any((on.astype(bool) & ((r[:, 0] > 0) | (r[:, 1] < 0))).any() for on, r in limits)
+    return bool(beyond or (model.actuator_biastype != mujoco.mjtBias.mjBIAS_NONE).any())
 
 
 @lru_cache(maxsize=64)
@@ -89,7 +110,7 @@ def _weight(model: mujoco.MjModel, data: mujoco.MjData, outer: Array, turning: A
     """
     # Of all that a coordinate moves: its mass, and that times where it is.
     weld = model.body_weldid
-    moved = weld > 0
+    moved = model.body_dofnum[weld] > 0
     last = model.body_dofadr[weld[moved]] + model.body_dofnum[weld[moved]] - 1
     heavy = model.body_mass[moved] * (1 - model.body_gravcomp[moved])
     carried = outer[:, last] @ np.column_stack([heavy, heavy[:, None] * data.xipos[moved]])
@@ -139,10 +160,11 @@ def _of_path(
     segments: list[tuple[int, int, float]],
     pull: tuple[float, float],
     chain: tuple[Array, Array],
-) -> Array:
+) -> Array | None:
     """What a tendon along ``segments`` adds (nv, nv), by its ``pull`` (force, change with length).
 
-    ``chain`` are the coordinates that are outer (nv, nv) and the axes (nv, 3) about which they turn.
+    None where two sites lie in one point: it has no direction there. ``chain`` are the coordinates that are outer
+    (nv, nv) and the axes (nv, 3) about which they turn.
     """
     (tension, rate), (outer, turning) = pull, chain
     whole, bent = np.zeros(model.nv), np.zeros((model.nv, model.nv))
@@ -152,6 +174,8 @@ def _of_path(
             mujoco.mj_jacSite(model, data, end, None, site)
         apart, moved = data.site_xpos[other] - data.site_xpos[one], ends[1] - ends[0]
         length = float(np.linalg.norm(apart))
+        if length < mujoco.mjMINVAL:
+            return None
         along = apart / length
         stretched = along @ moved
         whole += share * stretched

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.backward import without
 from vgvt.reconcile.decision.place_control import controlled
+from vgvt.reconcile.evidence.confirmation import not_spoken_against
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.rivals import Rival, against
 from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, fit
@@ -44,7 +45,7 @@ def exchanged(
 
     Asked where several names leave something, and none of them depends on level: that waits for a second level.
     ``thresholds`` are those of the campaign. The rounds are those of a search that had begun with what does best alone;
-    every one of them convinces.
+    every one of them convinces. Held-out data may not prefer the names that were ``found``.
     """
     final, named = found.final, [a.winner.name for a in found.rounds]
     if len(named) < 2 or found.final_residual.adequate or named != [h.name for h in final.hypotheses]:
@@ -59,14 +60,14 @@ def exchanged(
         ]
         fits = [f for f in team.work_off(tasks, part(tell, 0.0, 0.7)) if f is not None]
         best = ahead_of(found.null, final, fits, thresholds.set_nats)
-        if best is None:
+        if best is None or not not_spoken_against(best, final):
             return ()
         return _rounds(found, best, thresholds, part(tell, 0.7, 1.0), team)
 
 
 def leads_further(other: Attribution, found: Attribution, set_nats: float) -> bool:
-    """Whether a search that went on from an exchange explains more than what was ``found``."""
-    if not other.rounds:
+    """Whether a search that went on from an exchange explains more than what was ``found``, held-out data allowing."""
+    if not other.rounds or not not_spoken_against(other.final, found.final):
         return False
     return other.final_residual.adequate or ahead_of(found.null, found.final, [other.final], set_nats) is not None
 
