@@ -39,7 +39,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 9.7, 0.7) for h in (delay, gain))
     kept = Checkpoint(tmp_path / "rounds.json", "this question")
     start = replace(start, converged=True)
-    kept.keep(start, [Addition(rivals[1], rivals, rivals, None)], [rivals[0]])
+    kept.keep(start, [Addition(rivals[1], rivals, rivals, None, rivals[::-1])], [rivals[0]])
     begun = kept.begun(case, (delay, gain))
     assert begun is not None
     again, (addition,), refused = begun
@@ -50,6 +50,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     assert addition.winner.hypothesis.label == gain.label
     assert addition.winner.hypothesis.spans == gain.spans
     assert [r.name for r in addition.equivalent] == ["channel-delay", "channel-gain"]
+    assert [(r.name, r.gain_nats) for r in addition.in_its_place] == [("channel-gain", 9.5), ("channel-delay", 9.5)]
     assert addition.winner.fit.evidence_nats == rivals[1].fit.evidence_nats
     assert Checkpoint(tmp_path / "rounds.json", "another question").begun(case, (delay, gain)) is None
 

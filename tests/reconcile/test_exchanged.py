@@ -32,6 +32,10 @@ def fit_of(*names: str, linear: bool = True, e: Any = None) -> Any:
     )  # fmt: skip
 
 
+def names_of(fit: Any) -> list[str]:
+    return [h.name for h in fit.hypotheses]
+
+
 class FakeRival(SimpleNamespace):
     """What a fit adds last, and what that gains."""
 
@@ -80,6 +84,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     monkeypatch.setattr(module, "fit_unless_behind", fitted)
     monkeypatch.setattr(module, "fit", fitted)
     monkeypatch.setattr(module, "implausible", lambda fit: ())
+    monkeypatch.setattr(module, "as_good", lambda other, winner, nats: "spoken" not in names_of(other))
     monkeypatch.setattr(module, "controlled", lambda addition, *rest: addition)
     return found
 
@@ -145,6 +150,32 @@ def test_the_last_name_may_give_way_too(monkeypatch: pytest.MonkeyPatch, asked: 
     case = absorber_and_mount(second=(rival("absorber", "delay", nats=50.0),))
     judged_by(monkeypatch, of(absorber_mount=160.0, absorber_delay=170.0, absorber=100.0, delay=20.0))
     assert [a.winner.name for a in exchanged(case, LIMITS)] == ["absorber", "delay"]
+
+
+@pytest.mark.parametrize(
+    ("other", "behind", "stands"), [("twin", 0.1, True), ("twin", -0.1, False), ("spoken", 3.0, False)]
+)
+def test_what_does_as_well_in_the_same_place_stands_beside_the_new_name(
+    monkeypatch: pytest.MonkeyPatch, asked: list[tuple[str, ...]], other: str, behind: float, stands: bool
+) -> None:
+    """Within what the data leave open, and where held-out data do not tell the two."""
+    case = absorber_and_mount(rival("strain", nats=80.0), rival(other, nats=70.0))
+    gains = of(absorber_mount=160.0, mount_strain=200.0, mount=90.0, strain=80.0)
+    gains |= {frozenset(("mount", other)): 200.0 - LIMITS.set_nats + behind}
+    judged_by(monkeypatch, gains)
+    first, second = exchanged(case, LIMITS)
+    assert [a.winner.name for a in (first, second)] == ["mount", "strain"]
+    assert first.in_its_place == ()
+    assert [names_of(r.fit) for r in second.in_its_place] == [["mount", "strain"], ["mount", other]] * stands
+
+
+def test_what_does_as_well_in_another_place_is_no_other_answer(
+    monkeypatch: pytest.MonkeyPatch, asked: list[tuple[str, ...]]
+) -> None:
+    """A strain and the mount, or the absorber and a delay: no name stands in the place of another."""
+    case = absorber_and_mount(rival("strain", nats=80.0), second=(rival("absorber", "delay", nats=50.0),))
+    judged_by(monkeypatch, of(absorber_mount=160.0, mount_strain=200.0, absorber_delay=199.0, mount=90.0, strain=80.0))
+    assert [a.in_its_place for a in exchanged(case, LIMITS)] == [(), ()]
 
 
 @pytest.mark.parametrize(("more", "gives_way"), [(-0.1, False), (0.1, True)])

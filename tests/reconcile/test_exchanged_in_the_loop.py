@@ -10,7 +10,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects, make_effect
-from vgvt.reconcile import Verdict, loop, reconcile
+from vgvt.reconcile import Verdict, reconcile, searches
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.evidence.residual import residual
@@ -49,15 +49,15 @@ def gone_wrong(start: Fit, thresholds: Thresholds) -> Attribution:
 
 def verdict_of(monkeypatch: pytest.MonkeyPatch, folder: Path, *, exchanging: bool) -> Verdict:
     """The verdict on a damper and a gain where the first search has gone wrong."""
-    searched, real = list[int](), loop.attribute
+    searched, real = list[int](), searches.attribute
 
     def first_wrong(start: Fit, asked: Any, thresholds: Thresholds, **rest: Any) -> Attribution:
         searched.append(len(searched))
         return gone_wrong(start, thresholds) if len(searched) == 1 else real(start, asked, thresholds, **rest)
 
-    monkeypatch.setattr(loop, "attribute", first_wrong)
+    monkeypatch.setattr(searches, "attribute", first_wrong)
     if not exchanging:
-        monkeypatch.setattr(loop, "exchanged", lambda *rest: ())
+        monkeypatch.setattr(searches, "exchanged", lambda *rest: ())
     damper = make_effect("nonproportional-damper", "test", damping_n_s_per_m=DAMPING, **PLACE)
     gain = make_effect("channel-gain", "test", gain_error=GAIN, channels=LABEL)
     campaign = campaign_of(roving_scenario(), 3, damper, gain)

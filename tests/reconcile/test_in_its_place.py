@@ -107,6 +107,26 @@ def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offer
     assert [(e.name, e.equivalent) for e in named_effects(said)] == [(MOUNT.name, ("channel-delay",)), (LOW.name, ())]
 
 
+def test_what_is_known_to_do_as_well_is_asked_whatever_it_promises(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And is there no more where it does so no more."""
+    first, second = rounds_of(mounted)
+    delay = Hypothesis(available_effects()["channel-delay"], {"channels": "response"})
+    (late,) = against(mounted, [model(mounted.problem, (LOW, {"gain_error": GAIN}), (delay, {"delay_s": DELAY_S}))])
+    rounds = [replace(first, in_its_place=(first.winner, replace(late, gain_nats=0.0))), second]
+    monkeypatch.setattr(asked_again, "_promising", lambda *given: [])
+    assert reconsidered([first, second], mounted, offered, SETTLED.set_nats)[0].in_its_place == ()
+    found, _ = reconsidered(rounds, mounted, offered, SETTLED.set_nats)
+    assert [r.name for r in found.in_its_place] == [MOUNT.name, "channel-delay"]
+    assert found.in_its_place[1].fit.values(1)["delay_s"][0] == pytest.approx(DELAY_S, rel=0.05)
+    # By what the name gained in its round, not by what it had been judged against before.
+    assert found.in_its_place[1].gain_nats > found.winner.gain_nats
+    assert [r.name for r in found.alike].count("channel-delay") == 1
+    monkeypatch.setattr(asked_again, "as_good", lambda *given: False)
+    assert reconsidered(rounds, mounted, offered, SETTLED.set_nats)[0].in_its_place == ()
+
+
 def test_what_does_better_is_said_to(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
     """A mount that does not quite do what the data show."""
     stiffer = {**SOFT, "compliance_m_per_n": 0.9 * mounted.values(0)["compliance_m_per_n"][0]}
@@ -204,4 +224,7 @@ def test_of_a_model_that_misses_much_nothing_is_asked(
     monkeypatch.setattr(asked_again, "in_its_place", lambda *given: pytest.fail("asked"))
     missing = replace(mounted, predicted=mounted.predicted + 1.5 * mounted.problem.measured.sigma)
     rounds = rounds_of(missing)
-    assert reconsidered(rounds, missing, offered, SETTLED.set_nats) == rounds
+    known = [replace(a, in_its_place=(a.winner, a.winner)) for a in rounds]
+    found = reconsidered(known, missing, offered, SETTLED.set_nats)
+    assert [a.winner for a in found] == [a.winner for a in rounds]
+    assert [a.in_its_place for a in found] == [(), ()]

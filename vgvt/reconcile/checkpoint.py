@@ -28,7 +28,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 
 # What is kept under another one has not all that is asked for.
-_FORMAT = 4
+_FORMAT = 5
 
 
 class Begun(NamedTuple):
@@ -117,6 +117,7 @@ def _round(addition: Addition) -> dict[str, Any]:
         "winner": addition.rivals.index(addition.winner),
         "equivalent": [addition.rivals.index(r) for r in addition.equivalent],
         "held_out_before": addition.held_out_before,
+        "in_its_place": [_rival(r) for r in addition.in_its_place],
     }
 
 
@@ -132,18 +133,22 @@ def _rival(r: Rival) -> dict[str, Any]:
 
 
 def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any]) -> Addition:
-    rivals = []
-    for r in row["rivals"]:
-        hypotheses = tuple(
-            Hypothesis(
-                known[h["name"]], h["settings"], h["share"], {k: (v[0], v[1]) for k, v in h.get("spans", {}).items()}
-            )
-            for h in r["effects"]
-        )
-        found = _as_ended(problem, hypotheses, r["fit"])
-        rivals.append(Rival(found, r["gain_nats"], r["raw_nats"], r["lasting_nats"], r["held_out"]))
+    rivals, in_its_place = (
+        tuple(_as_rival(problem, known, r) for r in row[kept]) for kept in ("rivals", "in_its_place")
+    )
     equivalent = tuple(rivals[k] for k in row["equivalent"])
-    return Addition(rivals[row["winner"]], equivalent, tuple(rivals), row["held_out_before"])
+    return Addition(rivals[row["winner"]], equivalent, rivals, row["held_out_before"], in_its_place)
+
+
+def _as_rival(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any]) -> Rival:
+    hypotheses = tuple(
+        Hypothesis(
+            known[h["name"]], h["settings"], h["share"], {k: (v[0], v[1]) for k, v in h.get("spans", {}).items()}
+        )
+        for h in row["effects"]
+    )
+    found = _as_ended(problem, hypotheses, row["fit"])
+    return Rival(found, row["gain_nats"], row["raw_nats"], row["lasting_nats"], row["held_out"])
 
 
 def _ended(found: Fit) -> dict[str, Any]:

@@ -7,13 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from vgvt.data import Campaign
-from vgvt.reconcile.checkpoint import Checkpoint, provenance_of
-from vgvt.reconcile.decision.addition import Addition
-from vgvt.reconcile.decision.attribute import Attribution, attribute
+from vgvt.reconcile.checkpoint import provenance_of
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
-from vgvt.reconcile.decision.exchanged import exchanged, leads_further
 from vgvt.reconcile.decision.kinds import Kind, kind_of
-from vgvt.reconcile.decision.leads import as_leads, does_without, strange_names, telling
+from vgvt.reconcile.decision.leads import as_leads
 from vgvt.reconcile.decision.nameless_instead import set_against_nameless
 from vgvt.reconcile.decision.nameless_told import nameless_told
 from vgvt.reconcile.decision.reasons import reasons_of
@@ -22,8 +19,7 @@ from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.decision.undecided import next_best, undecided
 from vgvt.reconcile.decision.verdict import Verdict, leads_of, named_effects
 from vgvt.reconcile.evidence.localise import localise
-from vgvt.reconcile.evidence.rivals import Rival
-from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate
+from vgvt.reconcile.fitting.fit import FAR, calibrate
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.outcome.augment import augment, write_reconciled
 from vgvt.reconcile.outcome.resimulate import resimulated
@@ -31,13 +27,13 @@ from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
 from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.searches import Searches
 from vgvt.reconcile.work.one_thread import one_thread
+from vgvt.reconcile.work.progress import part
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
 _CALIBRATED, _ATTRIBUTED, _TURNED, _LOCALISED = 0.15, 0.80, 0.90, 0.95
-# Of a search, what is there before names are exchanged, and before it is made again without what is no plausible thing.
-_SEARCHED_ONCE, _SEARCHED = 0.85, 0.9
 
 
 @one_thread
@@ -77,46 +73,15 @@ def reconcile(
     null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
     hypotheses = candidates(problem, effects)
     origin = provenance_of(campaign, scenario, {h.name: h.cls for h in hypotheses}, limits, lines)
-
-    def searched(
-        start: Fit, file: str, span: tuple[float, float], without: frozenset[str] = frozenset(),
-        rounds: tuple[Addition, ...] = (), vetoed: tuple[Rival, ...] = (),
-    ) -> Attribution:  # fmt: skip
-        asked = [h for h in hypotheses if h.name not in without]
-        kept = None if folder is None else Checkpoint.of(folder / file, origin, floor, most, sorted(without))
-        begun = None if kept is None else kept.begun(start.problem, asked)
-        return attribute(
-            start, asked, limits, most=most, workers=workers,
-            progress=lambda f, m: tell(span[0] + (span[1] - span[0]) * f, m),
-            begun=(start, rounds, vetoed) if begun is None and rounds else begun,
-            keep=None if kept is None else kept.keep,
-        )  # fmt: skip
-
-    def attributed(start: Fit, name: str, begins: float, ends: float) -> Attribution:
-        middle, end = (begins + share * (ends - begins) for share in (_SEARCHED_ONCE, _SEARCHED))
-        found = searched(start, f"{name}.json", (begins, middle))
-        rounds = exchanged(found, limits, lambda f, m: tell(middle, m), workers)
-        if rounds:
-            tell(middle, f"again with {', '.join(a.winner.name for a in rounds)}")
-            refused = tuple(r for r in found.vetoed if any(r in a.rivals for a in rounds))
-            other = searched(found.null, f"{name}-exchanged.json", (middle, end), rounds=rounds, vetoed=refused)
-            found = other if leads_further(other, found, limits.set_nats) else found
-        middle = end
-        strange = strange_names(found)
-        if not strange:
-            return found
-        tell(middle, f"again without {', '.join(sorted(strange))}")
-        without = searched(start, f"{name}-plausible.json", (middle, ends), strange)
-        return telling(found, without) if does_without(found, without, limits.set_nats) else found
-
-    first = attributed(null, "rounds", _CALIBRATED, _ATTRIBUTED)
+    searches = Searches(hypotheses, limits, most, workers, folder, origin, (floor,))
+    first = searches.made(null, "rounds", part(tell, _CALIBRATED, _ATTRIBUTED))
     found = as_leads(first, limits)
     said: tuple[str, ...] = ()
     other = turned(first)
     if other is not None:
         tell(_ATTRIBUTED, "another hold-out")
         start = calibrate(other, first.null.u, stages=FAR)
-        again = as_leads(attributed(start, "rounds-turned", _ATTRIBUTED, _TURNED), limits)
+        again = as_leads(searches.made(start, "rounds-turned", part(tell, _ATTRIBUTED, _TURNED)), limits)
         if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
     found = with_told_parameters(found, limits, lambda f, m: tell(_TURNED, m), workers)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.backward import without
-from vgvt.reconcile.decision.place_control import controlled
+from vgvt.reconcile.decision.place_control import as_good, controlled
 from vgvt.reconcile.evidence.confirmation import not_spoken_against
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.rivals import Rival, against
@@ -45,24 +45,26 @@ def exchanged(
 
     Asked where several names leave something, and none of them depends on level: that waits for a second level.
     ``thresholds`` are those of the campaign. The rounds are those of a search that had begun with what does best alone;
-    every one of them convinces. Held-out data may not prefer the names that were ``found``.
+    every one of them convinces. Held-out data may not prefer the names that were ``found``. What does as well as the
+    new name beside all the others stands in its place (:class:`~vgvt.reconcile.decision.addition.Addition`).
     """
     final, named = found.final, [a.winner.name for a in found.rounds]
     if len(named) < 2 or found.final_residual.adequate or named != [h.name for h in final.hypotheses]:
         return ()
     if not all(h.linear for h in final.hypotheses):
         return ()
+    asked = [(k, r) for k, addition in enumerate(found.rounds) for r in _others(addition, named, thresholds)]
     with Team(workers, (final.problem,)) as team:
-        tasks: list[Task] = [
-            (_in_place_of, (final, k, r.hypothesis, _own_scores(r.fit)))
-            for k, addition in enumerate(found.rounds)
-            for r in _others(addition, named, thresholds)
-        ]
-        fits = [f for f in team.work_off(tasks, part(tell, 0.0, 0.7)) if f is not None]
-        best = ahead_of(found.null, final, fits, thresholds.set_nats)
+        tasks: list[Task] = [(_in_place_of, (final, k, r.hypothesis, _own_scores(r.fit))) for k, r in asked]
+        fitted = team.work_off(tasks, part(tell, 0.0, 0.7))
+        there = [(k, f) for (k, _), f in zip(asked, fitted, strict=True) if f is not None]
+        best = ahead_of(found.null, final, [f for _, f in there], thresholds.set_nats)
         if best is None or not not_spoken_against(best, final):
             return ()
-        return _rounds(found, best, thresholds, part(tell, 0.7, 1.0), team)
+        # In the place of the same name alone: no answer holds two pairs that have no name in common.
+        where = next(k for k, f in there if f is best)
+        alike = _as_well(found.null, best, [f for k, f in there if k == where and f is not best], thresholds.set_nats)
+        return _rounds(found, best, alike, thresholds, part(tell, 0.7, 1.0), team)
 
 
 def leads_further(other: Attribution, found: Attribution, set_nats: float) -> bool:
@@ -106,8 +108,21 @@ def _in_place_of(final: Fit, index: int, hypothesis: Hypothesis, own: Array, tel
         return None
 
 
-def _rounds(found: Attribution, best: Fit, thresholds: Thresholds, tell: Progress, team: Team) -> tuple[Addition, ...]:
-    """The effects of a fit as rounds, one by one from what does best alone; none where one does not convince."""
+def _as_well(null: Fit, best: Fit, others: Sequence[Fit], set_nats: float) -> tuple[Rival, ...]:
+    """The best fit as a rival, then those of others that neither evidence nor held-out data tell from it."""
+    judged = against(null, [best, *others])
+    first = next(r for r in judged if r.fit is best)
+    near = [r for r in judged if r is not first and r.gain_nats > first.gain_nats - set_nats]
+    return (first, *(r for r in near if as_good(r.fit, best, set_nats) and not implausible(r.fit)))
+
+
+def _rounds(
+    found: Attribution, best: Fit, alike: tuple[Rival, ...], thresholds: Thresholds, tell: Progress, team: Team
+) -> tuple[Addition, ...]:
+    """The effects of a fit as rounds, one by one from what does best alone; none where one does not convince.
+
+    ``alike`` is the fit itself, and then those with another effect in the place of its last one that do as well.
+    """
     count = len(best.hypotheses)
     alone = team.work_off([(_of_these, (best, (k,))) for k in range(count)], part(tell, 0.0, 0.3))
     if any(f is None for f in alone):
@@ -122,7 +137,8 @@ def _rounds(found: Attribution, best: Fit, thresholds: Thresholds, tell: Progres
             return ()
         others = [r for r in found.rounds[0].rivals if n == 1 and len(r.fit.hypotheses) == 1 and r.name != winner.name]
         rivals = tuple(sorted((winner, *others), key=lambda r: -r.gain_nats))
-        addition = Addition(winner, (winner,), rivals, before.held_out_chi2_per_dof)
+        in_its_place = alike if len(alike) > 1 and order[n - 1] == count - 1 else ()
+        addition = Addition(winner, (winner,), rivals, before.held_out_chi2_per_dof, in_its_place)
         rounds.append(controlled(addition, partial(_judged, before), thresholds.set_nats, here, team))
         before = winner.fit
     return tuple(rounds)

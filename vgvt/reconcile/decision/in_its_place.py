@@ -48,15 +48,18 @@ def reconsidered(
 ) -> list[Addition]:
     """The rounds of a fit, each with what does as well as its winner, within ``set_nats``, or better in its place.
 
+    What had been found to do so before is asked again: later rounds may have told the two.
     Nothing is asked of a model that still misses much: what would do better there is what imitates the rest.
     """
     if current.chi2_per_dof >= BIASED:
-        return list(rounds)
+        return [replace(a, in_its_place=()) for a in rounds]
     named, found = {a.winner.name for a in rounds}, list[Addition]()
     others = [h for h in hypotheses if h.name not in named]
     for k, addition in enumerate(rounds):
         here = part(tell, k / len(rounds), (k + 1) / len(rounds))
-        own, rivals = in_its_place(current, k, others, set_nats, here, team)
+        known = [r for r in addition.in_its_place[1:] if r.name not in named]
+        own, rivals = in_its_place(current, k, others, set_nats, here, team, known)
+        addition = replace(addition, in_its_place=())
         if own is not None and rivals:
             winner = addition.winner
             # By what the name had gained in its round.
@@ -80,9 +83,11 @@ def in_its_place(
     set_nats: float,
     tell: Progress = silent,
     team: Team = ALONE,
+    known: Sequence[Rival] = (),
 ) -> tuple[Rival | None, list[Rival]]:
     """The effect of that index of a model as a rival, and what of ``others`` does as well or better, best first.
 
+    ``known`` are effects, each last in a fit, that are asked whatever the closed form makes of them, one variant each.
     All are judged against the model that is left without it, and have it, or what is in its place, last. None, and
     nothing, where that order makes another model, or there is nothing to ask.
     """
@@ -104,18 +109,25 @@ def in_its_place(
     if not asked or bought <= 0:
         return None, []
     tries: list[Task] = [
-        (fitted_from, (stand, s, NEAR)) for s in _promising(start, asked, bought, part(tell, 0.0, 0.7))
+        (fitted_from, (stand, s, NEAR))
+        for s in (*_promising(start, asked, bought, part(tell, 0.0, 0.7)), *map(_arrived, known))
     ]
     fits = team.work_off(tries, part(tell, 0.7, 1.0))
     last = replace(last, converged=current.converged)
     judged = against(stand, [last, *(best_course(f, others) for f in fits if f is not None)])
     mine = next(r for r in judged if r.fit is last)
-    rivals = [
-        r for r in judged
-        if r is not mine and r.gain_nats > mine.gain_nats - set_nats
-        and as_good(r.fit, last, set_nats) and not implausible(r.fit)
-    ]  # fmt: skip
-    return mine, rivals
+    rivals = dict[str, Rival]()
+    for r in judged:
+        near = r is not mine and r.gain_nats > mine.gain_nats - set_nats
+        if near and as_good(r.fit, last, set_nats) and not implausible(r.fit):
+            rivals.setdefault(r.name, r)
+    return mine, list(rivals.values())
+
+
+def _arrived(rival: Rival) -> Screened:
+    """The last effect of a fit as it ended there."""
+    values = {k: v[0] for k, v in rival.fit.values(len(rival.fit.hypotheses) - 1).items()}
+    return Screened(rival.hypothesis, values, rival.gain_nats, arrived=True)
 
 
 def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: Progress) -> list[Screened]:
