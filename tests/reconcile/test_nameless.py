@@ -10,15 +10,16 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.evidence import nameless_descent
+from vgvt.reconcile.evidence import nameless, nameless_descent
 from vgvt.reconcile.evidence.confirmation import not_spoken_against
 from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, free_places, on_centre_line, with_mirror_images
+from vgvt.reconcile.evidence.lasting import lasting_evidence
 from vgvt.reconcile.evidence.nameless import Nameless, with_nameless
 from vgvt.reconcile.evidence.nameless_descent import Slopes, State
 from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
 from vgvt.reconcile.evidence.still_explained import StillExplained, still_explained
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
-from vgvt.reconcile.fitting.misfit import jacobian, standardised
+from vgvt.reconcile.fitting.misfit import data_misfit, jacobian, standardised
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
@@ -208,6 +209,27 @@ def test_its_evidence_is_laplaces_of_all_that_is_uncertain(plain: Problem) -> No
     # Eight values of noise are worth four nats.
     assert 0 < taken < 15
     assert found.evidence_nats - null.evidence_nats == pytest.approx(taken, abs=1)
+
+
+def test_what_lasting_errors_leave_to_gain_is_asked_of_it_with_its_law(
+    plain: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At its own scores it answers what it leaves, and where nothing hangs nothing."""
+    asked: list[Any] = []
+
+    def spied(*arguments: Any, aside: Any) -> float:
+        asked.append(aside)
+        return lasting_evidence(*arguments, aside=aside)
+
+    monkeypatch.setattr(nameless, "lasting_evidence", spied)
+    case = with_data(damped(plain, 18, damping=SMALL), 0)
+    found = searched(case, StillExplained(point(plain, 18)[0], "structure", 0.0, "", ALWAYS, 1))
+    (aside,) = asked
+    np.testing.assert_allclose(aside(found.scores), data_misfit(case, found.predicted), atol=1e-6)
+    # The law stays: without it the model is another one.
+    bare = fit(case, (), found.u, np.zeros(0), ())
+    assert np.linalg.norm(aside(found.scores)) < 0.5 * np.sqrt(bare.chi2)
+    assert aside(np.full(found.scores.size, 1e6)) is None
 
 
 def test_what_will_not_do_is_not_gone_on_with(plain: Problem, monkeypatch: pytest.MonkeyPatch) -> None:

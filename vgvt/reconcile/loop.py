@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from vgvt.data import Campaign
+from vgvt.effects.registry import available_effects
 from vgvt.reconcile.checkpoint import provenance_of
 from vgvt.reconcile.decision.beyond_names import asked_beyond_names
 from vgvt.reconcile.decision.kinds import Kind, kind_of
@@ -14,6 +15,7 @@ from vgvt.reconcile.decision.leads import as_leads
 from vgvt.reconcile.decision.nameless_instead import set_against_nameless
 from vgvt.reconcile.decision.nameless_told import nameless_told
 from vgvt.reconcile.decision.reasons import reasons_of
+from vgvt.reconcile.decision.relatives import words_of_relatives
 from vgvt.reconcile.decision.told import with_told_parameters
 from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.decision.undecided import next_best, undecided
@@ -96,15 +98,18 @@ def reconcile(
     if kind is not Kind.ADEQUATE:
         at = found.final if kind is not Kind.EXPLAINED else found.null
         places = localise(at, lambda f, m: tell(_TURNED + (_LOCALISED - _TURNED) * f, m))
-    tests: tuple[Suggestion, ...] = ()
+    tests, relatives = tuple[Suggestion, ...](), tuple[str, ...]()
     if kind is Kind.AMBIGUOUS and with_tests:
         tell(_LOCALISED, "compare tests")
         tests = suggest(undecided(found)) or suggest(next_best(found), levels_alone=True)
         said += words_of_none(tests, limits.set_nats)
+    if kind in (Kind.EXPLAINED, Kind.AMBIGUOUS):
+        offered = available_effects() if effects is None else effects
+        relatives = words_of_relatives(found, offered, {h.name for h in hypotheses})
     tell(_LOCALISED, "simulate what was found")
     augmented = augment(scenario, found)
     verdict = Verdict(
-        kind, (*said, *reasons_of(kind, found, limits, places)), named_effects(found), leads_of(found),
+        kind, (*said, *reasons_of(kind, found, limits, places), *relatives), named_effects(found), leads_of(found),
         found.final_residual.reasons,
         compare(found.null.foretold, measured, parts),
         compare(found.final.foretold, measured, parts),

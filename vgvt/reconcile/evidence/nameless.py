@@ -155,7 +155,7 @@ def with_nameless(
     share = sum(float(np.log(h.share)) for h in hypotheses)
     scores = np.concatenate([state.u, state.e])
     evidence = -0.5 * (state.cost + slopes.log_det) + share
-    lasting = lasting_evidence(problem, state.misfit, slopes.tangent, scores, share)
+    lasting = lasting_evidence(problem, state.misfit, slopes.tangent, scores, share, aside=state.misfit_at)
     law = FittedLaw(
         problem.measured.frequency_hz, state.sizes, worth_of(problem, state.predicted) * slopes.of_law,
         places[0].kind, places[0].turns,

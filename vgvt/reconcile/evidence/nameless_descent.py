@@ -128,12 +128,18 @@ class State:
         count = self.u.size + self.e.size
         u, e = moved(problem, hypotheses, self.u, self.e, move[:count])
         change = move[count:] * unit
-        sizes = self.sizes + change[:TERMS] + 1j * change[TERMS:]
+        return self._elsewhere(u, e, self.sizes + change[:TERMS] + 1j * change[TERMS:])
+
+    def misfit_at(self, scores: Array) -> Array | None:
+        """The misfit (2 N,) at other scores (scores,), the law as it is; None where there is no aircraft."""
+        u, e = np.split(scores, [self.u.size])
+        reached = self._elsewhere(u, e, self.sizes)
+        return None if reached is None else reached.misfit
+
+    def _elsewhere(self, u: Array, e: Array, sizes: ComplexArray) -> State | None:
         try:
-            here = anchor(problem, u, hypotheses, e, slopes=False, structures=self.here.structures)
-            if not _alike(self.here, here):
-                return None
-            return State.at(here, self.acting, self.terms, u, e, sizes, self.sigma)
+            here = anchor(self.here.problem, u, self.here.hypotheses, e, slopes=False, structures=self.here.structures)
+            return State.at(here, self.acting, self.terms, u, e, sizes, self.sigma) if _alike(self.here, here) else None
         except NoStructureError:
             return None
 

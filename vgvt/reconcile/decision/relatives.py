@@ -1,0 +1,48 @@
+"""What a name could be taken for, by what its effect says itself: how far behind each relative is, or that none asked.
+
+A relative of what is really there has the name where that is not among the effects to choose from, and meets the data
+as well: no evidence says so. Who reads a name has to know which of its relatives were compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from vgvt.data.shown import listed
+from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.attribute import Attribution
+
+_MOST = 4
+
+
+def words_of_relatives(found: Attribution, offered: Collection[str], tried: Collection[str]) -> tuple[str, ...]:
+    """A sentence for each name that could be taken for others that are not told beside it.
+
+    ``offered`` are the effects to choose from by name, ``tried`` those of them that this campaign can have.
+    """
+    named = {a.winner.name for a in found.rounds}
+    said = (_of_a_name(addition, named, offered, tried) for addition in found.rounds)
+    return tuple(text for text in said if text)
+
+
+def _of_a_name(addition: Addition, named: set[str], offered: Collection[str], tried: Collection[str]) -> str:
+    winner = addition.winner
+    likenesses: tuple[str, ...] = winner.hypothesis.cls.confused_with  # type: ignore[attr-defined]
+    told = named | {r.name for r in addition.alike}
+    asked = [name for name in likenesses if name in tried and name not in told]
+    absent = [name for name in likenesses if name not in offered]
+    best: dict[str, float] = {}
+    for r in addition.rivals:
+        best[r.name] = max(r.gain_nats, best.get(r.name, r.gain_nats))
+    parts = [_behind(name, winner.gain_nats - best[name]) for name in asked if name in best]
+    parts += [f"{name} was not worth a fit" for name in asked if name not in best]
+    if absent:
+        parts.append(
+            f"{listed(absent, _MOST)} {'was' if len(absent) == 1 else 'were'} not among the effects to choose from"
+        )
+    return f"Of what {winner.name} could be taken for, {', '.join(parts)}" if parts else ""
+
+
+def _behind(name: str, nats: float) -> str:
+    """How far a relative is behind a name; one that is ahead had been refused."""
+    return f"{name} is {nats:.0f} nats behind" if nats >= 0 else f"{name}, {-nats:.0f} nats ahead, was refused"
