@@ -184,3 +184,31 @@ def test_what_the_environment_said_of_threads_it_says_again_where_there_is_no_po
     with pytest.raises(ValueError, match="max_workers"), process_pool(0)():
         pytest.fail("there is no such pool")
     assert os.environ["OMP_NUM_THREADS"] == "7"
+
+
+def test_a_worker_that_is_just_born_says_nothing_of_ctrl_c(capfd: pytest.CaptureFixture[str]) -> None:
+    """It has no handlers before it has loaded what it needs; from then on it begins nothing."""
+    said: list[BaseException | None] = []
+
+    def interrupted_at_birth() -> None:
+        with process_pool(1)() as pool:
+            handed: Future[Any] = pool.submit(_at_work)
+            (born,) = pool._processes  # type: ignore[attr-defined]
+            os.kill(born, signal.SIGINT)
+            said.append(handed.exception(timeout=60))
+
+    thread = threading.Thread(target=interrupted_at_birth)
+    thread.start()
+    thread.join(60)
+    assert isinstance(said[0], SystemExit)
+    assert capfd.readouterr().err == ""
+
+
+def test_a_pool_in_the_main_thread_keeps_no_ctrl_c_from_it() -> None:
+    with process_pool(1)():
+        assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, set())
+
+
+def _at_work() -> None:
+    with at_work():
+        pass

@@ -32,6 +32,7 @@ class _Worker:
 MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_CTRL_C = {signal.SIGINT}
 _LOOK_S = 1.0  # between two looks for the parent
 _TO_TIDY_S = 5.0  # for a worker without a parent or a pool to take away what it has on disk
 _AGAIN_S = 0.1  # between two tries to remove what somebody still writes into
@@ -52,11 +53,16 @@ def process_pool(workers: int) -> MakeExecutor:
         folder = Path(tempfile.gettempdir()) / f"vgvt-pool-{secrets.token_hex(6)}"
         # Spawned, and the variables set before: BLAS reads them once, when numpy is loaded.
         before = {name: os.environ.get(name) for name in _THREADS}
+        mask: set[signal.Signals | int] | None = None
         try:
             os.environ.update(dict.fromkeys(_THREADS, "1"))
             pool = ProcessPoolExecutor(
                 workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(), folder)
             )
+            if threading.current_thread() is not threading.main_thread():
+                # Until a worker has its handlers Ctrl-C would be a traceback of whatever it imports. Not in the main
+                # thread, which alone hears it; and only now: the tracker of what the pool shares opens the mask again.
+                mask = signal.pthread_sigmask(signal.SIG_BLOCK, _CTRL_C)
             # In a thread: whoever goes on with an error need not wait for cells under way.
             closing = Thread(target=_closed, args=(pool, folder), name="close the pool")
             try:
@@ -68,6 +74,8 @@ def process_pool(workers: int) -> MakeExecutor:
             closing.start()
             closing.join()
         finally:
+            if mask is not None:
+                signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             for name, value in before.items():
                 if value is None:
                     os.environ.pop(name, None)
@@ -101,6 +109,7 @@ def leave_with_parent(parent: int, folder: Path | None = None) -> None:
     signal.signal(signal.SIGINT, _leave)
     # So a pool that has lost a worker ends the others.
     signal.signal(signal.SIGTERM, _leave)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _CTRL_C)
     own = threading.get_ident()
     if folder is not None:
         os.environ["TMPDIR"] = tempfile.tempdir = str(folder)
