@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from vgvt.data import Campaign, Channel, ChannelRole, Direction, Dof, Geometry, InputError, Quantity, Record
 from vgvt.reconcile.question.data import measured_frfs
-from vgvt.reconcile.question.suitable import check_quantities, check_suitable
+from vgvt.reconcile.question.suitable import check_quantities, check_suitable, remarks
 from vgvt.scenario import load_scenario
 
 
@@ -115,3 +117,21 @@ def test_a_run_that_is_just_long_enough_is_no_matter() -> None:
     """What is refused then is the next thing: the places of this campaign are no beam's."""
     with pytest.raises(InputError, match="puts node 1 at"):
         check_suitable(shortened(1.5), load_scenario("teaching-beam"))
+
+
+@pytest.mark.parametrize(
+    ("records", "scenario", "odd"),
+    [
+        ("mAEWing1 Hati", "mAEWing1 Hati", False),
+        ("mAEWing1 'Hati' (centre body 2 + wing set 3), hung on one spring", "mAEWing1 Hati", False),
+        ("mAEWing1 Hati centre body 2", "mAEWing1 Sköll", True),
+        ("", "mAEWing1 Sköll", False),
+        ("mAEWing1 Hati", "", False),
+    ],
+)
+def test_records_of_another_aircraft_are_remarked_on(records: str, scenario: str, odd: bool) -> None:
+    campaign: Any = SimpleNamespace(notes={"aircraft": records} if records else {})
+    believed: Any = SimpleNamespace(name="mine", airframe=SimpleNamespace(name=scenario))
+    said = remarks(campaign, believed)
+    assert bool(said) == odd
+    assert all(records in text and scenario in text for text in said)

@@ -75,7 +75,10 @@ def bench(
     from vgvt.bench.bench import bench as work_off
     from vgvt.bench.guard import compare, read_baseline, write_baseline
     from vgvt.bench.table import write_csv, write_parquet
+    from vgvt.cli.written_file import checked_file, is_baseline
 
+    if baseline is not None:
+        checked_file(baseline, "baseline", is_baseline)
     before = None if against is None else read_baseline(against)
     checked_folder(out, (CELLS, "bench.parquet"))
     plan = _plan(scenarios, identifier, seeds, seed, engine, band, time_limit, memory_limit)

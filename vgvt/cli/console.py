@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -61,6 +62,54 @@ def progress(title: str) -> Iterator[ProgressReport]:
             yield _interruptible(report)
     else:
         yield _interruptible(_lines(title))
+
+
+@contextmanager
+def waiting(title: str) -> Iterator[Callable[[str], None]]:
+    """A function (message) that says what work is at that cannot say how far it is.
+
+    On a terminal a line with the time so far; elsewhere one every ten seconds.
+    """
+    said = [""]
+
+    def say(message: str) -> None:
+        interruption.raise_if_asked()
+        said[0] = message
+
+    with _spinner(title, said) if sys.stderr.isatty() else _repeated(title, said):
+        yield say
+
+
+@contextmanager
+def _spinner(title: str, said: list[str]) -> Iterator[None]:
+    from rich.console import Console
+    from rich.progress import Progress, ProgressColumn, SpinnerColumn, Task, TimeElapsedColumn
+    from rich.text import Text
+
+    class Said(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text(f"{title}: {said[0]}")
+
+    with Progress(SpinnerColumn(), Said(), TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+        bar.add_task(title, total=None)
+        yield
+
+
+@contextmanager
+def _repeated(title: str, said: list[str]) -> Iterator[None]:
+    start, done = time.monotonic(), threading.Event()
+
+    def repeat() -> None:
+        while not done.wait(_SECONDS_BETWEEN_LINES):
+            log(f"{title}: {said[0]}, {time.monotonic() - start:.0f} s so far")
+
+    thread = threading.Thread(target=repeat, name="say what is going on", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
 
 
 def _interruptible(report: ProgressReport) -> ProgressReport:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vgvt.cli.console import log, show
+from vgvt.cli.console import log, show, waiting
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, CampaignArgument, JsonOption, LeaveOutFaultyOption
 
@@ -41,12 +41,25 @@ def identify(
     """
     from vgvt.cli.options import parsed_settings
     from vgvt.cli.soundness import sound_campaign
-    from vgvt.data import Outcome
+    from vgvt.cli.written_file import checked_file, is_claim, is_page
+    from vgvt.data import InputError, Outcome
+    from vgvt.data.shown import counted
     from vgvt.files.claim import claim_document
+    from vgvt.files.open import files_of
 
     method = made_identifier(identifier, parsed_settings(setting or []))
-    opened = sound_campaign(campaign, leave_out_faulty)
-    claim = claimed(method, opened, band)
+    read = files_of(campaign)
+    if out is not None:
+        checked_file(out, "claim", is_claim, read)
+    if report is not None:
+        if out is not None and report.absolute() == out.absolute():
+            raise InputError("--report", f"{report} is where --out writes", "give the page another name")
+        checked_file(report, "page of vgvt", is_page, read)
+    with waiting("identify") as say:
+        say(f"read {campaign}")
+        opened = sound_campaign(campaign, leave_out_faulty)
+        say(f"{method.name} is at work on {counted(len(opened.runs), 'run')}")
+        claim = claimed(method, opened, band)
     document = claim_document(claim, candidates=explain)
     if out is not None:
         write_claim(out, document)

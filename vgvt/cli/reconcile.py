@@ -92,10 +92,12 @@ def reconcile(
     from vgvt.cli.new_folders import none_left_empty
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
     from vgvt.cli.soundness import sound_campaign
-    from vgvt.reconcile.question.suitable import banded, check_suitable
+    from vgvt.reconcile.question.suitable import banded, check_suitable, remarks
 
     measured = banded(sound_campaign(campaign, leave_out_faulty, still_mounted=True), band)
     check_suitable(measured, believed)
+    for remark in remarks(measured, believed):
+        log(remark)
     tell_of_cut(band, measured.band_hz, measured.name)
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
     fingerprint = fingerprint_of(measured, believed, effects, {"lines": lines, "power": power})

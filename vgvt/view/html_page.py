@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+FOOTER = "<footer>vgvt "
+"""How the last line begins, before the version: by it a page of vgvt is known."""
 
 
 def html_page(
@@ -44,7 +46,7 @@ def html_page(
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f'<link rel="icon" href="data:,"><title>{escaped(title)}</title><style>{style}</style></head>\n<body>'
         f'<header><h1>{escaped(title)}</h1><nav aria-label="Sections">{nav}</nav></header>\n<main>{main}</main>\n'
-        f"<footer>vgvt {escaped(__version__)}. This page holds all its data and asks nothing of the network.</footer>\n"
+        f"{FOOTER}{escaped(__version__)}. This page holds all its data and asks nothing of the network.</footer>\n"
         f"{data}\n<script>{_plotly_js()}</script>\n{code}</body></html>\n"
     )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from vgvt.data import Campaign, ChannelRole, Dof, InputError, Quantity, Record
@@ -32,6 +34,21 @@ def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
     _check_lengths(campaign)
     _check_points(campaign, scenario)
     _check_drive(campaign, scenario)
+
+
+def remarks(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
+    """What is odd about a pair, and may be meant: another aircraft by name, as far as the records name one."""
+    said, name = campaign.notes.get("aircraft", ""), scenario.airframe.name
+    if not said or _words(name) <= _words(said):
+        return ()
+    return (
+        f"the records are of {said}, and scenario {scenario.name} is of {name}: all that differs between the two will "
+        "be taken for something that is missing",
+    )
+
+
+def _words(text: str) -> set[str]:
+    return set(re.findall(r"\w+", text.casefold()))
 
 
 def banded(campaign: Campaign, band_hz: tuple[float, float] | None) -> Campaign:
