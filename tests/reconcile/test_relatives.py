@@ -29,7 +29,7 @@ def told(*rivals: Any, equivalent: tuple[Any, ...] = (), offered: set[str] = KNO
 
 def test_how_far_behind_each_is_that_was_fitted_by_its_best_variant() -> None:
     others = (rival("warming", 20.0), rival("warming", 38.0), rival("warming", 12.0), rival("creep", 45.0))
-    assert told(*others) == ("Of what drift could be taken for, warming is 12 nats behind, roving was not worth a fit",)
+    assert told(*others) == ("Of what drift could be taken for, warming is 12 nats behind; roving was not worth a fit",)
 
 
 def test_one_that_is_ahead_was_refused() -> None:
@@ -40,7 +40,7 @@ def test_one_that_is_ahead_was_refused() -> None:
 def test_what_was_not_there_to_be_chosen_is_said() -> None:
     (said,) = told(rival("roving", 10.0), offered={"drift", "roving"}, tried={"drift", "roving"})
     assert said == (
-        "Of what drift could be taken for, roving is 40 nats behind, warming was not among the effects to choose from"
+        "Of what drift could be taken for, roving is 40 nats behind; warming was not among the effects to choose from"
     )
     (said,) = told(offered={"drift"}, tried={"drift"})
     assert said.endswith("for, warming, roving were not among the effects to choose from")

@@ -35,7 +35,7 @@ from vgvt.reconcile.work.progress import part
 from vgvt.scenario.model import Scenario
 
 Progress = Callable[[float, str, float | None], None]
-_CALIBRATED, _ATTRIBUTED, _TURNED, _LOCALISED = 0.15, 0.80, 0.90, 0.95
+_CALIBRATED, _ATTRIBUTED, _TURNED, _LOCALISED = 0.07, 0.85, 0.92, 0.97
 
 
 @one_thread

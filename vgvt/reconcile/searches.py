@@ -16,7 +16,7 @@ from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.reconcile.work.progress import Progress, part, silent
 
 # Of a search, what is there before names are exchanged, and before it is made again without what is no plausible thing.
-_SEARCHED_ONCE, _SEARCHED = 0.85, 0.9
+_SEARCHED_ONCE, _SEARCHED = 0.94, 0.97
 
 
 @dataclass(frozen=True, slots=True, eq=False)

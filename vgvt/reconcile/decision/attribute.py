@@ -43,8 +43,9 @@ _AT_LEAST, _FAR_AHEAD = 3, 5.0
 _AT_ONCE = 2
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
 _AS_GOOD = 1.1
-# Of the progress: when all names are there that will be.
-_CHOSEN = 0.95
+# Of the progress: when all names are there that will be, and what a round takes of the time of the one before it, which
+# few searches have much of.
+_CHOSEN, _LATER = 0.95, 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,7 +127,7 @@ def _selected(
         before = residual(current, thresholds)
         if hopeless(k, most, current, start, before, residual(start, thresholds)):
             break
-        here = part(tell, _CHOSEN * k / most, _CHOSEN * (k + 1) / most)
+        here = part(tell, *(_CHOSEN * _begun(n, most) for n in (k, k + 1)))
         rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
@@ -172,6 +173,11 @@ def _selected(
     return Attribution(
         start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
     )
+
+
+def _begun(number: int, most: int) -> float:
+    """The share of the time in which so many rounds of so many are worked off."""
+    return float((1 - _LATER**number) / (1 - _LATER**most))
 
 
 def _tried(

@@ -13,6 +13,7 @@ from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 
 _MOST = 4
+_NEVER, _ABSENT = "not worth a fit", "not among the effects to choose from"
 
 
 def words_of_relatives(found: Attribution, offered: Collection[str], tried: Collection[str]) -> tuple[str, ...]:
@@ -35,14 +36,17 @@ def _of_a_name(addition: Addition, named: set[str], offered: Collection[str], tr
     for r in addition.rivals:
         best[r.name] = max(r.gain_nats, best.get(r.name, r.gain_nats))
     parts = [_behind(name, winner.gain_nats - best[name]) for name in asked if name in best]
-    parts += [f"{name} was not worth a fit" for name in asked if name not in best]
-    if absent:
-        parts.append(
-            f"{listed(absent, _MOST)} {'was' if len(absent) == 1 else 'were'} not among the effects to choose from"
-        )
-    return f"Of what {winner.name} could be taken for, {', '.join(parts)}" if parts else ""
+    never = [name for name in asked if name not in best]
+    parts += [
+        f"{listed(names, _MOST)} {_was(names)} {what}" for names, what in ((never, _NEVER), (absent, _ABSENT)) if names
+    ]
+    return f"Of what {winner.name} could be taken for, {'; '.join(parts)}" if parts else ""
 
 
 def _behind(name: str, nats: float) -> str:
     """How far a relative is behind a name; one that is ahead had been refused."""
     return f"{name} is {nats:.0f} nats behind" if nats >= 0 else f"{name}, {-nats:.0f} nats ahead, was refused"
+
+
+def _was(names: Collection[str]) -> str:
+    return "was" if len(names) == 1 else "were"
