@@ -3,8 +3,8 @@
 Between two runs somebody opens the aircraft, hangs it up anew, warms the hangar. That two things that know nothing of
 each other change at the same moment, and nothing else does, is rarer than one thing that is not in the catalogue, whose
 relatives share what it does: another hang of the aircraft was another payload and a cooler hangar, both from the second
-run on. Of the study's effects that were taken out of the catalogue nine had such an answer up to seed 87, and of those
-that were in it none.
+run on. Of the study's effects that were taken out of the catalogue nine had answers with several changes between runs,
+up to seed 87, and of single effects that were in it none.
 """
 
 from __future__ import annotations
