@@ -58,3 +58,37 @@ def test_a_scenario_given_as_records_is_called_one(tmp_path: Path, text: str) ->
 def test_a_sidecar_with_a_foreign_key_stays_a_sidecar(edited: Edit) -> None:
     with pytest.raises(InputError, match="shaker: unknown key"):
         open_campaign(edited("[nodes]", "[shaker]\nx = 1\n\n[nodes]"))
+
+
+def test_a_sidecar_that_is_cut_off_is_told_with_the_line_where_it_ends(edited: Edit) -> None:
+    path = edited('quantity = "force"', 'quantity = "force"')
+    whole = path.read_text(encoding="utf-8")
+    path.write_text(whole[: whole.index('orce"')], encoding="utf-8")
+    line = whole[: whole.index('orce"')].count("\n") + 1
+    with pytest.raises(InputError, match="not TOML: unterminated string") as caught:
+        open_campaign(path)
+    assert caught.value.where == f"{path}, line {line}, column 10"
+    assert "quotation mark" in caught.value.advice
+    assert caught.value.advice.endswith('The line reads: name = "f')
+
+
+def test_what_is_not_utf_8_is_told_with_its_line(edited: Edit) -> None:
+    path = edited('name = "acc1"', 'name = "acc1"')
+    path.write_bytes(path.read_bytes().replace(b"acc1", b"\xf6", 1))
+    line = path.read_bytes().partition(b"\xf6")[0].count(b"\n") + 1
+    with pytest.raises(InputError, match="byte 0xf6 is not UTF-8 text") as caught:
+        open_campaign(path)
+    assert caught.value.where == f"{path}, line {line}"
+
+
+def test_a_byte_order_mark_does_no_harm(edited: Edit) -> None:
+    path = edited('name = "bench-beam"', 'name = "marked"')
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert open_campaign(path).name == "marked"
+
+
+def test_a_scenario_with_a_byte_order_mark_is_called_one_too(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_bytes(b'\xef\xbb\xbfname = "mine"\nextends = "quick"\n')
+    with pytest.raises(InputError, match="this is a scenario"):
+        open_campaign(path)

@@ -122,7 +122,7 @@ def is_scenario(path: Path) -> bool:
     import tomllib
 
     try:
-        keys = set(tomllib.loads(path.read_text(encoding="utf-8")))
+        keys = set(tomllib.loads(path.read_text(encoding="utf-8-sig")))
     except (OSError, ValueError):
         return False
     return bool(keys & _OF_SCENARIOS) and not keys & _OF_SIDECARS

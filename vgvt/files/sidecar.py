@@ -185,10 +185,15 @@ class Sidecar(Table):
     channel: tuple[ChannelRow, ...] = Field(min_length=1)
     run: tuple[RunRow, ...] = Field(min_length=1)
 
+    @field_validator("band_hz")
+    @classmethod
+    def _rising(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if not value[0] < value[1]:
+            raise ValueError(f"{list(value)} does not increase; write band_hz = [lowest, highest]")
+        return value
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        if not self.band_hz[0] < self.band_hz[1]:
-            raise ValueError(f"band_hz = {list(self.band_hz)} does not increase; write [lowest, highest]")
         _once("channel.name", (c.name for c in self.channel))
         _once("run.run", (r.run for r in self.run))
         for channel in self.channel:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -12,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from vgvt.data import InputError
 from vgvt.data.given import BOUNDS, bound, miscounted, shown
 from vgvt.data.suggestion import choose_one_of
+from vgvt.files.toml_syntax import parsed_toml
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -29,12 +29,10 @@ _T = TypeVar("_T", bound=Table)
 def load_table(path: Path, model: type[_T]) -> _T:
     """A TOML file as a checked table; InputError names the file, the line or key path, and what to write."""
     try:
-        with path.open("rb") as stream:
-            content = tomllib.load(stream)
+        raw = path.read_bytes()
     except OSError as error:
         raise InputError(str(path), f"cannot be read: {error.strerror or error}", "check the path") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"not valid TOML: {error}", "mend the line named") from error
+    content = parsed_toml(path, raw)
     try:
         return model.model_validate(content)
     except ValidationError as error:
