@@ -86,6 +86,7 @@ def test_an_unknown_key_is_told_its_nearest(quick, key: str, nearest: str) -> No
         ("excitation.duration_s=0..1:3:log", "above 0"),
         ("excitation.duration_s=1..2:1", "two values"),
         ("excitation.duration_s={1", "no value"),
+        ("excitation.duration_s=10..20:3:logg", r"no value\n.*low\.\.high\[:count\]\[:log\], like 10\.\.20:3:log"),
     ],
 )
 def test_what_is_no_axis_is_refused(text: str, words: str) -> None:

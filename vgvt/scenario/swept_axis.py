@@ -101,4 +101,5 @@ def _typed(text: str, value: str) -> Any:
     except tomllib.TOMLDecodeError:
         if re.fullmatch(r"[\w .-]+", value.strip()):
             return value.strip()
-        raise InputError(f"--set {text}", f"{value!r} is no value", "write numbers, words, or lists in [ ]") from None
+        advice = "write numbers, words, lists in [ ], or a range as low..high[:count][:log], like 10..20:3:log"
+        raise InputError(f"--set {text}", f"{value!r} is no value", advice) from None
