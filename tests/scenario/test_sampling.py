@@ -8,6 +8,7 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.scenario import bundled_scenarios, load_scenario, spoiled_scenarios
+from vgvt.scenario.sweeps import Axis, sweep
 
 HEAD = 'extends = "quick"\nname = "mine"\nsummary = "A trial."\n'
 
@@ -53,6 +54,50 @@ def test_it_is_refused_at_its_key(tmp_path: Path, lines: str, key: str, problem:
     assert refused.value.where.endswith(f": {key}")
     assert problem in refused.value.problem
     assert advice in refused.value.advice
+
+
+@pytest.mark.parametrize(
+    ("lines", "key", "problem", "advice"),
+    [
+        (
+            "[acquisition]\nsample_rate_hz = 1e9",
+            "acquisition.sample_rate_hz",
+            "is 1e+09: 22 channels of all runs for 18 s make 3.17e+03 GB",
+            "at most 2525252, and more than 70 for the band",
+        ),
+        (
+            "[acquisition]\nrepeats = 2\n[excitation]\nduration_s = 4e4",
+            "acquisition.repeats",
+            "is 2 and makes 14.1 GB",
+            "Repeat 1 times",
+        ),
+    ],
+)
+def test_what_makes_too_much_is_told_at_the_key_that_was_written(
+    tmp_path: Path, lines: str, key: str, problem: str, advice: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        loaded(tmp_path, lines)
+    assert refused.value.where == f"{tmp_path / 'mine.toml'}: {key}"
+    assert problem in refused.value.problem
+    assert advice in refused.value.advice
+
+
+def test_a_duration_of_a_campaign_that_another_file_repeats_fits_when_it_is_what_was_advised(tmp_path: Path) -> None:
+    (tmp_path / "twice.toml").write_text(HEAD + "[acquisition]\nrepeats = 2", encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    head = HEAD.replace('"quick"', '"twice.toml"')
+    path.write_text(f"{head}[excitation]\nduration_s = 4e4", encoding="utf-8")
+    with pytest.raises(InputError, match=r"mine\.toml: excitation\.duration_s: is 40000: .*, 2 times, at") as refused:
+        load_scenario(path)
+    assert "at most 2.27e+04" in refused.value.advice
+    path.write_text(f"{head}[excitation]\nduration_s = 2.27e4", encoding="utf-8")
+    load_scenario(path)
+
+
+def test_a_sweep_names_the_rate_that_it_sets() -> None:
+    with pytest.raises(InputError, match=r"--set .*: acquisition\.sample_rate_hz is 1e\+09"):
+        sweep(load_scenario("quick"), [Axis.parse("acquisition.sample_rate_hz=1e9")])
 
 
 @pytest.mark.parametrize(

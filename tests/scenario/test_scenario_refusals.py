@@ -61,7 +61,8 @@ _MISTAKES = [
     ("[transducer]\nmass_kg = nan", "transducer.mass_kg", "ordinary number", "kg"),
     ("[transducer]\nend_mass_kg = 0.5", "transducer.end_mass_kg", "more than the whole transducer", "sensing element"),
     ("[excitation]\nstart_hz = 35.0", "excitation.stop_hz", "like start_hz", "two"),
-    ("[excitation]\nstop_hz = 600.0", "acquisition.sample_rate_hz", "goes up to 600 Hz", "1200 Hz"),
+    ("[excitation]\nstop_hz = 600.0", "excitation.stop_hz", "is 600, but sampled at 1000 Hz", "1200 Hz"),
+    ("[acquisition]\nsample_rate_hz = 60.0", "acquisition.sample_rate_hz", "goes up to 35 Hz", "70 Hz"),
     ("[excitation]\ntaper_s = 9.0", "excitation.taper_s", "more than half", "Shorten"),
     ('[excitation]\nkind = "burst"', "excitation.kind", "must be 'linear-chirp'", "kind = "),
     ("[acquisition]\nbits = 24.5", "acquisition.bits", "whole number", "converter"),
@@ -128,6 +129,12 @@ _MISTAKES = [
         "kg",
     ),
     ("suspension = 3", "suspension", "table of keys", "[suspension]"),
+    ("[airframe]\nbeam = 3", "airframe.beam", "is 3, but must be an array of tables", "Write [[airframe.beam]] as"),
+    ("[airframe]\nbeam = [3]", "airframe.beam[0]", "is 3, but must be a table", "the table [[airframe.beam]]"),
+    ("effect = 3", "effect", "is 3, but must be an array of tables", "Write [[effect]] as"),
+    ("qqqqqq = 3", "qqqqqq", "not a key", "are extends, schema_version, name"),
+    ("extendz = 3", "extendz", "not a key", "Did you mean extends?"),
+    ('[simulation]\nextends = "quick"', "simulation.extends", "not a key", "extends belongs at the top of the file"),
 ]
 
 

@@ -20,12 +20,18 @@ Point = tuple[Finite, Finite, Finite]
 
 
 class MisfitError(ValueError):
-    """Values that do not fit together: at which key below the table, what is wrong, what to write."""
+    """Values that do not fit together: at which key below the table, what is wrong, what to write.
 
-    def __init__(self, key: tuple[str | int, ...], problem: str, advice: str) -> None:
+    ``instead`` tells the same misfit at the other keys that make it: a file may have written one of them alone.
+    """
+
+    def __init__(
+        self, key: tuple[str | int, ...], problem: str, advice: str, instead: tuple[MisfitError, ...] = ()
+    ) -> None:
         self.key = key
         self.problem = problem
         self.advice = advice
+        self.instead = instead
         super().__init__(f"{'.'.join(map(str, key))} {problem}; {advice}")
 
 

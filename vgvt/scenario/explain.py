@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from vgvt.data.given import BOUNDS, bound, miscounted, shown
 from vgvt.scenario.base import MisfitError, Table
-from vgvt.scenario.vocabulary import TOP, fixed_length, guess, inner_table, meaning_of, table_at
+from vgvt.scenario.vocabulary import TOP, fixed_length, guess, inner_table, is_array_of_tables, meaning_of, table_at
 
 Key = tuple[str | int, ...]
 
@@ -22,6 +22,12 @@ class Problem:
     key: Key
     text: str
     advice: str = ""
+    instead: tuple[Problem, ...] = ()
+    """The same mistake as it is told at the other keys that make it."""
+
+    def at_own(self, is_own: Callable[[Key], bool]) -> Problem:
+        """The mistake at the first of its keys that is the writer's own; at the first of all where none is."""
+        return next((problem for problem in (self, *self.instead) if is_own(problem.key)), self)
 
 
 def key_path(key: Iterable[str | int]) -> str:
@@ -51,7 +57,7 @@ def _explained(detail: Mapping[str, Any]) -> Problem:
     if kind == "value_error":
         error = limits["error"]
         if isinstance(error, MisfitError):
-            return Problem((*key, *error.key), error.problem, error.advice)
+            return _at(key, error)
         return Problem(key, str(error))
     if kind == "extra_forbidden":
         return Problem(key, "is not a key of this table", guess(table, _place(key[:-1]), name) if table else "")
@@ -65,7 +71,14 @@ def _explained(detail: Mapping[str, Any]) -> Problem:
         return Problem(
             key, "is one table, but must be an array of tables", f"Write its heading as [[{key_path(key)}]]."
         )
+    if kind == "tuple_type" and table and is_array_of_tables(table.model_fields[name].annotation):
+        return Problem(key, f"is {shown(value)}, but must be an array of tables", _write(table, key))
     return Problem(key, _what_is_wrong(kind, value, limits), _write(table, key))
+
+
+def _at(key: Key, error: MisfitError) -> Problem:
+    instead = tuple(_at(key, other) for other in error.instead)
+    return Problem((*key, *error.key), error.problem, error.advice, instead)
 
 
 _LENGTHS = {"too_short": ("min_length", "at least"), "too_long": ("max_length", "at most")}
@@ -123,5 +136,8 @@ def _write(table: type[Table] | None, key: Key) -> str:
     if table is None or field is None:
         return ""
     meaning = meaning_of(table, name)
-    form = f"the table {_heading(key)}" if inner_table(field.annotation) is not None else f"{name} = …"
+    form = f"{name} = …"
+    if inner_table(field.annotation) is not None:
+        many = is_array_of_tables(field.annotation) and key[-1] == name
+        form = f"[{_heading(key)}] as the heading of each" if many else f"the table {_heading(key)}"
     return f"Write {form}" + (f": {meaning}." if meaning else ".")

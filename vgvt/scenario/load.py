@@ -84,6 +84,7 @@ def scenario_path(name_or_path: str | Path) -> Path:
 
 
 def _refusal(source: Source, problems: Sequence[Problem]) -> InputError:
+    problems = [problem.at_own(lambda key: source.written_in.get(key) == source.path) for problem in problems]
     first = problems[0]
     if len(problems) == 1:
         place = key_path(first.key)

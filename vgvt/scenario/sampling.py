@@ -37,6 +37,13 @@ def _check_rate(
             ("acquisition", "sample_rate_hz"),
             f"is {rate_hz:g}, but the excitation goes up to {top_hz:g} Hz",
             f"Sample faster than {2 * top_hz:g} Hz, or excite less far up.",
+            (
+                MisfitError(
+                    ("excitation", "stop_hz" if excitation.stop_hz == top_hz else "start_hz"),
+                    f"is {top_hz:g}, but sampled at {rate_hz:g} Hz only what is below {rate_hz / 2:g} Hz can be seen",
+                    f"Excite less far up, or sample faster than {2 * top_hz:g} Hz.",
+                ),
+            ),
         )
     for table, instrument in (("accelerometers", accelerometers), ("transducer", transducer)):
         if instrument.high_pass_hz >= rate_hz / 2:
@@ -73,20 +80,38 @@ def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int
     once = excitation.whole_s * rate_hz * channels
     if once * repeats <= _MOST_SAMPLES:
         return
+    gigabytes = f"{8 * once * repeats / 1e9:.3g} GB of samples"
     most = f"more than the {8 * _MOST_SAMPLES / 1e9:g} GB that a campaign may have"
-    if once <= _MOST_SAMPLES:
-        raise MisfitError(
-            ("acquisition", "repeats"),
-            f"is {repeats} and makes {8 * once * repeats / 1e9:.3g} GB of samples, {most}",
-            f"Repeat {math.floor(_MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
-        )
+    columns = f"{channels} channels of all runs" + (f", {repeats} times," if repeats > 1 else "")
+    fast = _too_fast(excitation, rate_hz, columns, f"{gigabytes}, {most}", channels * repeats)
     silence_s = excitation.lead_in_s + excitation.ring_down_s
-    longest_s = _MOST_SAMPLES / (rate_hz * channels) - silence_s
-    raise MisfitError(
+    longest_s = _MOST_SAMPLES / (rate_hz * channels * repeats) - silence_s
+    long = MisfitError(
         ("excitation", "duration_s"),
-        f"is {excitation.duration_s:g}: {channels} channels of all runs at {rate_hz:g} Hz make "
-        f"{8 * once / 1e9:.3g} GB of samples, {most}",
+        f"is {excitation.duration_s:g}: {columns} at {rate_hz:g} Hz make {gigabytes}, {most}",
         f"Write at most {longest_s:.3g}, or sample more slowly."
         if longest_s > 0
         else "Sample more slowly, or shorten the silence around it.",
+        (fast,),
+    )
+    if once > _MOST_SAMPLES:
+        raise long
+    raise MisfitError(
+        ("acquisition", "repeats"),
+        f"is {repeats} and makes {gigabytes}, {most}",
+        f"Repeat {math.floor(_MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
+        (long, fast),
+    )
+
+
+def _too_fast(excitation: Excitation, rate_hz: float, columns: str, too_much: str, channels: int) -> MisfitError:
+    """What a campaign that is too large says of its sample rate."""
+    fastest_hz = math.floor(_MOST_SAMPLES / (excitation.whole_s * channels))
+    needed_hz = 2 * excitation.band_hz[1]
+    return MisfitError(
+        ("acquisition", "sample_rate_hz"),
+        f"is {rate_hz:g}: {columns} for {excitation.whole_s:g} s make {too_much}",
+        f"Write at most {fastest_hz}, and more than {needed_hz:g} for the band, or excite for less time."
+        if fastest_hz > needed_hz
+        else f"The band needs more than {needed_hz:g}: excite for less time.",
     )

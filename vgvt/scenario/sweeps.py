@@ -127,7 +127,8 @@ def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
     try:
         made = Scenario.model_validate(tables)
     except ValidationError as error:
-        raise _refusal(values, problems_of(error)) from None
+        own = {_place(scenario, key) for key in values}
+        raise _refusal(values, [problem.at_own(own.__contains__) for problem in problems_of(error)]) from None
     problems = scenario_placement_problems(made)
     if problems:
         raise _refusal(values, problems)

@@ -71,6 +71,13 @@ def inner_table(annotation: Any) -> type[Table] | None:
     return next((t for t in found if t is not None), None)
 
 
+def is_array_of_tables(annotation: Any) -> bool:
+    """Whether an annotation such as ``tuple[Beam, ...]`` is written as [[headings]], one an entry."""
+    if get_origin(annotation) is tuple:
+        return inner_table(annotation) is not None
+    return any(is_array_of_tables(inner) for inner in get_args(annotation))
+
+
 def fixed_length(annotation: Any) -> int | None:
     """How many entries a tuple of fixed length inside an annotation has; None where there is none."""
     arguments = get_args(annotation)
@@ -82,7 +89,8 @@ def fixed_length(annotation: Any) -> int | None:
 
 def guess(table: type[Table], here: str, key: str) -> str:
     """A sentence about an unknown key of a table, ``here`` in the file: where it belongs, or what was meant."""
-    known = tuple(written_fields(table))
+    # No field of any table: a file is merged with the one that it extends before it is checked.
+    known = (*(("extends",) if table is Scenario else ()), *written_fields(table))
     owners = _owners()
     elsewhere = [place for place in owners.get(key, ()) if place != here]
     if elsewhere:
@@ -113,4 +121,5 @@ def _owners() -> dict[str, tuple[str, ...]]:
                 walk(inner, f"{path}.{key}".lstrip("."), str(field.annotation).startswith("tuple"))
 
     walk(Scenario, "", False)
+    owners["extends"] = [TOP]
     return {key: tuple(places) for key, places in owners.items()}
