@@ -128,6 +128,27 @@ def test_usage(vgvt, arguments: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize(
+    ("arguments", "path"),
+    [
+        (("identify", "x.nc", "--band", "3"), "vgvt identify"),
+        (("identify", "x.nc", "--bnd", "3"), "vgvt identify"),
+        (("data", "describe", "x.uff", "--axes", "x"), "vgvt data describe"),
+        (("fly",), "vgvt"),
+    ],
+    ids=lambda words: words if isinstance(words, str) else " ".join(words),
+)
+def test_usage_names_the_help_of_the_command(vgvt, arguments: tuple[str, ...], path: str) -> None:
+    assert f"'{path} --help' shows" in vgvt(*arguments).err
+
+
+def test_a_claim_that_is_not_there_is_said_before_its_truth(vgvt) -> None:
+    result = vgvt("score", "nosuch.json")
+    assert result.status == 2
+    assert "nosuch.json: there is no such file" in result.err
+    assert "truth" not in result.err
+
+
+@pytest.mark.parametrize(
     ("options", "words"),
     [
         (("--identifier", "quadratur"), "quadrature"),

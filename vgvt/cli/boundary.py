@@ -52,6 +52,8 @@ def run_command(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
     except Exception as error:  # noqa: BLE001  the last line of defence: a message instead of a traceback
+        if _is_usage_error(error):
+            return _report(BAD_INPUT, "usage", _usage_message(error, arguments), as_json)
         return _explain(error, as_json)
     if status == INTERRUPTED:
         return _report(INTERRUPTED, "interrupted", "interrupted", as_json)
@@ -103,8 +105,6 @@ def _explain(error: Exception, as_json: bool) -> int:
         return FAILED
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
         return _explain(CommandError(f"the disk is full: {error.strerror}", _FULL_DISK_ADVICE), as_json)
-    if _is_usage_error(error):
-        return _report(BAD_INPUT, "usage", _usage_message(error), as_json)
     if os.environ.get("VGVT_TRACEBACK"):
         raise error
     first_line = (str(error).strip().splitlines() or [""])[0]
@@ -124,10 +124,26 @@ def _is_usage_error(error: Exception) -> bool:
     return hasattr(error, "format_message") and hasattr(error, "exit_code")
 
 
-def _usage_message(error: Any) -> str:
+def _usage_message(error: Any, arguments: Sequence[str]) -> str:
     context = getattr(error, "ctx", None)
-    path = context.command_path if context is not None else "vgvt"
+    # The parser knows of no command where it misses the values of an option.
+    path = context.command_path if context is not None else _command_path(arguments)
     return f"{error.format_message()}\n  '{path} --help' shows what can be written"
+
+
+def _command_path(arguments: Sequence[str]) -> str:
+    """``vgvt data get``: the words of a command line that name a command."""
+    from vgvt.cli.app import app
+
+    command: Any = typer.main.get_command(app)
+    path = "vgvt"
+    for word in arguments:
+        inner = getattr(command, "commands", {})
+        if word in inner:
+            command, path = inner[word], f"{path} {word}"
+        elif not word.startswith("-"):
+            break
+    return path
 
 
 def _log_warning(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -123,6 +123,8 @@ def _paths(claim: Path, truth: Path | None, identifier: str | None) -> tuple[Pat
     from vgvt.cli.run_folder import RunFolder
     from vgvt.data import InputError
 
+    if not claim.exists():
+        raise InputError(str(claim), "there is no such file", "give a claim's .json, or a run folder")
     if truth is not None and truth.is_dir():
         inside = RunFolder(truth).truth
         advice = f"give {inside}" if inside.is_file() else "give the truth.nc of a run, under sealed/"
