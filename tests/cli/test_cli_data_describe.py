@@ -170,6 +170,8 @@ def test_several_files_are_described_under_the_name_of_their_folder(vgvt, small:
         (("small.uff", "--axes", "x", "x", "z"), "--axes: x x z are not the axes"),
         (("small.uff", "--columns", 3, "--out", "new/place.toml"), "2 time histories do not make runs of 3 each"),
         ((), "Missing argument"),
+        ((".",), ".: is a folder"),
+        (("small.uff", "--out", "."), ".: is a folder"),
     ],
 )
 def test_bad_input_is_told_and_nothing_is_written(vgvt, small: Path, arguments: tuple, words: str) -> None:
@@ -177,6 +179,18 @@ def test_bad_input_is_told_and_nothing_is_written(vgvt, small: Path, arguments: 
     assert result.status == 2
     assert words in result.document["error"]["message"]
     assert [path.name for path in small.parent.iterdir()] == ["small.uff"]
+
+
+@pytest.mark.parametrize("name", ["half.nc", "half.tdms", "half.uff"])
+@pytest.mark.parametrize("options", [(), ("--out", "half.toml")])
+def test_what_is_no_record_is_said_before_where_its_sidecar_goes(vgvt, name: str, options: tuple[str, ...]) -> None:
+    Path(name).write_bytes(b"\x89HDF\r\n")
+    Path("half.toml").write_text("mine")
+    result = vgvt("data", "describe", name, *options)
+    assert result.status == 2
+    assert f"{name}: not a {'TDMS' if name.endswith('tdms') else 'Universal'} File".lower() in result.err.lower()
+    assert "set another format" not in result.err
+    assert Path("half.toml").read_text() == "mine"
 
 
 def test_help_names_it(vgvt) -> None:

@@ -53,7 +53,11 @@ def describe(
     """
     from vgvt.data import InputError
 
+    # What is given before what is written: a wrong file is wrong wherever its sidecar would go.
+    describer = _describer(files)
     path = _default(files) if out is None else out
+    if path.is_dir():
+        raise InputError(str(path), "is a folder", f"name the sidecar in it, like --out {path / 'my-test.toml'}")
     if path.suffix != ".toml":
         raise InputError(str(path), "a sidecar is a .toml file", f"write --out {path.with_suffix('.toml')}")
     if os.path.lexists(path) and not force:
@@ -61,7 +65,7 @@ def describe(
     if band is not None and not 0 < band[0] < band[1] < float("inf"):
         raise InputError("--band", f"{band[0]:g} {band[1]:g} is no band", "write the lowest and the highest, in Hz")
     with none_left_empty(path.parent):
-        description = _describer(files)(files, path, band_hz=band, axes=axes, columns=columns)
+        description = describer(files, path, band_hz=band, axes=axes, columns=columns)
     if as_json:
         write_document(_document(description))
     else:
@@ -70,11 +74,16 @@ def describe(
 
 
 def _describer(files: list[Path]) -> Callable[..., Description]:
-    """What describes some files, by their endings; InputError where they are of two kinds."""
+    """What describes some files, by their endings; InputError where they are of two kinds, or one is not of its own."""
     from vgvt.data import InputError
     from vgvt.files.tdms.describe import describe_tdms
+    from vgvt.files.tdms.segments import check_segments
+    from vgvt.files.uff.cut import check_start
     from vgvt.files.uff.describe import describe_uff
 
+    for file in files:
+        if file.is_dir():
+            raise InputError(str(file), "is a folder", "name the Universal Files or TDMS files in it")
     # The index beside a TDMS file is told by its reader.
     tdms = [file for file in files if file.suffix.lower().startswith(".tdms")]
     others = [str(file) for file in files if file not in tdms]
@@ -84,6 +93,8 @@ def _describer(files: list[Path]) -> Callable[..., Description]:
             f"is not of the kind of {tdms[0]}, and a sidecar is of one kind of file",
             "describe TDMS files by themselves, and Universal Files by themselves",
         )
+    for file in files:
+        (check_segments if tdms else check_start)(file)
     return describe_tdms if tdms else describe_uff
 
 

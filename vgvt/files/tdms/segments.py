@@ -71,7 +71,7 @@ def _no_tdms(path: Path, lead_in: bytes) -> InputError:
     return InputError(
         str(path),
         f"not a TDMS file: it begins with {lead_in[:16]!r}",
-        "give a file that LabVIEW or DIAdem wrote as TDMS, or set another format",
+        "give a file that LabVIEW or DIAdem wrote as TDMS, or write a sidecar whose [records] say its format",
     )
 
 

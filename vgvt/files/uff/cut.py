@@ -9,6 +9,7 @@ from vgvt.data import InputError
 from vgvt.files.uff.data_form import DataForm
 
 _DELIMITER = b"    -1"
+_BLANK = b" \t\r\n\x00\x1a"
 _HEADER_LINES = 11
 _DATA_FORM = 6  # which line of the header
 _AGAIN = "export or copy the file again"
@@ -45,7 +46,7 @@ def cut_file(path: Path) -> tuple[Dataset, ...]:
     at = 0
     while at < len(content):
         line, at = _line(content, at)
-        if not line.strip(b" \t\r\x00\x1a"):
+        if not line.strip(_BLANK):
             continue
         if line.rstrip() != _DELIMITER:
             raise _no_dataset(path, len(datasets), line)
@@ -54,6 +55,19 @@ def cut_file(path: Path) -> tuple[Dataset, ...]:
     if not datasets:
         raise InputError(str(path), "the file holds blank lines alone", _AGAIN)
     return tuple(datasets)
+
+
+def check_start(path: Path) -> None:
+    """InputError unless a file is there and begins as a Universal File does; nothing more of it is read."""
+    try:
+        with path.open("rb") as stream:
+            line = next((line for line in stream if line.strip(_BLANK)), b"")
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read: {error.strerror or error}", "check the path") from error
+    if not line:
+        raise InputError(str(path), "the file is empty", _AGAIN)
+    if line.rstrip() != _DELIMITER:
+        raise _no_dataset(path, 0, line.rstrip(b"\r\n"))
 
 
 def _dataset(path: Path, content: bytes, at: int, place: int) -> tuple[Dataset, int]:
@@ -140,7 +154,7 @@ def _no_dataset(path: Path, before: int, line: bytes) -> InputError:
     return InputError(
         str(path),
         f"not a Universal File: it begins with {_shown(line)}",
-        "give a file whose first line holds -1 in columns 5 and 6, or set another format",
+        "give a file whose first line holds -1 in columns 5 and 6, or write a sidecar whose [records] say its format",
     )
 
 
