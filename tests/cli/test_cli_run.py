@@ -141,6 +141,19 @@ def test_a_folder_with_other_things_in_it_is_refused(vgvt, simulations) -> None:
     assert simulations == []
 
 
+def test_a_run_whose_manifest_is_lost_is_told_of_it(vgvt, simulations) -> None:
+    vgvt("run", "quick", "--no-report", "--out", "here")
+    Path("here/manifest.json").unlink()
+    result = vgvt("run", "quick", "--no-report", "--out", "here")
+    assert result.status == 2
+    assert "manifest.json: is missing beside campaign.nc, scenario.toml, sealed" in result.err
+    assert "put it back" in result.err
+    assert "--force" in result.err
+    assert "holds no run" not in result.err
+    assert vgvt("run", "quick", "--no-report", "--out", "here", "--force").status == 0
+    assert vgvt("run", "quick", "--no-report", "--out", "here").status == 0
+
+
 def test_a_file_in_the_way_is_refused(vgvt, simulations) -> None:
     Path("here").write_text("precious")
     result = vgvt("run", "quick", "--out", "here")

@@ -155,6 +155,13 @@ def prepared_folder(path: Path, sha256: str, force: bool) -> tuple[RunFolder, bo
         return folder, False
     manifest = folder.manifest_document()
     if manifest is None:
+        held = [place.name for place in (folder.campaign, folder.scenario, folder.truth.parent) if place.exists()]
+        if folder.campaign.exists() and len(held) > 1:
+            raise InputError(
+                str(folder.manifest),
+                f"is missing beside {', '.join(held)}: what run they are of cannot be known",
+                "put it back, make the run anew with --force, or keep what is there with --out OTHER_FOLDER",
+            )
         if any(path.iterdir()):
             raise InputError(
                 str(path), "the folder is not empty and holds no run", "give an empty one with --out, or use --force"
