@@ -11,6 +11,7 @@ import pyuff
 
 from vgvt.data import Campaign
 from vgvt.files import open_campaign, read_manifest, write_campaign
+from vgvt.files.export.form import ENDINGS
 from vgvt.signals import estimate_frf
 
 KEYS = {"campaign", "format", "files", "sidecar", "runs", "remarks"}
@@ -185,6 +186,17 @@ def test_the_how_to_asks_for_nothing_that_is_refused(vgvt, campaign_file: Path) 
     campaign_file.rename("runs/quick/campaign.nc")
     for line in lines:
         assert vgvt(*line).status == 0, line
+
+
+def test_how_to_and_help_name_every_ending(vgvt) -> None:
+    document = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "convert.md"
+    table = [
+        line.split("|")[1] for line in document.read_text(encoding="utf-8").splitlines() if line.startswith("| `.")
+    ]
+    helped = vgvt("convert", "--help").out
+    for ending in ENDINGS:
+        assert any(f"`{ending}`" in cell for cell in table), ending
+        assert ending in helped
 
 
 def test_a_folder_is_not_left_behind(vgvt, campaign_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

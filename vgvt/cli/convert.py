@@ -26,7 +26,7 @@ def convert(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="What to write; its ending says the format: .uff or .unv (Universal File), .mat, .csv or .nc.",
+            help="What to write, by its ending: .uff, .unv, .ufb or .bunv (Universal File), .mat, .csv or .nc.",
         ),
     ],
     frf: Annotated[
