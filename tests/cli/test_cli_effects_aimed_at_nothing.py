@@ -68,6 +68,14 @@ def test_an_inherited_effect_is_the_mistake_of_the_file_that_has_it(vgvt, tmp_pa
     assert f"{parent}: effect[0].from_run" in result.err
 
 
+def test_which_table_is_meant_is_said_in_words(vgvt, tmp_path: Path) -> None:
+    """The keys of a sweep count from 0; who reads effect[1] is not to mend the first table."""
+    path = written(tmp_path, f'name = "added-mass"\nmass_kg = 0.1\n\n[[effect]]\n{LATE}')
+    said = vgvt("show", path, "--no-picture").err
+    assert "effect[1].from_run" in said
+    assert "ounted from 0, effect[1] is 'payload-change'" in said
+
+
 def test_a_campaign_brings_its_own_runs(vgvt, tmp_path: Path) -> None:
     """The scenario's own count only where they are the test's: before it is made."""
     path = written(tmp_path, LATE)

@@ -25,7 +25,11 @@ Edit = Callable[[str, str], Path]
         ('aft = "y"', 'aft = "q"', ('"q"', "like 'y' or '-x'")),
         ("band_hz = [2.0, 40.0]", "band_hz = [2.0]", ("band_hz: [2.0] was given", "more entries", "band_hz = [")),
         ("band_hz = [2.0, 40.0]", "band_hz = 2.0", ("2.0 was given", "a list", "in brackets")),
-        ("acc1 = 1,", "acc1 = 1.5,", ("run[1].nodes.acc1: 1.5 was given", "acc1 = 2")),
+        (
+            "acc1 = 1,",
+            "acc1 = 1.5,",
+            ("run[0].nodes.acc1: 1.5 was given", "acc1 = 2", "counted from 0, run[0] is the first"),
+        ),
         ("[nodes]", "[[nodes]]", ("nodes: [", "must be a table")),
     ],
 )

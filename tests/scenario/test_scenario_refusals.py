@@ -147,6 +147,23 @@ def test_a_mistake_is_told_at_its_key(refused: Refused, lines: str, key: str, pr
     assert not any(jargon in str(error).lower() for jargon in ("pydantic", "input should", "validation", "traceback"))
 
 
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (
+            '[[airframe.beam]]\nname = "tail"\n[airframe.beam.stations]\nbending_stiffness_n_m2 = [316, -1, 316, 316]',
+            "beam[1] is 'tail' and bending_stiffness_n_m2[1] is the second",
+        ),
+        ("[acquisition]\nruns = [[1], [2, -3]]", "runs[1] is the second and runs[1][1] is the second in it"),
+        ('[[effect]]\nname = "mains-hum"\n[[effect]]\nname = 3', "effect[1] is the second"),
+        ('[[further_shaker]]\nnode = "x"', "further_shaker[0] is the second shaker"),
+    ],
+)
+def test_the_entry_that_a_key_counts_is_told_in_words(refused: Refused, lines: str, words: str) -> None:
+    """Keys count from 0, as those of a sweep do, over all that a file extends; whoever writes one counts from 1."""
+    assert f"Counted from 0, {words}." in refused(lines).advice
+
+
 def test_sensor_off_the_aircraft(refused: Refused) -> None:
     grid = "node = [1, 2]\nx_m = [0.5, 0.6]\ny_m = [0.5, 1.9]"
     error = refused(f"[accelerometers.grid]\n{grid}\n[acquisition]\nruns = [[1, 2]]")

@@ -101,6 +101,12 @@ def test_values_that_do_not_fit_are_refused_as_in_a_file(quick) -> None:
         sweep(quick, [Axis.parse("shaker.position_m=[9.0, 0.0, 0.0]")])
 
 
+def test_a_refused_value_says_which_entry_it_is_of(quick) -> None:
+    with pytest.raises(InputError, match=r"airframe\.beam\[0\]\.cells is 0") as refused:
+        changed(quick, {"airframe.beam[wing].cells": 0})
+    assert "Counted from 0, beam[0] is 'wing'." in refused.value.advice
+
+
 def test_every_known_key_can_be_found(quick) -> None:
     keys = known_keys(quick)
     assert len(keys) > 80

@@ -49,6 +49,7 @@ def say_what_is_not_as_described(scenario: Scenario) -> None:
 def _in_its_file(error: InputError, scenario: Scenario, path: Path) -> InputError:
     """What an effect says of the scenario that it was handed, said of the file that wrote the effect's table."""
     from vgvt.data import InputError
+    from vgvt.data.key_paths import with_entries
     from vgvt.scenario.inheritance import read_source
 
     handed = f"scenario {scenario.name}: "
@@ -57,7 +58,10 @@ def _in_its_file(error: InputError, scenario: Scenario, path: Path) -> InputErro
     place = error.where.removeprefix(handed)
     index = _table_of(place, scenario)
     key = ("effect",) if index is None else ("effect", index)
-    return InputError(f"{read_source(path).file_of(key)}: {place}", error.problem, error.advice)
+    advice = error.advice
+    if place.startswith("effect["):
+        advice = with_entries(advice, key, {"effect": [{"name": table.name} for table in scenario.effect]})
+    return InputError(f"{read_source(path).file_of(key)}: {place}", error.problem, advice)
 
 
 def _table_of(place: str, scenario: Scenario) -> int | None:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from vgvt.data import InputError
 from vgvt.data.given import BOUNDS, bound, miscounted, shown
+from vgvt.data.key_paths import key_path, with_entries
 from vgvt.data.suggestion import choose_one_of
 from vgvt.files.toml_syntax import parsed_toml
 
@@ -37,7 +38,7 @@ def load_table(path: Path, model: type[_T]) -> _T:
         return model.model_validate(content)
     except ValidationError as error:
         details = [dict(detail) for detail in error.errors(include_url=False)]
-        found = [_explain(model, detail) for detail in details if not miscounted(detail)]
+        found = [_explain(model, detail, content) for detail in details if not miscounted(detail)]
         lines = list({told[0]: told for told in reversed(found)}.values())[::-1]
         where, problem, advice = lines[0]
         rest = "".join(f"\n  also {w}: {p}; {a}" if a else f"\n  also {w}: {p}" for w, p, a in lines[1:6])
@@ -45,24 +46,29 @@ def load_table(path: Path, model: type[_T]) -> _T:
         raise InputError(f"{path}, {where}", problem, advice + rest + more) from error
 
 
-def _explain(model: type[Table], detail: Mapping[str, Any]) -> tuple[str, str, str]:
-    location, kind, value = detail["loc"], detail["type"], detail["input"]
+def _explain(model: type[Table], detail: Mapping[str, Any], content: Mapping[str, Any]) -> tuple[str, str, str]:
+    location, kind = detail["loc"], detail["type"]
     # Not keys: which of several types was tried, and the entry that a list lacks.
     if location and (location[-1] in ("int", "str") or (kind == "missing" and isinstance(location[-1], int))):
         location, kind = location[:-1], "too_short" if kind == "missing" else "union"
-    where, key = _key_path(location), str(location[-1]) if location else ""
+    problem, advice = _problem(model, location, kind, detail)
+    return key_path(location) or "the file as a whole", problem, with_entries(advice, location, content)
+
+
+def _problem(model: type[Table], location: tuple[Any, ...], kind: str, detail: Mapping[str, Any]) -> tuple[str, str]:
+    key = str(location[-1]) if location else ""
     if kind == "extra_forbidden":
         known = _keys_at(model, location[:-1])
-        return where, "unknown key", choose_one_of(key, known) if known else "leave it out"
+        return "unknown key", choose_one_of(key, known) if known else "leave it out"
     if kind == "missing":
-        return where, "is missing", f"write {key} = ..."
+        return "is missing", f"write {key} = ..."
     if kind == "value_error":
         problem, _, advice = detail["msg"].removeprefix("Value error, ").partition("; ")
-        return where, problem, advice
-    wrong, form = _wrong(kind, value, detail.get("ctx", {}))
+        return problem, advice
+    wrong, form = _wrong(kind, detail["input"], detail.get("ctx", {}))
     meaning = _meaning_at(model, location)
     named = next((step for step in reversed(location) if isinstance(step, str)), key)
-    return where, wrong, f"write {named} = {form}" + (f" ({meaning})" if meaning else "")
+    return wrong, f"write {named} = {form}" + (f" ({meaning})" if meaning else "")
 
 
 _FORMS = {
@@ -104,14 +110,6 @@ def _meaning_at(model: type[Table], location: tuple[Any, ...]) -> str:
             said = (table.model_fields[steps[end - 1]].description or "").rstrip(".")
             return said[:1].lower() + said[1:]
     return ""
-
-
-def _key_path(location: tuple[Any, ...]) -> str:
-    """``run[3].nodes``: entries of arrays of tables are counted from 1, as people do."""
-    path = ""
-    for step in location:
-        path += f"[{step + 1}]" if isinstance(step, int) else f".{step}" if path else str(step)
-    return path or "the file as a whole"
 
 
 def _keys_at(model: type[Table], location: tuple[Any, ...]) -> tuple[str, ...]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ValidationError
 
 from vgvt.data.given import BOUNDS, bound, miscounted, shown
+from vgvt.data.key_paths import key_path
 from vgvt.scenario.base import MisfitError, Table
 from vgvt.scenario.vocabulary import TOP, fixed_length, guess, inner_table, is_array_of_tables, meaning_of, table_at
 
@@ -28,14 +29,6 @@ class Problem:
     def at_own(self, is_own: Callable[[Key], bool]) -> Problem:
         """The mistake at the first of its keys that is the writer's own; at the first of all where none is."""
         return next((problem for problem in (self, *self.instead) if is_own(problem.key)), self)
-
-
-def key_path(key: Iterable[str | int]) -> str:
-    """``airframe.beam[0].name``: a key path as people write it, counting from 0 as the arrays do."""
-    text = ""
-    for step in key:
-        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else step
-    return text
 
 
 def problems_of(error: ValidationError) -> tuple[Problem, ...]:

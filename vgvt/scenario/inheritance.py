@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from vgvt.data.errors import InputError
-from vgvt.scenario.explain import key_path
+from vgvt.data.key_paths import key_path
 from vgvt.scenario.library import bundled_path, bundled_scenarios
 from vgvt.scenario.rig import KIND_KEYS, shakers_apart
 from vgvt.scenario.toml_source import read_toml

@@ -10,9 +10,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from vgvt.data.errors import InputError
+from vgvt.data.key_paths import key_path, with_entries
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import Table
-from vgvt.scenario.explain import Problem, key_path, problems_of
+from vgvt.scenario.explain import Problem, problems_of
 from vgvt.scenario.inheritance import Source, read_source
 from vgvt.scenario.instruments import Grid
 from vgvt.scenario.library import bundled_path
@@ -88,7 +89,8 @@ def _refusal(source: Source, problems: Sequence[Problem]) -> InputError:
     first = problems[0]
     if len(problems) == 1:
         place = key_path(first.key)
-        return InputError(f"{source.file_of(first.key)}" + (f": {place}" if place else ""), first.text, first.advice)
+        advice = with_entries(first.advice, first.key, source.tables)
+        return InputError(f"{source.file_of(first.key)}" + (f": {place}" if place else ""), first.text, advice)
     lines = [_line(source, problem) for problem in problems[:_SHOWN_AT_ONCE]]
     if len(problems) > _SHOWN_AT_ONCE:
         lines.append(f"… and {len(problems) - _SHOWN_AT_ONCE} more.")
@@ -98,4 +100,5 @@ def _refusal(source: Source, problems: Sequence[Problem]) -> InputError:
 def _line(source: Source, problem: Problem) -> str:
     file = source.file_of(problem.key)
     where = f" (written in {file})" if file != source.path else ""
-    return f"{key_path(problem.key) or 'scenario'}{where}: {problem.text}. {problem.advice}".rstrip()
+    advice = with_entries(problem.advice, problem.key, source.tables)
+    return f"{key_path(problem.key) or 'scenario'}{where}: {problem.text}. {advice}".rstrip()

@@ -12,10 +12,11 @@ from typing import Any, Literal, get_args
 from pydantic import ValidationError
 
 from vgvt.data.errors import InputError
+from vgvt.data.key_paths import key_path, with_entries
 from vgvt.data.shown import headed
 from vgvt.scenario.base import Table, written_fields
 from vgvt.scenario.effect import EffectTable
-from vgvt.scenario.explain import Problem, key_path, problems_of
+from vgvt.scenario.explain import Problem, problems_of
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.placement import scenario_placement_problems
 from vgvt.scenario.rig import KIND_KEYS
@@ -128,10 +129,11 @@ def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
         made = Scenario.model_validate(tables)
     except ValidationError as error:
         own = {_place(scenario, key) for key in values}
-        raise _refusal(values, [problem.at_own(own.__contains__) for problem in problems_of(error)]) from None
+        told = [problem.at_own(own.__contains__) for problem in problems_of(error)]
+        raise _refusal(values, told, tables) from None
     problems = scenario_placement_problems(made)
     if problems:
-        raise _refusal(values, problems)
+        raise _refusal(values, problems, tables)
     return made
 
 
@@ -220,9 +222,13 @@ def _put(tables: dict[str, Any], scenario: Scenario, key: str, value: Any) -> No
     table[last] = value
 
 
-def _refusal(values: Mapping[str, Any], problems: Sequence[Problem]) -> InputError:
+def _refusal(values: Mapping[str, Any], problems: Sequence[Problem], tables: dict[str, Any]) -> InputError:
     first = problems[0]
-    return InputError(_setting(values), f"{key_path(first.key) or 'scenario'} {first.text}", first.advice)
+    return InputError(
+        _setting(values),
+        f"{key_path(first.key) or 'scenario'} {first.text}",
+        with_entries(first.advice, first.key, tables),
+    )
 
 
 def _setting(values: Mapping[str, Any]) -> str:
