@@ -68,12 +68,12 @@ def test_an_inherited_effect_is_the_mistake_of_the_file_that_has_it(vgvt, tmp_pa
     assert f"{parent}: effect[0].from_run" in result.err
 
 
-def test_which_table_is_meant_is_said_in_words(vgvt, tmp_path: Path) -> None:
+def test_of_two_effects_of_one_name_it_is_said_in_words_which_is_meant(vgvt, tmp_path: Path) -> None:
     """The keys of a sweep count from 0; who reads effect[1] is not to mend the first table."""
-    path = written(tmp_path, f'name = "added-mass"\nmass_kg = 0.1\n\n[[effect]]\n{LATE}')
-    said = vgvt("show", path, "--no-picture").err
-    assert "effect[1].from_run" in said
-    assert "ounted from 0, effect[1] is 'payload-change'" in said
+    good = 'name = "added-mass"\nmass_kg = 0.1\n'
+    said = vgvt("show", written(tmp_path, f"{good}\n[[effect]]\n{good}x_m = 9.0\ny_m = 0.0\n"), "--no-picture").err
+    assert "effect[1].x_m: effect added-mass at (9, 0)" in said
+    assert "ounted from 0, effect[1] is the second 'added-mass'" in said
 
 
 def test_a_campaign_brings_its_own_runs(vgvt, tmp_path: Path) -> None:

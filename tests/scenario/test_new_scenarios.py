@@ -44,7 +44,7 @@ def test_every_kind_loads_and_survives_writing(tmp_path: Path, kind: str) -> Non
 def test_the_band_of_every_kind_must_lie_below_nyquist(tmp_path: Path, kind: str) -> None:
     with pytest.raises(InputError) as caught:
         _load(tmp_path, f'kind = "{kind}"\nstop_hz = 500.0\n{_KINDS[kind]}')
-    assert caught.value.where.endswith("acquisition.sample_rate_hz")
+    assert caught.value.where.endswith("excitation.stop_hz")
     assert "500 Hz" in caught.value.problem
 
 

@@ -58,9 +58,10 @@ def _in_its_file(error: InputError, scenario: Scenario, path: Path) -> InputErro
     place = error.where.removeprefix(handed)
     index = _table_of(place, scenario)
     key = ("effect",) if index is None else ("effect", index)
-    advice = error.advice
-    if place.startswith("effect["):
-        advice = with_entries(advice, key, {"effect": [{"name": table.name} for table in scenario.effect]})
+    advice, names = error.advice, [table.name for table in scenario.effect]
+    # The problem names the effect: words are wanted where several tables have that name.
+    if index is not None and place.startswith("effect[") and names.count(names[index]) > 1:
+        advice = with_entries(advice, key, {"effect": [{"name": name} for name in names]})
     return InputError(f"{read_source(path).file_of(key)}: {place}", error.problem, advice)
 
 
