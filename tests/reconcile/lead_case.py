@@ -7,14 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from vgvt.effects.protocol import Family
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.question.thresholds import Limits
-
-
-def always(name: str) -> Any:
-    """An effect that is there in every run, by its name."""
-    return SimpleNamespace(name=name, cls=SimpleNamespace(family=Family.AIRFRAME))
 
 
 def fitted(chi2: float, bent: float = 0.0, hypotheses: tuple[Any, ...] = ()) -> Any:

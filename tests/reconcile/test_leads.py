@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from lead_case import always, fitted, found, left
+from lead_case import fitted, found, left
 
 from vgvt.reconcile.decision import leads, near_leads
 from vgvt.reconcile.decision.addition import Addition
@@ -63,7 +63,7 @@ def test_it_is_said_why_a_lead_is_no_name(
 ) -> None:
     """What could not be is said first, whatever else speaks against it."""
     case = found((100.0, 100.0), after)
-    led = fitted(1000 * after[0], hypotheses=(always("added-mass"),))
+    led = fitted(1000 * after[0], hypotheses=(SimpleNamespace(name="added-mass"),))
     led.held_out_chi2_per_dof = after[1]
     monkeypatch.setattr(leads, "strain_sd", lambda fit: 0.0)
     monkeypatch.setattr(leads, "implausible", lambda fit, index=-1: strange)
@@ -89,7 +89,7 @@ def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], name
         leads, "implausible", lambda fit, index=-1: ("far off",) if fit.hypotheses[index].name in strange else ()
     )
     monkeypatch.setattr(leads, "residual", lambda fit, thresholds: left(0.9 if len(fit.hypotheses) > 1 else 1.6))
-    things = tuple(map(always, names))
+    things = tuple(SimpleNamespace(name=n) for n in names)
     fits = [fitted(800.0, hypotheses=things[: k + 1]) for k in range(len(names))]
     winners = [SimpleNamespace(name=n, fit=f) for n, f in zip(names, fits, strict=True)]
     tried = ("tried at first",), ("tried beside one",)
@@ -213,7 +213,7 @@ def test_nothing_is_left_where_no_fit_is_there_of_what_is_left(monkeypatch: pyte
     """An effect that the later two had made needless is in the fit of the one before the last."""
     case = with_strange(monkeypatch, ("three",), ("two", "three"))
     before_the_last: Any = case.rounds[0].winner.fit
-    before_the_last.hypotheses = (always("one"), always("two"))
+    before_the_last.hypotheses = (SimpleNamespace(name="one"), SimpleNamespace(name="two"))
     judged = as_leads(case, THRESHOLDS)
     assert judged.rounds == ()
     assert [r.winner.name for r in judged.leads] == ["two", "three"]

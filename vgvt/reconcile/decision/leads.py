@@ -14,7 +14,6 @@ from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.doubts import strained_too_much
 from vgvt.reconcile.decision.near_leads import with_nearly_as_near
-from vgvt.reconcile.decision.one_event import begin_together
 from vgvt.reconcile.evidence.confirmation import share_taken, shares_taken
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.residual import Residual, residual
@@ -40,8 +39,7 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
     However much they take, what is left may not be :data:`FAR_OFF`, nor may the tolerances have to give more than
     without the names, or far more than they may, unless the data are met and they have let go of nine tenths. What
     leaves no more than campaigns leave in which nothing is missing keeps its name. What is no plausible thing keeps
-    none, whatever it leaves; what was named before it does without it. Names that begin with the same run are leads,
-    whatever they leave (:mod:`vgvt.reconcile.decision.one_event`).
+    none, whatever it leaves; what was named before it does without it.
     """
     if not found.rounds:
         return found
@@ -56,8 +54,6 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
             found, rounds=tuple(rounds), final=final, final_residual=residual(final, thresholds),
             last_rivals=dropped[0].rivals, vetoed=(*(r.winner for r in dropped), *found.vetoed),
         )  # fmt: skip
-    if begin_together(found.final.hypotheses)[0]:
-        return demoted(found)
     enough, after = 1 - 0.5 ** len(found.rounds), found.final_residual
     far = after.limits.far_off(found.final.chi2_per_dof, after.held_out_chi2_per_dof)
     met = after.limits.met_by(found.final.chi2_per_dof, after.held_out_chi2_per_dof)
@@ -105,12 +101,6 @@ def why_no_name(found: Attribution) -> str:
             f"{found.still.nats:.0f} nats more than chance does: pieces of one thing that has no name leave such a rest"
         )
     led = found.led
-    together, run = begin_together(led.hypotheses) if led else ((), 0)
-    if together:
-        return (
-            f"{' and '.join(together)} begin with the same run, {run}: what was done then is one event, and no name "
-            "explains it alone; where the log says that all of these were done, declare them in the scenario"
-        )
     strange = [f"{h.name} with {w}" for k, h in enumerate(led.hypotheses) for w in implausible(led, k)] if led else []
     if strange:
         return f"{'; '.join(strange)}: that is no plausible thing, and imitates one that is not in the catalogue"

@@ -1,10 +1,10 @@
-"""Names that begin with the same run: what was done then is one event, and no one name explains it.
+"""Names that begin with the same run: two things that were done then, or one event that no name explains.
 
-Between two runs somebody opens the aircraft, hangs it up anew, warms the hangar. That two things that know nothing of
-each other change at the same moment, and nothing else does, is rarer than one thing that is not in the catalogue, whose
-relatives share what it does: another hang of the aircraft was another payload and a cooler hangar, both from the second
-run on. Of the study's effects that were taken out of the catalogue nine had answers with several changes between runs,
-up to seed 87, and of single effects that were in it none.
+Between two runs somebody opens the aircraft, hangs it up anew, comes back after a night. Several things may change in
+one such break, and so may one that is not in the catalogue, whose relatives share what it does: another hang of the
+aircraft was another payload and a cooler hangar, both from the second run on, and the data were met. No record tells
+the two apart. Of the study's pairs with two changes between runs two of five began with the same run, up to seed 88; of
+its effects that were taken out of the catalogue nine had several changes between runs for an answer.
 """
 
 from __future__ import annotations
