@@ -64,6 +64,27 @@ def test_both_in_one_file_are_refused(campaign: Path, tmp_path: Path, capsys: py
     assert not (tmp_path / "one").exists()
 
 
+@pytest.mark.parametrize(("out", "report"), [("sub/../one", "one"), ("here/one", "there/one")])
+def test_one_file_by_two_names_is_one_file(
+    campaign: Path, tmp_path: Path, out: str, report: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("sub", "there"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "here").symlink_to(tmp_path / "there")
+    assert identify(campaign, "--out", tmp_path / out, "--report", tmp_path / report) == 2
+    assert "give the page another name" in capsys.readouterr().err
+
+
+def test_what_is_no_campaign_is_told_as_ever(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text('extends = "quick"\n', encoding="utf-8")
+    for more in ((), ("--out", tmp_path / "claim.json")):
+        assert identify(mine, *more) == 2
+        assert "this is a scenario, not measured records" in capsys.readouterr().err
+        assert identify(tmp_path / "none.toml", *more) == 2
+        assert "measured campaigns: hati" in capsys.readouterr().err
+
+
 def test_a_place_that_cannot_be_written_costs_no_work(
     campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -102,7 +123,18 @@ def test_a_file_that_is_not_there_may_be_written_where_its_folder_is_not_either(
         checked_file(dangling, "claim", is_claim)
 
 
+def test_an_empty_file_is_nobodys_and_a_huge_one_is_not_read(tmp_path: Path) -> None:
+    place = tmp_path / "claim.json"
+    place.touch()
+    assert checked_file(place, "claim", is_claim) == place
+    with place.open("wb") as stream:
+        stream.truncate(1 << 40)
+    with pytest.raises(InputError, match="is no claim"):
+        checked_file(place, "claim", lambda path: pytest.fail("it was read"))
+
+
 def test_what_cannot_be_read_is_no_page(tmp_path: Path) -> None:
+    assert not is_baseline(tmp_path)
     place = tmp_path / "bytes"
     place.write_bytes(b"\xff\xfe\x00<footer>vgvt ")
     assert not written_file.is_page(place)

@@ -16,7 +16,7 @@ from vgvt.reconcile import reconcile
 from vgvt.reconcile.decision import kinds
 from vgvt.reconcile.decision.doubts import doubts
 from vgvt.reconcile.decision.kinds import Kind, kind_of
-from vgvt.reconcile.decision.one_event import begin_together, beginning_of
+from vgvt.reconcile.decision.one_event import begin_together, beginning_of, together_in
 from vgvt.reconcile.question.hypothesis import Hypothesis
 
 
@@ -59,7 +59,24 @@ def test_a_change_between_runs_begins_with_one(hypothesis: Hypothesis, run: int 
     ],
 )
 def test_those_that_begin_with_the_same_run(others: tuple[Hypothesis, ...], told: tuple[tuple[str, ...], int]) -> None:
-    assert begin_together((PAYLOAD, *others)) == told
+    assert begin_together((PAYLOAD, *others), range(1, 6)) == told
+
+
+@pytest.mark.parametrize(("seen", "told"), [((1, 2, 4, 5), True), ((1, 2, 5), True), ((1, 2, 3, 5), False)])
+def test_beginnings_that_no_fitted_run_lies_between_are_one(seen: tuple[int, ...], told: bool) -> None:
+    """With the third run held out a change before it and one before the fourth are the same to a fit."""
+    remount = thing("drive-remount", from_run=4)
+    names = ("payload-change", "drive-remount")
+    assert begin_together((PAYLOAD, remount), seen) == ((names, 3) if told else ((), 0))
+
+
+def test_a_fit_knows_which_runs_it_was_made_to() -> None:
+    remount = thing("drive-remount", from_run=4)
+    channels = [SimpleNamespace(run=run) for run in (0, 1, 2, 2, 3)]
+    for train, told in (([True, True, False, False, True], True), ([True, True, False, True, True], False)):
+        problem = SimpleNamespace(measured=SimpleNamespace(channels=channels), split=SimpleNamespace(train=train))
+        fit: Any = SimpleNamespace(hypotheses=(PAYLOAD, remount), problem=problem)
+        assert bool(together_in(fit)[0]) is told
 
 
 def kind_with(monkeypatch: pytest.MonkeyPatch, *hypotheses: Hypothesis) -> tuple[Kind, tuple[str, ...]]:
@@ -67,7 +84,10 @@ def kind_with(monkeypatch: pytest.MonkeyPatch, *hypotheses: Hypothesis) -> tuple
     case = found((100.0, 100.0), (0.7, 0.7), adequate=True, names=2)
     winner: Any = SimpleNamespace(name="one", hypothesis=SimpleNamespace(linear=True))
     addition: Any = SimpleNamespace(winner=winner, alike=(winner,), equivalent=(winner,))
-    case = replace(case, rounds=(addition,) * 2, final=fitted(700.0, hypotheses=hypotheses))
+    final = fitted(700.0, hypotheses=hypotheses)
+    final.problem.measured = SimpleNamespace(channels=[SimpleNamespace(run=run) for run in range(5)])
+    final.problem.split = SimpleNamespace(train=[True] * 5)
+    case = replace(case, rounds=(addition,) * 2, final=final)
     monkeypatch.setattr(kinds, "rests_on_one_level", lambda case: ())
     monkeypatch.setattr(kinds, "open_places", lambda addition: ())
     return kind_of(case), doubts(case)
@@ -76,7 +96,7 @@ def kind_with(monkeypatch: pytest.MonkeyPatch, *hypotheses: Hypothesis) -> tuple
 def test_they_explain_in_part_however_well_they_meet_the_data(monkeypatch: pytest.MonkeyPatch) -> None:
     kind, (doubt,) = kind_with(monkeypatch, PAYLOAD, COOLER)
     assert kind is Kind.PARTLY_EXPLAINED
-    assert "payload-change and temperature-change begin with the same run, 3" in doubt
+    assert "payload-change and temperature-change begin together, from run 3 on" in doubt
     assert "the log of the test does" in doubt
 
 

@@ -125,6 +125,7 @@ def test_a_run_that_is_just_long_enough_is_no_matter() -> None:
         ("mAEWing1 Hati", "mAEWing1 Hati", False),
         ("mAEWing1 'Hati' (centre body 2 + wing set 3), hung on one spring", "mAEWing1 Hati", False),
         ("mAEWing1 Hati centre body 2", "mAEWing1 Sköll", True),
+        ("Hati", "mAEWing1 Hati", False),
         ("", "mAEWing1 Sköll", False),
         ("mAEWing1 Hati", "", False),
     ],

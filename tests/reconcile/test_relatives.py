@@ -22,14 +22,22 @@ def rival(name: str, nats: float, *likenesses: str) -> Any:
 DRIFT = rival("drift", 50.0, "warming", "roving")
 
 
-def told(*rivals: Any, equivalent: tuple[Any, ...] = (), offered: set[str] = KNOWN, tried: set[str] = KNOWN) -> Any:
+def told(
+    *rivals: Any,
+    equivalent: tuple[Any, ...] = (),
+    offered: set[str] = KNOWN,
+    tried: set[str] = KNOWN,
+    vetoed: tuple[Any, ...] = (),
+) -> Any:
     addition = Addition(DRIFT, (DRIFT, *equivalent), (DRIFT, *rivals), None)
-    return words_of_relatives(SimpleNamespace(rounds=(addition,)), offered, tried)  # type: ignore[arg-type]
+    return words_of_relatives(SimpleNamespace(rounds=(addition,), vetoed=vetoed), offered, tried)  # type: ignore[arg-type]
 
 
 def test_how_far_behind_each_is_that_was_fitted_by_its_best_variant() -> None:
     others = (rival("warming", 20.0), rival("warming", 38.0), rival("warming", 12.0), rival("creep", 45.0))
-    assert told(*others) == ("Of what drift could be taken for, warming is 12 nats behind; roving was not worth a fit",)
+    assert told(*others) == (
+        "Of what drift could be taken for, warming is 12 nats behind; roving was not fitted in its round",
+    )
 
 
 def test_one_that_is_ahead_was_refused() -> None:
@@ -58,12 +66,20 @@ def test_of_others_nothing_is_said(equivalent: tuple[Any, ...], tried: set[str])
 
 
 def test_what_has_a_name_of_its_own_is_no_relative_of_another() -> None:
-    rounds = (Addition(DRIFT, (DRIFT,), (DRIFT,), None), Addition(w := rival("warming", 9.0), (w,), (w,), None))
-    (said,) = words_of_relatives(SimpleNamespace(rounds=rounds), KNOWN, KNOWN)  # type: ignore[arg-type]
-    assert said == "Of what drift could be taken for, roving was not worth a fit"
+    creep = rival("creep", 20.0)
+    rounds = (Addition(DRIFT, (DRIFT,), (DRIFT, creep), None), Addition(w := rival("warming", 9.0), (w,), (w,), None))
+    (said,) = words_of_relatives(SimpleNamespace(rounds=rounds, vetoed=()), KNOWN, KNOWN)  # type: ignore[arg-type]
+    assert said == "Of what drift could be taken for, roving was not fitted in its round"
 
 
 def test_every_likeness_is_an_effect_that_is_installed() -> None:
     """Or it would be said of every name that something was not there to be chosen."""
     known = available_effects()
     assert {n for cls in known.values() for n in cls.confused_with} <= set(known)
+
+
+def test_what_was_refused_is_told_as_such_and_what_an_exchange_had_compared_is_not_called_unfitted() -> None:
+    creep, warming = rival("creep", 20.0), rival("warming", 90.0)
+    (said,) = told(creep, vetoed=(warming,))
+    assert said == "Of what drift could be taken for, roving was not fitted in its round"
+    assert told() == ()

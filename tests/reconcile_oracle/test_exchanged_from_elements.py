@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,9 @@ def test_a_mass_takes_the_place_of_the_damper_that_was_named(monkeypatch: pytest
     mass, sd, _ = found["added-mass"].parameters["mass_kg"]
     assert abs(mass - MASS_KG) < max(4 * sd, 0.1 * MASS_KG)
     assert found["channel-gain"].parameters["gain_error"][0] == pytest.approx(GAIN, abs=0.01)
-    assert (tmp_path / "rounds-exchanged.json").exists()
+    kept = json.loads((tmp_path / "rounds-exchanged.json").read_text(encoding="utf-8"))
+    winners = [row["rivals"][row["winner"]]["effects"][-1]["name"] for row in kept["rounds"]]
+    assert set(winners) == {"added-mass", "channel-gain"}
 
 
 @pytest.mark.slow

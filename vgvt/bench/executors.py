@@ -32,7 +32,7 @@ class _Worker:
 MakeExecutor = Callable[[], AbstractContextManager[Executor]]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_CTRL_C = {signal.SIGINT}
+_CTRL_C, _MASKS = {signal.SIGINT}, hasattr(signal, "pthread_sigmask")  # Windows has no masks
 _LOOK_S = 1.0  # between two looks for the parent
 _TO_TIDY_S = 5.0  # for a worker without a parent or a pool to take away what it has on disk
 _AGAIN_S = 0.1  # between two tries to remove what somebody still writes into
@@ -59,7 +59,7 @@ def process_pool(workers: int) -> MakeExecutor:
             pool = ProcessPoolExecutor(
                 workers, mp_context=get_context("spawn"), initializer=leave_with_parent, initargs=(os.getpid(), folder)
             )
-            if threading.current_thread() is not threading.main_thread():
+            if _MASKS and threading.current_thread() is not threading.main_thread():
                 # Until a worker has its handlers Ctrl-C would be a traceback of whatever it imports. Not in the main
                 # thread, which alone hears it; and only now: the tracker of what the pool shares opens the mask again.
                 mask = signal.pthread_sigmask(signal.SIG_BLOCK, _CTRL_C)
@@ -109,7 +109,8 @@ def leave_with_parent(parent: int, folder: Path | None = None) -> None:
     signal.signal(signal.SIGINT, _leave)
     # So a pool that has lost a worker ends the others.
     signal.signal(signal.SIGTERM, _leave)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, _CTRL_C)
+    if _MASKS:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _CTRL_C)
     own = threading.get_ident()
     if folder is not None:
         os.environ["TMPDIR"] = tempfile.tempdir = str(folder)

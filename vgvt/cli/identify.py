@@ -48,13 +48,12 @@ def identify(
     from vgvt.files.open import files_of
 
     method = made_identifier(identifier, parsed_settings(setting or []))
-    read = files_of(campaign)
     if out is not None:
-        checked_file(out, "claim", is_claim, read)
+        checked_file(out, "claim", is_claim, files_of(campaign))
     if report is not None:
-        if out is not None and report.absolute() == out.absolute():
+        if out is not None and report.resolve() == out.resolve():
             raise InputError("--report", f"{report} is where --out writes", "give the page another name")
-        checked_file(report, "page of vgvt", is_page, read)
+        checked_file(report, "page of vgvt", is_page, files_of(campaign))
     with waiting("identify") as say:
         say(f"read {campaign}")
         opened = sound_campaign(campaign, leave_out_faulty)

@@ -9,6 +9,7 @@ from pathlib import Path
 from vgvt.data.errors import InputError
 
 _ELSEWHERE = "give FILE another name"
+_LARGEST = 1 << 27  # bytes; records can be larger than memory, and no claim, page or baseline is
 
 
 def checked_file(path: Path, what: str, is_one: Callable[[Path], bool], read: Sequence[Path] = ()) -> Path:
@@ -22,14 +23,21 @@ def checked_file(path: Path, what: str, is_one: Callable[[Path], bool], read: Se
         raise InputError(str(path), "is a folder, and a file is to be written", "give the name of a file")
     if path.exists() and any(one.exists() and path.samefile(one) for one in read):
         raise InputError(str(path), "is what is read, and would be replaced", _ELSEWHERE)
-    if os.path.lexists(path) and not (path.is_file() and is_one(path)):
-        raise InputError(str(path), f"is there already, and is no {what}", _ELSEWHERE)
+    if os.path.lexists(path) and not _may_go(path, is_one):
+        raise InputError(str(path), f"is there already, and is no {what}", f"{_ELSEWHERE}, or remove that one")
     folder = next(place for place in path.absolute().parents if os.path.lexists(place))
     if not folder.is_dir():
         raise InputError(str(folder), "this is a file, and a folder is needed", _ELSEWHERE)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(str(path), "cannot be written: its folder may not be written to", "choose another place")
     return path
+
+
+def _may_go(path: Path, is_one: Callable[[Path], bool]) -> bool:
+    if not path.is_file():
+        return False
+    size = path.stat().st_size
+    return not size or (size < _LARGEST and is_one(path))
 
 
 def is_claim(path: Path) -> bool:
@@ -59,6 +67,6 @@ def is_page(path: Path) -> bool:
 def _reads(read: Callable[[Path], object], path: Path) -> bool:
     try:
         read(path)
-    except InputError:
+    except (InputError, OSError):
         return False
     return True

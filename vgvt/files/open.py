@@ -71,12 +71,9 @@ def files_of(source: str | Path) -> tuple[Path, ...]:
         return (path / CAMPAIGN_NAME,)
     if not path.is_file() and str(source) in measured_names():
         path = _SHIPPED / f"{source}.toml"
-    if path.suffix != ".toml":
+    if path.suffix != ".toml" or not path.is_file():
         return (path,)
-    from vgvt.files.sidecar import Sidecar
-    from vgvt.files.strict import load_table
-
-    sidecar = load_table(path, Sidecar)
+    sidecar = _sidecar(path)
     folder = _records_folder(path, sidecar)
     return (path, *dict.fromkeys(folder / run.file for run in sidecar.run))
 
@@ -91,13 +88,8 @@ def shipped_sidecar(name: str) -> Path:
 def _open_sidecar(path: Path) -> Campaign:
     # pydantic is slow to import, and a campaign.nc does not need it.
     from vgvt.files.measured_records import read_measured
-    from vgvt.files.sidecar import Sidecar
-    from vgvt.files.strict import load_table
 
-    try:
-        sidecar = load_table(path, Sidecar)
-    except InputError as error:
-        raise _not_a_scenario(path, error) from error
+    sidecar = _sidecar(path)
     folder, dataset = _records_folder(path, sidecar), sidecar.records.dataset
     try:
         return read_measured(sidecar, folder)
@@ -106,6 +98,17 @@ def _open_sidecar(path: Path) -> Campaign:
             raise
         again = f"{error.advice}; `vgvt data get {dataset}` fetches it again"
         raise InputError(error.where, error.problem, again) from error
+
+
+def _sidecar(path: Path) -> Sidecar:
+    """What a sidecar says; InputError also where the file is a scenario."""
+    from vgvt.files.sidecar import Sidecar
+    from vgvt.files.strict import load_table
+
+    try:
+        return load_table(path, Sidecar)
+    except InputError as error:
+        raise _not_a_scenario(path, error) from error
 
 
 def _records_folder(path: Path, sidecar: Sidecar) -> Path:

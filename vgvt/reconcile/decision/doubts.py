@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.reconcile.decision.one_event import begin_together
+from vgvt.reconcile.decision.one_event import together_in
 from vgvt.reconcile.question.problem import CELLS
 
 if TYPE_CHECKING:
@@ -43,11 +43,11 @@ def doubts(found: Attribution) -> tuple[str, ...]:
             f"A {found.still.words} that is smooth over frequency would still explain {found.still.nats:.0f} nats more "
             "than chance does: what was named is not quite what is there, or not alone"
         )
-    together, run = begin_together(found.final.hypotheses)
+    together, run = together_in(found.final)
     if together:
         said.append(
-            f"{' and '.join(together)} begin with the same run, {run}: one event that is in no catalogue can look like "
-            "them together, and no record tells; the log of the test does"
+            f"{' and '.join(together)} begin together, from run {run} on: one event that is in no catalogue can look "
+            "like them, and no record tells; the log of the test does"
         )
     if found.nameless is not None:
         said.append(f"Not alone: one thing that has no name, {found.nameless.in_words}")

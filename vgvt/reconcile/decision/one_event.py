@@ -10,24 +10,39 @@ its effects that were taken out of the catalogue nine had several changes betwee
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
 
 from vgvt.effects.protocol import Family
 from vgvt.reconcile.question.hypothesis import Hypothesis
 
+if TYPE_CHECKING:
+    from vgvt.reconcile.fitting.fit import Fit
 
-def begin_together(hypotheses: Sequence[Hypothesis]) -> tuple[tuple[str, ...], int]:
+
+def begin_together(hypotheses: Sequence[Hypothesis], seen: Collection[int]) -> tuple[tuple[str, ...], int]:
     """Names of some hypotheses that begin with the same run, and that run, counted from 1; no names where none do.
 
-    Of several such runs the first.
+    Of several such runs the first. ``seen`` are the runs that are fitted, counted from 1: two beginnings between which
+    none of them lies are one to the fit.
     """
-    began: dict[int, list[str]] = {}
+    began: dict[int, list[tuple[int, str]]] = {}
     for hypothesis in hypotheses:
         run = beginning_of(hypothesis)
         if run is not None:
-            began.setdefault(run, []).append(hypothesis.name)
-    together = [(run, names) for run, names in sorted(began.items()) if len(names) > 1]
-    return (tuple(together[0][1]), together[0][0]) if together else ((), 0)
+            first_changed = min((r for r in seen if r >= run), default=run)
+            began.setdefault(first_changed, []).append((run, hypothesis.name))
+    together = [same for _, same in sorted(began.items()) if len(same) > 1]
+    return (tuple(name for _, name in together[0]), min(together[0])[0]) if together else ((), 0)
+
+
+def together_in(found: Fit) -> tuple[tuple[str, ...], int]:
+    """:func:`begin_together` of a fit's hypotheses, by the runs that it was made to."""
+    if len(found.hypotheses) < 2:
+        return (), 0
+    problem = found.problem
+    fitted = zip(problem.measured.channels, problem.split.train, strict=True)
+    return begin_together(found.hypotheses, {channel.run + 1 for channel, train in fitted if train})
 
 
 def beginning_of(hypothesis: Hypothesis) -> int | None:

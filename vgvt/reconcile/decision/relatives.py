@@ -13,30 +13,32 @@ from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 
 _MOST = 4
-_NEVER, _ABSENT = "not worth a fit", "not among the effects to choose from"
+_NEVER, _ABSENT = "not fitted in its round", "not among the effects to choose from"
 
 
 def words_of_relatives(found: Attribution, offered: Collection[str], tried: Collection[str]) -> tuple[str, ...]:
-    """A sentence for each name that could be taken for others that are not told beside it.
+    """A sentence for each name that could be taken for others that are told neither beside it nor as refused.
 
     ``offered`` are the effects to choose from by name, ``tried`` those of them that this campaign can have.
     """
-    named = {a.winner.name for a in found.rounds}
-    said = (_of_a_name(addition, named, offered, tried) for addition in found.rounds)
+    told = {a.winner.name for a in found.rounds} | {r.name for r in found.vetoed}
+    said = (_of_a_name(addition, told, offered, tried) for addition in found.rounds)
     return tuple(text for text in said if text)
 
 
-def _of_a_name(addition: Addition, named: set[str], offered: Collection[str], tried: Collection[str]) -> str:
+def _of_a_name(addition: Addition, elsewhere: set[str], offered: Collection[str], tried: Collection[str]) -> str:
     winner = addition.winner
     likenesses: tuple[str, ...] = winner.hypothesis.cls.confused_with  # type: ignore[attr-defined]
-    told = named | {r.name for r in addition.alike}
+    told = elsewhere | {r.name for r in addition.alike}
     asked = [name for name in likenesses if name in tried and name not in told]
     absent = [name for name in likenesses if name not in offered]
     best: dict[str, float] = {}
     for r in addition.rivals:
         best[r.name] = max(r.gain_nats, best.get(r.name, r.gain_nats))
     parts = [_behind(name, winner.gain_nats - best[name]) for name in asked if name in best]
-    never = [name for name in asked if name not in best]
+    # A name that took another one's place was compared before it was in its round.
+    alone = all(r.name == winner.name for r in addition.rivals)
+    never = [name for name in asked if name not in best and not alone]
     parts += [
         f"{listed(names, _MOST)} {_was(names)} {what}" for names, what in ((never, _NEVER), (absent, _ABSENT)) if names
     ]

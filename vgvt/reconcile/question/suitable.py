@@ -39,7 +39,8 @@ def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
 def remarks(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
     """What is odd about a pair, and may be meant: another aircraft by name, as far as the records name one."""
     said, name = campaign.notes.get("aircraft", ""), scenario.airframe.name
-    if not said or _words(name) <= _words(said):
+    here, there = _words(name), _words(said)
+    if here <= there or there <= here:
         return ()
     return (
         f"the records are of {said}, and scenario {scenario.name} is of {name}: all that differs between the two will "
