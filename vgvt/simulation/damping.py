@@ -77,13 +77,9 @@ class StructuralDamping:
         # Where a joint is stiffer than all around it, it moves against inertia alone.
         alone = np.sqrt(model.jnt_stiffness[fixed] * np.linalg.inv(mass)[fixed, fixed])
         own_s[fixed] = np.minimum(per_stiffness, 2 * _HIGHEST_RATIO / alone)
-        geared = {wrap.target.name for tendon in spec.tendons for wrap in tendon.path}
-        named = [j.name for j in spec.joints if j.stiffness[0] > 0 or j.name in geared]
-        elastic = [(int(model.joint(name).dofadr[0]), name) for name in named]
-        # MuJoCo builds a tendon's row fastest from joints in the order of their coordinates.
-        elastic.sort()
-        addresses = [address for address, _ in elastic]
-        names = tuple(name for _, name in elastic)
+        elastic = _elastic(model)
+        addresses = model.jnt_dofadr[elastic]
+        names = tuple(mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k) for k in elastic)
         spared = ((per_stiffness - own_s) * model.jnt_stiffness) @ shapes**2
         own = (2 * ratios * omega - (per_stiffness * omega**2 - spared))[exact]
         weights = (mass @ shapes[:, exact])[addresses].T
@@ -133,6 +129,12 @@ def _stiffness(model: mujoco.MjModel) -> NDArray[np.float64]:
         row[model.jnt_dofadr[model.wrap_objid[wraps]]] = model.wrap_prm[wraps]
         stiffness += model.tendon_stiffness[t] * np.outer(row, row)
     return stiffness
+
+
+def _elastic(model: mujoco.MjModel) -> list[int]:
+    """Joints with a spring, their own or a tendon's, by number: as MuJoCo builds a tendon's row fastest."""
+    geared = model.wrap_objid[model.wrap_type == mujoco.mjtWrap.mjWRAP_JOINT]
+    return sorted({*np.flatnonzero(model.jnt_stiffness > 0).tolist(), *geared.tolist()})
 
 
 def _fastest(stiffness: NDArray[np.float64], mass: NDArray[np.float64], fixed: Sequence[int]) -> float:
