@@ -14,7 +14,7 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
-from vgvt.reconcile import Kind, Verdict, loop, reconcile
+from vgvt.reconcile import Kind, Verdict, loop, reconcile, searches
 from vgvt.reconcile.decision import beyond_names
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
@@ -75,10 +75,10 @@ def told(
 ) -> Verdict:
     """The verdict that names an effect, with all that follows a search."""
     monkeypatch.setattr(loop, "calibrate", as_stated)
-    monkeypatch.setattr(loop, "attribute", naming(name))
+    monkeypatch.setattr(searches, "attribute", naming(name))
     monkeypatch.setattr(loop, "as_leads", lambda found, thresholds: found)
     monkeypatch.setattr(beyond_names, "takes_nearly_all", lambda found: True)
-    monkeypatch.setattr(loop, "strange_names", lambda found: frozenset())
+    monkeypatch.setattr(searches, "strange_names", lambda found: frozenset())
     monkeypatch.setattr(loop, "turned", lambda found: None)
     monkeypatch.setattr(loop, "with_told_parameters", lambda found, *_: found)
     monkeypatch.setattr(loop, "set_against_nameless", against)

@@ -10,7 +10,7 @@ import pytest
 from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import Effect, available_effects
-from vgvt.reconcile import Kind, Verdict, loop, reconcile
+from vgvt.reconcile import Kind, Verdict, loop, reconcile, searches
 from vgvt.reconcile.decision.leads import demoted
 from vgvt.reconcile.outcome.account import account_of
 from vgvt.reconcile.outcome.cells import at_whole_cells
@@ -116,9 +116,9 @@ def test_the_search_is_made_again_without_what_is_no_plausible_thing(
         told.append(without)
         return without
 
-    monkeypatch.setattr(loop, "telling", telling)
-    monkeypatch.setattr(loop, "strange_names", strange)
-    monkeypatch.setattr(loop, "does_without", lambda found, without, within_nats: as_good)
+    monkeypatch.setattr(searches, "telling", telling)
+    monkeypatch.setattr(searches, "strange_names", strange)
+    monkeypatch.setattr(searches, "does_without", lambda found, without, within_nats: as_good)
     found = verdict(folder, 12, SOME, available_effects()["channel-gain"](gain_error=0.08, channels="7+Z"))
     tried = found.attribution
     asked = {r.name for rivals in (*(a.rivals for a in tried.rounds), tried.last_rivals) for r in rivals}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vgvt.data import Dof, InputError
-from vgvt.reconcile import loop
+from vgvt.reconcile import loop, searches
 from vgvt.reconcile.evidence.residual import smooth_part
 from vgvt.reconcile.placebo import Placebo, calibrated_thresholds
 from vgvt.reconcile.question.data import Measured, MeasuredChannel
@@ -161,7 +161,7 @@ def test_the_loop_judges_a_campaign_by_limits_of_its_own(monkeypatch: pytest.Mon
     }.items():
         monkeypatch.setattr(loop, name, lambda *given, found=found, **more: found)
     monkeypatch.setattr(loop, "provenance_of", lambda *given: None)
-    monkeypatch.setattr(loop, "attribute", attributed)
+    monkeypatch.setattr(searches, "attribute", attributed)
     nothing: Any = None
     with pytest.raises(InterruptedError):
         loop.reconcile(nothing, nothing, thresholds=Thresholds(0.1, 0.1, 0.1, 9.0, 5.0, "a test", 0.004, 14.0))
