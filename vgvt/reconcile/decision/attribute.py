@@ -127,7 +127,7 @@ def _selected(
         before = residual(current, thresholds)
         if hopeless(k, most, current, start, before, residual(start, thresholds)):
             break
-        here = part(tell, *(_CHOSEN * _begun(n, most) for n in (k, k + 1)))
+        here = part(tell, *(_CHOSEN * _worked_off(n, most) for n in (k, k + 1)))
         rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
@@ -175,7 +175,7 @@ def _selected(
     )
 
 
-def _begun(number: int, most: int) -> float:
+def _worked_off(number: int, most: int) -> float:
     """The share of the time in which so many rounds of so many are worked off."""
     return float((1 - _LATER**number) / (1 - _LATER**most))
 
