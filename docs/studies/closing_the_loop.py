@@ -59,7 +59,7 @@ from vgvt.scenario.streams import named_stream
 PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
 # Every fortieth campaign comes from MuJoCo's time domain: each of them takes as long as ten others.
 IN_TIME = 40
-GROUPS = ("placebo", "effect", "never", "removed", "pair")
+GROUPS = ("placebo", "effect", "never", "removed", "family", "pair")
 
 
 def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, short: bool = False) -> list[Case]:
@@ -86,12 +86,13 @@ def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, 
     queues.append(
         [Case("never", (n,), k, 0.0, NOISE[(k + 1) % 3], SECOND, base=base) for k in range(open_draws) for n in never]
     )
-    removed = [
-        Case("removed", (n,), k, SIZES[2], NOISE[(k + 1) % 3], base=base)
-        for k in range(max(1, open_draws // 10))
-        for n in names
-    ]
-    queues.append(removed)
+    for group in ("removed", "family"):
+        taken_out = [
+            Case(group, (n,), k, SIZES[2], NOISE[(k + 1) % 3], base=base)
+            for k in range(max(1, open_draws // 10))
+            for n in names
+        ]
+        queues.append(taken_out)
     pair = [(names[i % len(names)], names[(7 * i + 3) % len(names)]) for i in range(pairs)]
     queues.append(
         [Case("pair", p, k, SIZES[2], NOISE[(k + 1) % 3], base=base) for k, p in enumerate(pair) if p[0] != p[1]]

@@ -17,6 +17,7 @@ from loop_places import NOWHERE, Where, where
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects, parameters_of
+from vgvt.effects.protocol import Family
 from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.next_test.power import power
 from vgvt.reconcile.question.data import measured_frfs
@@ -35,6 +36,8 @@ NOISE = (0.003, 0.01, 0.03)
 # What the second laboratory needs lies with the tests that check it.
 TESTS = Path(__file__).parents[2] / "tests"
 SIMULATION, SECOND = "simulation", "second laboratory"
+OPEN_SET = ("removed", "family", "never")
+"""Groups whose truth the analysis cannot name: it, or its whole family, was taken out, or no catalogue ever had it."""
 SHORT = (
     "added-inertia", "added-mass", "bend-twist-coupling", "channel-delay", "channel-gain", "drive-point-offset",
     "drive-remount", "high-pass-mismatch", "local-absorber", "loose-sensor-mount", "mount-compliance",
@@ -48,9 +51,10 @@ SHORT = (
 class Case:
     """One campaign and one question.
 
-    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry), 'never' (in it) or 'alone' (the only one
-    in it); ``truth`` names the effects that act; ``size`` is a multiple of what gets a name in 95 of 100 campaigns, as
-    ``vgvt reconcile --power`` states it; ``source`` is the laboratory, ``engine`` its solver.
+    ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry), 'family' (removed with all of its family),
+    'never' (in it) or 'alone' (the only one in it); ``truth`` names the effects that act; ``size`` is a multiple of
+    what gets a name in 95 of 100 campaigns, as ``vgvt reconcile --power`` states it; ``source`` is the laboratory,
+    ``engine`` its solver.
     """
 
     group: str
@@ -70,7 +74,13 @@ class Case:
         if self.group == "alone":
             return {n: known[n] for n in self.truth}
         names = [n for n in known if not self.short or n in SHORT]
-        return {n: known[n] for n in names if self.group != "removed" or n not in self.truth}
+        return {n: known[n] for n in names if not self._taken_out(n)}
+
+    def _taken_out(self, name: str) -> bool:
+        """Whether the analysis does not know an effect of the registry."""
+        if self.group == "family":
+            return family_of(name) in map(family_of, self.truth)
+        return self.group == "removed" and name in self.truth
 
     @property
     def key(self) -> str:
@@ -232,6 +242,12 @@ def expected(noise: float, whole: bool = False) -> Fit:
         every = np.ones(len(measured.channels), dtype=bool)
         problem = dataclasses.replace(problem, split=Split(every, ~every, ~every))
     return fit(problem, (), np.zeros(problem.size), np.zeros(0), ())
+
+
+def family_of(name: str) -> Family:
+    """Where an effect of the registry acts."""
+    family: Family = available_effects()[name].family  # type: ignore[attr-defined]
+    return family
 
 
 def linear_effects() -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from loop_cases import OPEN_SET
 from virtual_lab import IMAGES, save_figure, table
 
 from vgvt.effects.registry import available_effects
@@ -129,7 +130,7 @@ def headline(rows: Sequence[Row]) -> str:
 def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """Every rate with what was promised of it."""
     effect, pair = [r for r in judged(rows, "effect") if visible(r)], judged(rows, "pair")
-    never, removed = judged(rows, "never"), judged(rows, "removed")
+    never, removed, family = (judged(rows, group) for group in ("never", "removed", "family"))
     return [
         ("placebo: an effect named", "≤ 2 %", rate(judged(rows, "placebo"), named)),
         ("placebo: not called adequate", "", rate(judged(rows, "placebo"), lambda r: r["verdict"] != "adequate")),
@@ -149,6 +150,7 @@ def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
          rate([r for r in removed if not twin(r)], open_set_right)),
         ("removed from the catalogue: that, or a name that the catalogue says it could be taken for", "",
          rate(removed, lambda r: open_set_right(r) or relative(r))),
+        ("removed with its whole family: unknown, or partly with its place", "≥ 90 %", rate(family, open_set_right)),
         ("two effects: both named", "≥ 75 %", rate(pair, in_set)),
         ("stated intervals of 95 % that hold the true size or place, truth named alone", "95 %", rate(
             [{"off": d} for r in effect if r["answer"] == "right" for d in deviations_of(r)],
@@ -162,7 +164,7 @@ def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
 def by_verdict(rows: Sequence[Row]) -> str:
     """What was true behind each verdict: how many are right, and what the others were."""
     groups = {"placebo": "nothing missing", "effect": "one effect", "pair": "two", "removed": "removed",
-              "never": "never catalogued"}  # fmt: skip
+              "family": "removed with its family", "never": "never catalogued"}  # fmt: skip
     lines = []
     for verdict in JUDGED:
         mine = [r for r in rows if r["verdict"] == verdict]
@@ -183,7 +185,7 @@ _RIGHT = {
 
 def _verdict_right(row: Row) -> bool:
     """Whether a verdict says what is so, as far as it says it."""
-    open_set = row["group"] in ("removed", "never")
+    open_set = row["group"] in OPEN_SET
     if row["verdict"] == "adequate":
         return row["group"] == "placebo" or (row["group"] == "effect" and not visible(row))
     if row["verdict"] == "unknown":
@@ -273,7 +275,7 @@ def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:
         if row["verdict"] not in JUDGED or row["group"] == "pair":
             continue
         truth = row["truth"] or "no effect"
-        label = f"{truth} ({row['group']})" if row["group"] in ("removed", "never") else truth
+        label = f"{truth} ({row['group']})" if row["group"] in OPEN_SET else truth
         if row["answer"] in ("right", "in the set"):
             said = truth
         elif row["named"]:

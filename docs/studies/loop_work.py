@@ -9,7 +9,7 @@ from typing import Any
 
 import loop_truth as lab
 import numpy as np
-from loop_cases import LINES, Case, Staged, staged
+from loop_cases import LINES, OPEN_SET, Case, Staged, staged
 from loop_limits import own_ratio
 from loop_places import said_place
 
@@ -47,9 +47,9 @@ def work(case: Case) -> list[Row]:
         return [row | {"verdict": "failed", "reason": f"{type(error).__name__}: {error}"[:200]}]
     told = told_the_truth(case, stage, verdict)
     row |= judged(case, stage, verdict) | {
-        "oracle_held_out": None if told is None or case.group == "removed" else told.held_out_chi2_per_dof,
+        "oracle_held_out": None if told is None or case.group in OPEN_SET else told.held_out_chi2_per_dof,
         "told_ahead_nats": None if told is None else round(ahead(told, verdict), 2),
-        "own_ratio": None if told is None or case.group == "removed" else own_ratio(told, stage.truth),
+        "own_ratio": None if told is None or case.group in OPEN_SET else own_ratio(told, stage.truth),
     }
     return [row | {"cpu_s": round(time.process_time() - started, 1), "settings": str(stage.truth)}]
 
@@ -155,8 +155,8 @@ def told_the_truth(case: Case, stage: Staged, verdict: Verdict) -> Fit | None:
 
     Of an effect that is not in the catalogue it tells whether what is named could have been told from the truth.
     """
-    asked = case.group in ("effect", "alone") or (case.group == "removed" and bool(verdict.effects))
-    if not asked or not all(stage.truth.values()):
+    asked = case.group in ("effect", "alone") or (case.group in OPEN_SET and bool(verdict.effects))
+    if not asked or not stage.truth or not all(stage.truth.values()):
         return None
     hypotheses, start = [], []
     for name, values in stage.truth.items():

@@ -94,7 +94,11 @@ def test_a_count_is_a_whole_number_above_none(
         ("clay_or_glue", ["1"], "write a whole number, 2 or more"),
         ("sweep_width", ["1001"], "write a whole number, one from 2 to 1000"),
         ("one_level_or_two", ["new", "--only", "run-drfit"], "did you mean 'run-drift'?"),
-        ("closing_the_loop", ["new", "--only", "placebos"], "choose one of: effect, never, pair, placebo, removed"),
+        (
+            "closing_the_loop",
+            ["new", "--only", "placebos"],
+            "one of: effect, family, never, pair, placebo, removed",
+        ),
         ("closing_the_loop", ["new", "--draws", "0"], "argument --draws: '0' does not do"),
         ("closing_the_loop", ["new", "--placebos", "-1"], "argument --placebos: '-1' does not do"),
         ("closing_the_loop", ["new", "--workers", "0"], "argument --workers: '0' does not do"),
