@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 import textwrap
 from pathlib import Path
@@ -106,6 +108,19 @@ def test_the_list_of_fonts_is_no_secret(enter, tmp_path: Path) -> None:
     listed = tmp_path / "matplotlib" / "fontlist-v3.json"
     listed.write_text("{}")
     assert enter(f"open({str(listed)!r}).close()").reason == ""
+
+
+def test_python_may_keep_what_it_has_compiled(tmp_path: Path) -> None:
+    """A method's first import writes beside it, unless the environment says that nothing is to be kept."""
+    (tmp_path / "fresh_method.py").write_text("FOUND = 6.3\n")
+    code = "w = Watch(()); w.start(); import fresh_method; print(w.misdeeds)"
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHONDONTWRITE")}
+    command = [sys.executable, "-c", f"from vgvt.identification.watch import Watch; {code}"]
+    done = subprocess.run(
+        command, env=environment, cwd=tmp_path, check=True, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout.strip() == "[]"
+    assert list((tmp_path / "__pycache__").glob("fresh_method.*.pyc"))
 
 
 def test_the_name_and_notes_of_a_campaign_tell_nothing(enter) -> None:

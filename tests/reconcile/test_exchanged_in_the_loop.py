@@ -31,6 +31,7 @@ def verdict_of(monkeypatch: pytest.MonkeyPatch, folder: Path, *, exchanging: boo
     return reconcile(campaign, roving_scenario(), effects=effects, lines=LINES, folder=folder, most=2, with_tests=False)
 
 
+@pytest.mark.slow
 def test_a_wrong_name_gives_way(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     verdict = verdict_of(monkeypatch, tmp_path, exchanging=True)
     found = {e.name: e for e in verdict.effects}

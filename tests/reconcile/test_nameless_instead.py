@@ -75,6 +75,7 @@ def test_right_names_stay(damped: Problem, null: Fit) -> None:
     assert set_against_nameless(found, limits(damped)) is found
 
 
+@pytest.mark.slow
 def test_a_relative_gives_way_and_the_right_name_beside_it_stays(damped: Problem, null: Fit) -> None:
     """An absorber that swings below the band, and a mass for what it misses, stand for a damper that has no name."""
     found = set_against_nameless(named(null, ABSORBER, GAIN, MASS), limits(damped))

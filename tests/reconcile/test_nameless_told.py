@@ -123,6 +123,7 @@ def test_a_lead_has_to_gain_beside_the_thing_too(
     assert found.nameless is (both if is_told else None)
 
 
+@pytest.mark.slow
 def test_beside_a_right_name_that_leaves_something(cache: Path) -> None:
     """The name stays, and what is left has a place and a law."""
     gain, damper = KNOWN["channel-gain"](gain_error=0.3, channels="18+Z"), KNOWN["nonproportional-damper"]
@@ -194,6 +195,7 @@ def test_nothing_is_told_where_nothing_is_held_out(tmp_path: Path, runs: tuple[t
     assert nameless_told(found, limits(case)) is found
 
 
+@pytest.mark.slow
 def test_what_another_start_finds_is_none_of_the_things_own(cache: Path) -> None:
     """A calibration that was broken off: a thing from a better start would gain all that this left undone."""
     case = case_with(cache)
@@ -203,6 +205,7 @@ def test_what_another_start_finds_is_none_of_the_things_own(cache: Path) -> None
     assert nameless_told(found, limits(case)) is found
 
 
+@pytest.mark.slow
 def test_where_the_stated_aircraft_does_not_hang_the_other_starts_do(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -91,6 +91,7 @@ def test_what_lies_surely_beyond_is_said(changed: dict[str, float], sd: float, w
     assert implausible(fit_of(sd, **changed)) == ()
 
 
+@pytest.mark.slow
 def test_what_is_called_a_place_can_be_stated_in_a_scenario() -> None:
     """A name is handed on as a file: no command may refuse the place in it."""
     kept = []

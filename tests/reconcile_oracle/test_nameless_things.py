@@ -58,7 +58,7 @@ def test_a_stay_reads_as_the_spring_and_the_dashpot_that_it_is(folder: Path) -> 
     assert found.law.reading.left < 0.05
 
 
-@pytest.mark.parametrize("node", [5, 18])
+@pytest.mark.parametrize("node", [5, pytest.param(18, marks=pytest.mark.slow)])
 def test_a_magnet_is_found_where_it_is_and_is_what_it_is(folder: Path, node: int) -> None:
     """A negative stiffness with eddy currents that lag, at one point of finite elements."""
     campaign = lab.campaign_of(roving(8), (never.magnet(PULL, EDDY, node),))

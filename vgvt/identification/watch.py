@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,8 @@ from vgvt.identification.isolation import FORBIDDEN
 _STARTS_PROCESS = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.forkpty"}
 _TALKS = {"socket.connect", "socket.bind"}
 _CODE = {".py", ".pyc", ".pyd", ".so", ".dll", ".dylib", ".pth"}
+# Python keeps what it has compiled under such a name until all of it is there.
+_COMPILED = re.compile(r"\.pyc\.\d+$")
 _SYSTEM = ("/proc", "/sys", "/dev", "/etc", "/usr/share", "/usr/lib")
 _SEALED = {"sealed", "truth.nc", "scenario.toml"}
 
@@ -61,12 +64,16 @@ class Watch:
         parts = set(Path(full).parts)
         if parts & _SEALED:
             self._note(f"reads {text}")
-        elif not (full.startswith(self._allowed) or Path(full).suffix in _CODE or _is_harmless(full)):
+        elif not (full.startswith(self._allowed) or _is_code(full) or _is_harmless(full)):
             self._note(f"reads {text}, which it was not given")
 
     def _note(self, misdeed: str) -> None:
         if misdeed not in self.misdeeds:
             self.misdeeds.append(misdeed)
+
+
+def _is_code(path: str) -> bool:
+    return Path(path).suffix in _CODE or _COMPILED.search(path) is not None
 
 
 def _is_harmless(path: str) -> bool:
