@@ -18,6 +18,13 @@ ROOT = Path(__file__).resolve().parents[1]
 CAMPAIGN = "hati-2015-09-24"
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Tests run in this process, unless several are asked for: pytest-benchmark refuses where they were shared out."""
+    if not config.getoption("numprocesses", None):
+        config.option.dist = "no"
+
+
 @pytest.fixture(scope="session")
 def repository_root() -> Path:
     """The root of the checkout."""
