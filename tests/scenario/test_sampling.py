@@ -45,7 +45,6 @@ def loaded(folder: Path, lines: str) -> None:
             "cycle",
         ),
         ("[acquisition]\nrepeats = 1000000000000", "acquisition.repeats", "8 GB", "2525 times at most"),
-        ("[excitation]\nring_down_s = 1e6", "excitation.duration_s", "8 GB", "shorten the silence"),
     ],
 )
 def test_it_is_refused_at_its_key(tmp_path: Path, lines: str, key: str, problem: str, advice: str) -> None:
@@ -70,6 +69,14 @@ def test_it_is_refused_at_its_key(tmp_path: Path, lines: str, key: str, problem:
             "acquisition.repeats",
             "is 2 and makes 14.1 GB",
             "Repeat 1 times",
+        ),
+        ("[excitation]\nring_down_s = 1e6", "excitation.ring_down_s", "is 1e+06, and the campaign", "most 4.54e+04"),
+        ("[excitation]\nlead_in_s = 1e6", "excitation.lead_in_s", "8 GB", "at most 4.54e+04"),
+        (
+            "[excitation]\nlead_in_s = 1e6\nring_down_s = 1e6",
+            "excitation.lead_in_s",
+            "8 GB",
+            "make the rest of the record shorter",
         ),
     ],
 )

@@ -92,7 +92,7 @@ def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int
         f"Write at most {longest_s:.3g}, or sample more slowly."
         if longest_s > 0
         else "Sample more slowly, or shorten the silence around it.",
-        (fast,),
+        (fast, *_too_silent(excitation, _MOST_SAMPLES / (rate_hz * channels), f"{gigabytes}, {most}")),
     )
     if once > _MOST_SAMPLES:
         raise long
@@ -115,3 +115,18 @@ def _too_fast(excitation: Excitation, rate_hz: float, columns: str, too_much: st
         if fastest_hz > needed_hz
         else f"The band needs more than {needed_hz:g}: excite for less time.",
     )
+
+
+def _too_silent(excitation: Excitation, most_s: float, too_much: str) -> list[MisfitError]:
+    """What a campaign that is too large says of the silence before and after, of which either may be all of it."""
+    told = []
+    for key in ("lead_in_s", "ring_down_s"):
+        silence_s = getattr(excitation, key)
+        longest_s = most_s - (excitation.whole_s - silence_s)
+        advice = (
+            f"Write at most {longest_s:.3g}."
+            if longest_s > 0
+            else "Write less, and make the rest of the record shorter."
+        )
+        told.append(MisfitError(("excitation", key), f"is {silence_s:g}, and the campaign makes {too_much}", advice))
+    return told
