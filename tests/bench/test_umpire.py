@@ -13,7 +13,9 @@ import pytest
 from vgvt.bench.entry import Entry
 from vgvt.bench.umpire import Limits, anonymous, attempt, handed_out
 from vgvt.data import InputError
+from vgvt.identification.contestant import _limit_memory
 from vgvt.identification.example import Example
+from vgvt.identification.watch import Watch
 
 _STEM = """
 from dataclasses import dataclass
@@ -121,6 +123,39 @@ def test_python_may_keep_what_it_has_compiled(tmp_path: Path) -> None:
     )
     assert done.stdout.strip() == "[]"
     assert list((tmp_path / "__pycache__").glob("fresh_method.*.pyc"))
+
+
+@pytest.mark.parametrize(
+    ("name", "honest"),
+    [
+        ("m.cpython-311.pyc.140", True),
+        ("m._db-14.py311.nbi", True),
+        ("m._db-14.py311.1.nbc", True),
+        ("m._db-14.py311.nbi.tmp.7373a", True),
+        ("m.pyc.txt", False),
+        ("nbi.tmp", False),
+        ("claim.csv", False),
+    ],
+)
+def test_what_compilers_keep_is_code(tmp_path: Path, name: str, honest: bool) -> None:
+    """numba keeps what it has compiled beside the method, if that asks for it."""
+    watch = Watch(())
+    watch._look(tmp_path / "__pycache__" / name)
+    assert (watch.misdeeds == []) is honest
+
+
+def test_no_limit_is_raised_that_the_shell_has_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A batch system's had kept every contestant from starting."""
+    resource = pytest.importorskip("resource")
+    limits, asked = [(3 << 30, resource.RLIM_INFINITY), (3 << 30, 4 << 30), (resource.RLIM_INFINITY, 3 << 30)], []
+    monkeypatch.setattr(resource, "setrlimit", lambda what, pair: asked.append(pair))
+    for already in limits:
+        monkeypatch.setattr(resource, "getrlimit", lambda what, already=already: already)
+        told_mib = _limit_memory(1 << 20)
+        assert asked[-1] == (3 << 30, 3 << 30)
+        assert 0 < told_mib < 3 << 10
+    monkeypatch.setattr(resource, "getrlimit", lambda what: (resource.RLIM_INFINITY,) * 2)
+    assert _limit_memory(64.0) == 64.0
 
 
 def test_the_name_and_notes_of_a_campaign_tell_nothing(enter) -> None:

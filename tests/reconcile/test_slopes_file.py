@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from reconciled_case import small_scenario
 
+from vgvt.reconcile.question import kept_slopes as keeping
 from vgvt.reconcile.question import problem as asking
-from vgvt.reconcile.question.problem import MATRICES, _kept
+from vgvt.reconcile.question.problem import MATRICES
 from vgvt.reconcile.question.structure_code import _MAKERS, structure_code
 
 SAY = "from vgvt.reconcile.question.structure_code import structure_code as s; print(s(), end='')"
@@ -57,7 +58,7 @@ def test_a_spoilt_file_is_computed_again(tmp_path: Path, spoil: Callable[[Path],
     spoil(file)
     again = asking._slopes(start.scenario, known, start.layouts, start.structure, tmp_path)
     assert all(np.array_equal(first[name], again[name]) for name in MATRICES)
-    kept = _kept(file)
+    kept = keeping._kept(file, MATRICES)
     assert kept is not None and set(kept) == set(MATRICES)
 
 
@@ -87,13 +88,64 @@ def test_a_folder_keeps_what_was_used_last(tmp_path: Path, monkeypatch: pytest.M
     for k, file in enumerate((*others, mine)):
         file.write_bytes(b"")
         os.utime(file, (k, k))
-    monkeypatch.setattr(asking, "_FILES", 3)
+    monkeypatch.setattr(keeping, "_FILES", 3)
     taken(tmp_path)
     (fresh,) = set(tmp_path.iterdir()) - {*others, mine}
     assert set(tmp_path.iterdir()) == {others[1], others[2], mine, fresh}
     os.utime(fresh, (0, 0))
     taken(tmp_path)
     assert fresh.stat().st_mtime > 10
+
+
+def twos() -> dict[str, np.ndarray]:
+    """What is to be kept."""
+    return {"mass": np.full(2, 2.0)}
+
+
+def kept_without_a_folder() -> dict[str, np.ndarray]:
+    """The same twice, of which the second time reads what the first wrote, if anything."""
+    first = keeping.kept_slopes(None, "text", ("mass",), twos)
+    again = keeping.kept_slopes(None, "text", ("mass",), twos)
+    assert np.array_equal(first["mass"], again["mass"])
+    return again
+
+
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of temporary files."""
+    monkeypatch.setattr(keeping.tempfile, "gettempdir", lambda: str(tmp_path))
+    return tmp_path
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="temporary files are each user's own there")
+def test_nobody_keeps_anothers(temporary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first user's folder had stopped the second one's reconcile; and what anybody can write, nobody reads."""
+    kept_without_a_folder()
+    (mine,) = temporary.iterdir()
+    assert mine.stat().st_mode & 0o077 == 0 and len(list(mine.iterdir())) == 1
+    user = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: user + 1)
+    planted = temporary / f"vgvt-reconcile-{user + 1}"
+    planted.mkdir()
+    kept_without_a_folder()
+    assert list(planted.iterdir()) == []
+    planted.rmdir()
+    planted.symlink_to(mine)
+    kept_without_a_folder()
+    assert len(list(mine.iterdir())) == 1
+
+
+def test_what_cannot_be_kept_is_made_again(temporary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*given: object, **settings: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full)
+    assert kept_without_a_folder()["mass"].tolist() == [2.0, 2.0]
+    assert [list(p.iterdir()) for p in temporary.iterdir()] == [[]]
+    with pytest.raises(OSError, match="No space left"):
+        keeping.kept_slopes(temporary / "asked for", "text", ("mass",), twos)
+    monkeypatch.setattr(keeping.tempfile, "gettempdir", lambda: str(temporary / "gone"))
+    assert kept_without_a_folder()["mass"].tolist() == [2.0, 2.0]
 
 
 def test_the_program_is_known_by_its_source() -> None:

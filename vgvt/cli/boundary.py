@@ -9,7 +9,8 @@ import sys
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -19,7 +20,8 @@ from vgvt.cli import interruption
 from vgvt.cli.console import log
 from vgvt.cli.document import write_document
 
-_FULL_DISK_ADVICE = "make room, or write to another disk with --out"
+_FULL_DISK_ADVICE = "make room, or write to another disk"
+_LARGE_FILE_ADVICE = "raise the limit ('ulimit -f' shows it), or write to a file system that holds larger ones"
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -40,7 +42,9 @@ def run_command(arguments: Sequence[str]) -> int:
     stdout, {"error": {"kind", "message", ...}}; the message goes to stderr as well.
     VGVT_TRACEBACK=1 lets an unexpected exception through.
     """
+    arguments = [_at_home(word) for word in arguments]
     as_json = "--json" in arguments
+    _somewhere_to_write()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
@@ -58,6 +62,29 @@ def run_command(arguments: Sequence[str]) -> int:
     if status == INTERRUPTED:
         return _report(INTERRUPTED, "interrupted", "interrupted", as_json)
     return status
+
+
+def _at_home(word: str) -> str:
+    """A word with the home folder in place of ``~``: no shell does it behind ``--out=``, and the netCDF library would.
+
+    So would people who write ``--out "~/runs"``; a folder of that name is ``./~``.
+    """
+    option, sign, path = word.partition("=")
+    if option.startswith("--") and sign:
+        return f"{option}={_at_home(path)}" if path.startswith("~") else word
+    if not word.startswith("~"):
+        return word
+    try:
+        return str(Path(word).expanduser())
+    except RuntimeError:  # nobody of that name, or without a home
+        return word
+
+
+def _somewhere_to_write() -> None:
+    """A closed stream, which a daemon may leave, takes what nobody reads."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115  as long as the process lives
 
 
 @contextmanager
@@ -105,6 +132,8 @@ def _explain(error: Exception, as_json: bool) -> int:
         return FAILED
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
         return _explain(CommandError(f"the disk is full: {error.strerror}", _FULL_DISK_ADVICE), as_json)
+    if isinstance(error, OSError) and error.errno == errno.EFBIG:
+        return _explain(CommandError(f"a file would be too large: {error.strerror}", _LARGE_FILE_ADVICE), as_json)
     if os.environ.get("VGVT_TRACEBACK"):
         raise error
     first_line = (str(error).strip().splitlines() or [""])[0]
@@ -115,7 +144,9 @@ def _explain(error: Exception, as_json: bool) -> int:
 def _report(status: int, kind: str, message: str, as_json: bool, details: dict[str, str] | None = None) -> int:
     log(f"vgvt: {message}")
     if as_json:
-        write_document({"error": {"kind": kind, "exit_status": status, "message": message, **(details or {})}})
+        # Where the message is that stdout takes nothing, there is nowhere to say so.
+        with suppress(OSError):
+            write_document({"error": {"kind": kind, "exit_status": status, "message": message, **(details or {})}})
     return status
 
 

@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from vgvt.cli import interruption
@@ -20,9 +20,10 @@ _SECONDS_BETWEEN_LINES = 10.0
 
 
 def log(message: str) -> None:
-    """Write one line to stderr."""
-    sys.stderr.write(f"{message}\n")
-    sys.stderr.flush()
+    """Write one line to stderr; one that cannot be written is lost, and nothing else."""
+    with suppress(OSError, ValueError):
+        sys.stderr.write(f"{message}\n")
+        sys.stderr.flush()
 
 
 def show(*renderables: RenderableType) -> None:

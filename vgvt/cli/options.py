@@ -35,9 +35,14 @@ CampaignArgument = Annotated[
 def resolved_scenario(name: str, seed: int | None, engine: str | None, *, own_runs: bool = True) -> Scenario:
     """The scenario with the command line's seed and engine put in; ``own_runs`` as in :func:`described_scenario`."""
     from vgvt.cli.described import described_scenario
+
+    return as_chosen(described_scenario(name, own_runs=own_runs), seed, engine)
+
+
+def as_chosen(scenario: Scenario, seed: int | None, engine: str | None) -> Scenario:
+    """A scenario with a seed and an engine, None for its own; InputError for an engine that there is not."""
     from vgvt.data import InputError
 
-    scenario = described_scenario(name, own_runs=own_runs)
     changes: dict[str, Any] = {}
     if seed is not None:
         changes["seed"] = seed

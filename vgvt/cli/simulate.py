@@ -67,11 +67,12 @@ def simulate(
 
 def simulated(name: str, out: Path | None, seed: int | None, engine: str | None, force: bool) -> Simulated:
     """Simulate into a run folder, or take the campaign that it already holds."""
-    from vgvt.cli.options import resolved_scenario
+    from vgvt.cli.options import as_chosen, resolved_scenario
     from vgvt.cli.run_folder import default_folder, prepared_folder, scenario_sha256
 
     original = resolved_scenario(name, None, None)
-    scenario = resolved_scenario(name, seed, engine)
+    # Not read again: a pipe gives its text once.
+    scenario = as_chosen(original, seed, engine)
     path = out if out is not None else default_folder(scenario, original.seed, original.simulation.engine)
     was_there = path.exists()
     # Ctrl-C may come at any point after the folders were made, of which a run's last is that of the truth.

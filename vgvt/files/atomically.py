@@ -38,7 +38,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def check_space(folder: Path, needed_bytes: int) -> None:
-    """OSError (ENOSPC) when the disk of a folder, which need not exist yet, has less room than that."""
+    """OSError when the disk of a folder, which need not exist yet, has less room than that, or no file may be as large.
+
+    ENOSPC for the first and EFBIG for the second, as a limit of the shell's makes it.
+    """
     existing = next(place for place in (folder.absolute(), *folder.absolute().parents) if place.exists())
     free_bytes = shutil.disk_usage(existing).free
     if free_bytes < needed_bytes:
@@ -47,6 +50,23 @@ def check_space(folder: Path, needed_bytes: int) -> None:
             f"{needed_bytes / 2**20:.1f} MiB are needed and {free_bytes / 2**20:.1f} MiB are free",
             str(folder),
         )
+    largest_bytes = _largest_file_bytes()
+    if largest_bytes is not None and largest_bytes < needed_bytes:
+        raise OSError(
+            errno.EFBIG,
+            f"{needed_bytes / 2**20:.1f} MiB are needed and a file may have {largest_bytes / 2**20:.1f} MiB",
+            str(folder),
+        )
+
+
+def _largest_file_bytes() -> int | None:
+    """How large a file this process may write; None where nothing says so."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    return None if limit == resource.RLIM_INFINITY else limit
 
 
 def _flush_to_disk(path: Path) -> None:

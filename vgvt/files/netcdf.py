@@ -30,7 +30,7 @@ def write_groups(path: str | Path, groups: Mapping[str, xarray.Dataset], packed:
     with replacing(path) as temporary:
         for i, (group, dataset) in enumerate(groups.items()):
             dataset.to_netcdf(
-                temporary,
+                temporary.absolute(),  # "~" is a folder's name here, and the home folder to xarray
                 mode="a" if i else "w",
                 group=group,
                 engine="h5netcdf",
@@ -47,7 +47,9 @@ def read_group(path: Path, group: str = "/") -> xarray.Dataset:
     if group == "/":  # which is read first, and once
         check_seal(path)
     try:
-        with xarray.open_dataset(path, group=group, engine="h5netcdf", decode_cf=False, cache=False) as dataset:
+        with xarray.open_dataset(
+            path.absolute(), group=group, engine="h5netcdf", decode_cf=False, cache=False
+        ) as dataset:
             return dataset.load()
     except _DAMAGE as error:
         raise InputError(str(path), f"damaged: {_first_line(error)}", "copy or make the file again") from error

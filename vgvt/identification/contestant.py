@@ -36,8 +36,7 @@ def compete(folder: Path) -> dict[str, Any]:
     watch.start()
     campaign = read_campaign(folder / CAMPAIGN)
     band = None if request["band_hz"] is None else (float(request["band_hz"][0]), float(request["band_hz"][1]))
-    if request["memory_mib"] is not None:
-        _limit_memory(float(request["memory_mib"]))
+    allowed_mib = None if request["memory_mib"] is None else _limit_memory(float(request["memory_mib"]))
     if request["time_s"] is not None:
         _limit_time(float(request["time_s"]))
     start = time.perf_counter()
@@ -48,7 +47,9 @@ def compete(folder: Path) -> dict[str, Any]:
         start = time.perf_counter()  # the plugin's import is not its work
         claim = run_identifier(identifier, campaign, band)
     except MemoryError:
-        outcome["reason"] = f"needs more than {request['memory_mib']:g} MiB of memory"
+        outcome["reason"] = (
+            "needs more memory" if allowed_mib is None else f"needs more than {allowed_mib:.6g} MiB of memory"
+        )
     except InputError as error:
         outcome["reason"] = f"refused: {str(error).splitlines()[0]}"
     except ContractError as error:
@@ -67,18 +68,26 @@ def compete(folder: Path) -> dict[str, Any]:
     return outcome
 
 
-def _limit_memory(limit_mib: float) -> None:
-    """Let the process grow by this much from here; without effect where the system cannot limit it."""
+def _limit_memory(limit_mib: float) -> float:
+    """Let the process grow by this much from here, in MiB, or as far as it may; without effect where none can be set.
+
+    Returns by how much that is.
+    """
     try:
         import resource
     except ImportError:  # Windows
-        return
+        return limit_mib
     held = 0
     status = Path("/proc/self/statm")
     if status.is_file():
         held = int(status.read_text().split()[0]) * resource.getpagesize()
     limit = held + int(limit_mib * 2**20)
+    # Nobody may raise a limit that the shell or a batch system has set.
+    for already in resource.getrlimit(resource.RLIMIT_AS):
+        if already != resource.RLIM_INFINITY:
+            limit = min(limit, already)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    return (limit - held) / 2**20
 
 
 def _limit_time(seconds: float) -> None:

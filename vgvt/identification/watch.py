@@ -18,9 +18,9 @@ from vgvt.identification.isolation import FORBIDDEN
 
 _STARTS_PROCESS = {"subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.forkpty"}
 _TALKS = {"socket.connect", "socket.bind"}
-_CODE = {".py", ".pyc", ".pyd", ".so", ".dll", ".dylib", ".pth"}
-# Python keeps what it has compiled under such a name until all of it is there.
-_COMPILED = re.compile(r"\.pyc\.\d+$")
+_CODE = {".py", ".pyc", ".pyd", ".so", ".dll", ".dylib", ".pth", ".nbi", ".nbc"}
+# Python, and numba, keep what they have compiled under such a name until all of it is there.
+_COMPILED = re.compile(r"\.pyc\.\d+$|\.nb[ic]\.tmp\.\w+$")
 _SYSTEM = ("/proc", "/sys", "/dev", "/etc", "/usr/share", "/usr/lib")
 _SEALED = {"sealed", "truth.nc", "scenario.toml"}
 

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
-import tempfile
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,11 +14,10 @@ from vgvt.data.shown import brief, counted, headed
 from vgvt.effects.acting import acted
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
-from vgvt.files.atomically import replacing
-from vgvt.files.npz import read_npz
 from vgvt.reconcile.mechanics.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
+from vgvt.reconcile.question.kept_slopes import kept_slopes
 from vgvt.reconcile.question.structure_code import structure_code
 from vgvt.reconcile.question.uncertain import Unknown, edited, prepared, unknowns
 from vgvt.scenario.model import Scenario
@@ -37,8 +32,6 @@ _STEP = 0.1
 _ASIDE = 0.02
 MATRICES = ("mass", "damping", "stiffness", "drive", "axis", "tilt")
 """What of a structure changes with the unknowns."""
-# Files of derivatives that a folder keeps, some megabytes each: those of the scenarios that one works on.
-_FILES, _DIGITS = 20, 24
 # A campaign may come from a coarse chain too: 0 is the continuum, -1 the chain as stated, which stands for it.
 CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "bounded", lambda scenario, _: scenario)
 
@@ -274,19 +267,8 @@ def nuisances_of(scenario: Scenario, measured: Measured) -> tuple[Nuisance, ...]
 def _slopes(
     start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nominal: Structure, cache: Path | None
 ) -> dict[str, Array]:
-    folder = cache or Path(tempfile.gettempdir()) / "vgvt-reconcile"
     text = "\n".join((structure_code(), to_toml(start.model_copy(update={"seed": 0})), *nominal.joints))
-    file = folder / f"slopes-{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}.npz"
-    kept = _kept(file)
-    if kept is not None:
-        with suppress(OSError):  # what is used is not what was made longest ago
-            os.utime(file)
-        return kept
-    slopes = slopes_in(start, known, layouts, nominal)
-    with replacing(file) as part, part.open("wb") as stream:
-        np.savez(stream, **slopes)  # type: ignore[arg-type]
-    _leave_newest(folder)
-    return slopes
+    return kept_slopes(cache, text, MATRICES, lambda: slopes_in(start, known, layouts, nominal))
 
 
 def slopes_in(start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nominal: Structure) -> dict[str, Array]:
@@ -301,23 +283,3 @@ def slopes_in(start: Scenario, known: tuple[Unknown, ...], layouts: Layouts, nom
         for name in MATRICES:
             found[name].append((getattr(sides[0], name) - getattr(sides[1], name)) / span)
     return {name: np.array(rows) for name, rows in found.items()}
-
-
-def _leave_newest(folder: Path) -> None:
-    """Take away what was made longest ago: by other versions, or of scenarios that were edited since."""
-    made: list[tuple[int, Path]] = []
-    for file in folder.glob(f"slopes-{'[0-9a-f]' * _DIGITS}.npz"):
-        with suppress(OSError):  # another process may take it away first
-            made.append((file.stat().st_mtime_ns, file))
-    for _, file in sorted(made)[:-_FILES]:
-        with suppress(OSError):
-            file.unlink()
-
-
-def _kept(file: Path) -> dict[str, Array] | None:
-    """The slopes that a file holds; None without one, and for one that is incomplete or no such file."""
-    try:
-        return read_npz(file, MATRICES)
-    # A full disk or a copy that was broken off leaves such a file behind; they are computed again.
-    except InputError:
-        return None
