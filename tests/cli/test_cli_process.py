@@ -132,6 +132,22 @@ def test_output_survives_a_terminal_without_unicode() -> None:
     assert b"quick" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("encoding", "expected"), [("ascii", b"dzeta ? 5+-1 nu-gap"), ("cp1252", b"dzeta ? 5\xb11 nu-gap")]
+)
+def test_letters_that_a_terminal_lacks_have_names(encoding: str, expected: bytes) -> None:
+    code = (
+        "from vgvt.cli import boundary\n"
+        "from vgvt.cli.console import show\n"
+        "boundary._dispatch = lambda arguments: show('Δζ 飛 5±1 ν-gap')\n"
+        "boundary.run_command([])\n"
+    )
+    environment = {**os.environ, "PYTHONIOENCODING": encoding}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, capture_output=True, timeout=60, check=True)
+    assert done.stdout.strip() == expected
+
+
 def test_a_terminal_gets_a_bar_with_the_time_left() -> None:
     code = (
         "from vgvt.cli.console import progress\n"

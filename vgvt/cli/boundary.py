@@ -19,6 +19,7 @@ import typer
 from vgvt.cli import interruption
 from vgvt.cli.console import log
 from vgvt.cli.document import write_document
+from vgvt.cli.letters import PLAIN
 
 _FULL_DISK_ADVICE = "make room, or write to another disk"
 _LARGE_FILE_ADVICE = "raise the limit ('ulimit -f' shows it), or write to a file system that holds larger ones"
@@ -47,7 +48,7 @@ def run_command(arguments: Sequence[str]) -> int:
     _somewhere_to_write()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors=PLAIN)
     try:
         with warnings.catch_warnings(), _signals():
             warnings.showwarning = _log_warning
