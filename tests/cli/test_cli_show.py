@@ -112,9 +112,10 @@ def test_without_opengl_exit_status_1_and_advice(vgvt, monkeypatch: pytest.Monke
     assert vgvt("show", "quick", "--no-picture").status == 0
 
 
-def test_picture_and_animation_without_a_display(tmp_path: Path) -> None:
+def test_picture_and_animation_beside_a_dead_display(tmp_path: Path) -> None:
     """As a process, because MuJoCo takes its way to OpenGL from the environment when it is first imported."""
-    environment = {k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "DISPLAY", "WAYLAND_DISPLAY")}
+    environment = {k: v for k, v in os.environ.items() if k != "WAYLAND_DISPLAY"}
+    environment |= {"DISPLAY": ":9999", "MUJOCO_GL": ""}
     arguments = ["show", "quick", "--out", "here", "--mode", "7", "--width", "320", "--height", "200"]
     done = subprocess.run(
         [sys.executable, "-m", "vgvt", *arguments],

@@ -16,6 +16,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for variable in _THREAD_VARIABLES:
         os.environ.setdefault(variable, "1")
     try:
+        if arguments is None:  # a process of our own: nobody else in it wants to draw with MuJoCo
+            from vgvt.cli.rendering import draw_nothing
+
+            draw_nothing()
         from vgvt.cli.boundary import run_command
 
         return run_command(list(sys.argv[1:] if arguments is None else arguments))

@@ -16,11 +16,12 @@ from vgvt.cli.console import show
 from vgvt.cli.cores import available_cores
 from vgvt.cli.document import write_document
 from vgvt.cli.options import JsonOption
+from vgvt.cli.rendering import NONE, VARIABLE, advice, asked_for, back_end
 
 if TYPE_CHECKING:
     from rich.text import Text
 
-# In a process of its own: a machine without drivers can take the whole process down.
+# In a process of its own: a machine without drivers can take the whole process down. No assert: python -O has none.
 _RENDER = """
 import mujoco
 model = mujoco.MjModel.from_xml_string(
@@ -29,7 +30,8 @@ data = mujoco.MjData(model)
 mujoco.mj_forward(model, data)
 renderer = mujoco.Renderer(model, 48, 64)
 renderer.update_scene(data)
-assert renderer.render().std() > 0, "the picture is blank"
+if not renderer.render().std() > 0:
+    raise SystemExit("the picture is blank")
 """
 _STEP = """
 import mujoco
@@ -38,7 +40,8 @@ model = mujoco.MjModel.from_xml_string(
 data = mujoco.MjData(model)
 for _ in range(10):
     mujoco.mj_step(model, data)
-assert data.qpos[2] < 0
+if not data.qpos[2] < 0:
+    raise SystemExit("a body does not fall")
 """
 
 
@@ -145,19 +148,20 @@ def _threads() -> list[Finding]:
 
 
 def _physics() -> list[Finding]:
-    problem = _in_process(_STEP, {})
+    problem = _in_process(_STEP, {VARIABLE: NONE})
     if problem:
         return [Finding("physics", "fail", f"MuJoCo does not run: {problem}", "install mujoco again with pip")]
     return [Finding("physics", "ok", "MuJoCo steps a model")]
 
 
 def _rendering() -> list[Finding]:
-    backend = os.environ.get("MUJOCO_GL") or "egl"
-    problem = _in_process(_RENDER, {"MUJOCO_GL": backend})
+    chosen = back_end()
+    name = f"{VARIABLE}={chosen}" if asked_for() else chosen or "OpenGL"
+    problem = _in_process(_RENDER, {VARIABLE: chosen})
     if problem:
-        advice = "only photographs need it; on Debian: apt install libegl1 libgl1-mesa-dri, then MUJOCO_GL=egl"
-        return [Finding("rendering", "warn", f"{backend} does not render: {problem}", advice)]
-    return [Finding("rendering", "ok", f"{backend} renders without a display")]
+        only = "only pictures need it, and scripts that import mujoco"
+        return [Finding("rendering", "warn", f"{name} does not render: {problem}", f"{only}; {advice()}")]
+    return [Finding("rendering", "ok", f"{name} renders" + (" without a display" if "egl" in chosen else ""))]
 
 
 def _in_process(code: str, environment: dict[str, str]) -> str:
@@ -214,8 +218,14 @@ def _installed(kind: str, available: Callable[[], dict[str, type]]) -> list[Find
 
 def _measured_data() -> list[Finding]:
     from vgvt.cli.data import data_sets
+    from vgvt.data import InputError
+    from vgvt.files.locate import default_data_folder
 
     findings = []
+    try:
+        default_data_folder()
+    except InputError as error:
+        findings.append(Finding("data", "warn", f"{error.where}: {error.problem}", error.advice))
     for item in data_sets():
         if item["found"]:
             findings.append(Finding("data", "ok", f"{item['name']} in {item['folder']}"))
@@ -226,7 +236,11 @@ def _measured_data() -> list[Finding]:
 
 
 def _write_permission() -> list[Finding]:
-    here = Path.cwd()
+    try:
+        here = Path.cwd()
+    except OSError as error:
+        gone = f"the current folder {os.environ.get('PWD', '')}".rstrip() + f" cannot be used: {error.strerror}"
+        return [Finding("writing", "warn", gone, "change to a folder that exists: cd FOLDER")]
     probe = here / f".vgvt-doctor-{os.getpid()}"
     try:
         probe.touch(exist_ok=False)

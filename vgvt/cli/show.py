@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +14,7 @@ from vgvt.cli.document import write_document
 from vgvt.cli.hanging import hanging, without_sign
 from vgvt.cli.new_folders import none_left_empty
 from vgvt.cli.options import JsonOption, ScenarioArgument
+from vgvt.cli.rendering import advice, load_opengl
 
 if TYPE_CHECKING:
     from vgvt.data import ModalModel, Truth
@@ -50,7 +49,8 @@ def show_scenario(
         raise InputError("--no-picture", "leaves nothing for --out and --mode to do", "leave out one or the other")
     loaded = described_scenario(scenario)
     picture = None if no_picture else _picture_path(out, loaded.name)
-    _choose_renderer()
+    if picture is not None:
+        load_opengl()
     from vgvt.simulation import truth_of
     from vgvt.simulation.attitude import attitudes_deg
 
@@ -77,12 +77,6 @@ def _picture_path(out: Path | None, name: str) -> Path:
     return out / f"{name}.png"
 
 
-def _choose_renderer() -> None:
-    """EGL renders without a display; MuJoCo reads the variable when it is imported."""
-    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        os.environ.setdefault("MUJOCO_GL", "egl")
-
-
 def _check_mode(truth: Truth, mode: int | None) -> None:
     from vgvt.data import InputError
 
@@ -106,8 +100,7 @@ def _render(scenario: Scenario, picture: Path, mode: int | None, width: int, hei
                 with replacing(animation) as temporary:
                     write_animation(drawing, mode, temporary)
     except RenderingError as error:
-        advice = "on Debian: apt install libegl1 libgl1-mesa-dri, then MUJOCO_GL=egl; or go without: --no-picture"
-        raise CommandError(str(error), advice) from error
+        raise CommandError(str(error), f"{advice()}; or go without: --no-picture") from error
     return animation
 
 
