@@ -74,13 +74,14 @@ def where(as_json: JsonOption = False) -> int:
     """Say where measured campaigns are looked for, and where get puts them."""
     from vgvt.files.locate import DATA_VARIABLE, data_folders, default_data_folder
 
+    fetched_into = default_data_folder()
     searched = [{"folder": folder, "exists": folder.is_dir()} for folder in data_folders()]
     if as_json:
-        write_document({"searched": searched, "fetched_into": default_data_folder(), "variable": DATA_VARIABLE})
+        write_document({"searched": searched, "fetched_into": fetched_into, "variable": DATA_VARIABLE})
         return 0
     for place in searched:
         show(f"looked for in {place['folder']}" + ("" if place["exists"] else " (does not exist)"))
-    show(f"fetched into {default_data_folder()}")
+    show(f"fetched into {fetched_into}")
     show(f"{DATA_VARIABLE} names another folder")
     return 0
 

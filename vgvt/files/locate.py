@@ -11,25 +11,47 @@ DATA_VARIABLE = "VGVT_DATA"
 
 
 def user_data_folder() -> Path:
-    """Where fetched data go when VGVT_DATA is not set: XDG_DATA_HOME/vgvt or ~/.local/share/vgvt."""
-    base = os.environ.get("XDG_DATA_HOME")
-    return (Path(base) if base else Path.home() / ".local" / "share") / "vgvt"
+    """Where fetched data go when VGVT_DATA is not set: XDG_DATA_HOME/vgvt or ~/.local/share/vgvt.
+
+    InputError where neither is known, as for a user without a home folder.
+    """
+    if base := os.environ.get("XDG_DATA_HOME"):
+        return Path(base) / "vgvt"
+    try:
+        return Path.home() / ".local" / "share" / "vgvt"
+    except RuntimeError:
+        advice = f"set HOME, XDG_DATA_HOME or {DATA_VARIABLE} to a folder for them"
+        raise InputError("measured data", "you have no home folder to keep them in", advice) from None
 
 
 def default_data_folder() -> Path:
     """The folder that data sets are fetched into: VGVT_DATA where it is set, else the user's data folder."""
-    given = os.environ.get(DATA_VARIABLE)
-    return Path(given).expanduser() if given else user_data_folder()
+    return _named_folder() or user_data_folder()
 
 
 def data_folders() -> tuple[Path, ...]:
     """Folders that are searched for data sets, in order; VGVT_DATA alone where it is set."""
-    given = os.environ.get(DATA_VARIABLE)
-    if given:
-        return (Path(given).expanduser(),)
+    if named := _named_folder():
+        return (named,)
     checkout = Path(__file__).resolve().parents[2]
     beside = (checkout.parent / "shared" / "data",) if (checkout / "pyproject.toml").is_file() else ()
-    return (*beside, user_data_folder())
+    try:
+        return (*beside, user_data_folder())
+    except InputError:
+        if beside:
+            return beside  # what lies there is found without a home folder, too
+        raise
+
+
+def _named_folder() -> Path | None:
+    """The folder that VGVT_DATA names; None where it names none."""
+    given = os.environ.get(DATA_VARIABLE)
+    if not given:
+        return None
+    try:
+        return Path(given).expanduser()
+    except RuntimeError:
+        raise InputError(DATA_VARIABLE, f"{given}: there is no such home folder", "write the path in full") from None
 
 
 def find_dataset(dataset: str, holds: str) -> Path:
