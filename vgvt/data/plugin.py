@@ -81,6 +81,13 @@ def lacking(cls: object, name: str, method: str, attributes: Mapping[str, type])
     return ""
 
 
+def need_asserts() -> None:
+    """InputError where Python leaves assert statements out: checks that are made of them would pass any plugin."""
+    if not __debug__:
+        problem = "assert statements are switched off, and the checks are made of them: they would pass anything"
+        raise InputError("conformance checks", problem, "run Python without -O, and with PYTHONOPTIMIZE unset")
+
+
 @contextmanager
 def whose_fault(plugin: object, title: str, doing: str) -> Iterator[None]:
     """Raise PluginError, ``effect 'x' failed in act(run 0): KeyError: 'k'``, for what somebody else's plugin raises.

@@ -15,6 +15,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from vgvt.data.plugin import need_asserts
 from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action, ChannelFilter
 from vgvt.effects.parameter import Parameter, parameters_of, range_fault
@@ -44,7 +45,11 @@ class Check:
 
 
 def as_checks(*functions: Callable[[type], None]) -> tuple[Check, ...]:
-    """Functions as checks: named after themselves, saying the first line of their docstrings."""
+    """Functions as checks: named after themselves, saying the first line of their docstrings.
+
+    InputError where Python runs without assert (-O).
+    """
+    need_asserts()
     return tuple(Check(f.__name__, (f.__doc__ or "").splitlines()[0], f) for f in functions)
 
 

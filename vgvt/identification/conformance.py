@@ -30,6 +30,7 @@ from vgvt.data import (
     Record,
     modal_assurance,
 )
+from vgvt.data.plugin import need_asserts
 from vgvt.identification.citations import bibtex_entries
 from vgvt.identification.example import Example
 from vgvt.identification.isolation import forbidden_imports
@@ -61,7 +62,8 @@ class Check:
 
 
 def checks() -> tuple[Check, ...]:
-    """All checks, in the order in which a new plugin meets them."""
+    """All checks, in the order in which a new plugin meets them; InputError where Python runs without assert (-O)."""
+    need_asserts()
     functions = (
         is_a_frozen_dataclass_that_says_what_it_is,
         imports_nothing_that_knows_the_truth,

@@ -48,7 +48,7 @@ QUIET_V, LOUD_V = 0.05, 1.0
 
 
 def checks() -> tuple[Check, ...]:
-    """All checks, in the order in which a new effect meets them."""
+    """All checks, in the order in which a new effect meets them; InputError where Python runs without assert (-O)."""
     return (
         *declaration_checks(),
         *as_checks(
