@@ -132,7 +132,9 @@ def _explain(error: Exception, as_json: bool) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
-        return _explain(CommandError(f"the disk is full: {error.strerror}", _FULL_DISK_ADVICE), as_json)
+        # Of stdout, which may be a file on a full disk as well, no name is known.
+        advice = _FULL_DISK_ADVICE + (" with --out" if error.filename else "")
+        return _explain(CommandError(f"the disk is full: {error.strerror}", advice), as_json)
     if isinstance(error, OSError) and error.errno == errno.EFBIG:
         return _explain(CommandError(f"a file would be too large: {error.strerror}", _LARGE_FILE_ADVICE), as_json)
     if os.environ.get("VGVT_TRACEBACK"):
