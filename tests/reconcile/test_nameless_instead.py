@@ -93,6 +93,7 @@ def test_a_relative_gives_way_and_the_right_name_beside_it_stays(damped: Problem
     assert f"Not alone: one thing that has no name, {found.nameless.in_words}" in said
 
 
+@pytest.mark.slow
 def test_a_relative_alone_is_a_lead(damped: Problem, null: Fit, tmp_path_factory: pytest.TempPathFactory) -> None:
     scenario = roving_scenario()
     damper = KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE)

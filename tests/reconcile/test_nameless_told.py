@@ -62,6 +62,7 @@ def unexplained(null: Fit, *leads: tuple[str, dict[str, float], dict[str, Any]])
     return Attribution(null, before, (), null, before, (), (), leads=tuple(rounds), led=current if rounds else None)
 
 
+@pytest.mark.slow
 def test_a_delay_of_the_force_is_told_as_one_however_far_the_tolerances_were_bent(cache: Path) -> None:
     """The calibration has made up for it with masses and stiffnesses far out: from there alone it is not found."""
     case = case_with(cache, KNOWN["channel-delay"](delay_s=0.004, channels="force"))
@@ -85,6 +86,7 @@ def test_a_delay_of_the_force_is_told_as_one_however_far_the_tolerances_were_ben
     assert thing.document()["instead_of"] == [] and thing.document()["beside"] == []
 
 
+@pytest.mark.slow
 def test_beside_a_lead_that_stands_beside_it(cache: Path) -> None:
     """Half of two is in the catalogue and was a lead, as it took too little: both together meet the data."""
     gain, damper = KNOWN["channel-gain"](gain_error=0.3, channels="18+Z"), KNOWN["nonproportional-damper"]
@@ -219,6 +221,7 @@ def test_where_the_stated_aircraft_does_not_hang_the_other_starts_do(
     assert found.nameless is None or found.nameless.where.label == "force channel"
 
 
+@pytest.mark.slow
 def test_what_rings_within_the_band_is_no_thing_whose_law_is_smooth(cache: Path) -> None:
     """Its law gains a thousand nats, and leaves most of what is there to be told by the residual line by line."""
     case = case_with(cache, KNOWN["local-absorber"](mass_kg=0.1, frequency_hz=9.0, damping_ratio=0.05, **PLACE))

@@ -38,6 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
+@pytest.mark.slow
 def test_a_stay_reads_as_the_spring_and_the_dashpot_that_it_is(folder: Path) -> None:
     """Told as a user is told of it, where no effect has a name."""
 
