@@ -53,7 +53,7 @@ def _own_folder() -> Path | None:
     try:
         folder = Path(tempfile.gettempdir()) / ("vgvt-reconcile" if user is None else f"vgvt-reconcile-{user}")
         folder.mkdir(mode=0o700, exist_ok=True)
-        owned = user is None or (folder.lstat().st_uid == user and not folder.is_symlink())
+        owned = user is None or folder.lstat().st_uid == user  # of a link, who made it
     except OSError:
         return None
     return folder if owned else None
