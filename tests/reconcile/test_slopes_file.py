@@ -129,10 +129,21 @@ def test_nobody_keeps_anothers(temporary: Path, monkeypatch: pytest.MonkeyPatch)
     planted.mkdir()
     kept_without_a_folder()
     assert list(planted.iterdir()) == []
-    planted.rmdir()
-    planted.symlink_to(mine)
-    kept_without_a_folder()
     assert len(list(mine.iterdir())) == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="temporary files are each user's own there")
+@pytest.mark.parametrize("how", ["writable", "a link"])
+def test_a_folder_of_ones_own_that_others_may_fill_is_none(temporary: Path, how: str) -> None:
+    mine, elsewhere = temporary / f"vgvt-reconcile-{os.getuid()}", temporary / "elsewhere"
+    elsewhere.mkdir()
+    if how == "writable":
+        mine.mkdir()
+        mine.chmod(0o777)
+    else:
+        mine.symlink_to(elsewhere)
+    kept_without_a_folder()
+    assert list(mine.iterdir()) == list(elsewhere.iterdir()) == []
 
 
 def test_what_cannot_be_kept_is_made_again(temporary: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import stat
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -19,6 +20,7 @@ from vgvt.files.npz import read_npz
 Array = NDArray[np.float64]
 # Files that a folder keeps, some megabytes each: those of the scenarios that one works on.
 _FILES, _DIGITS = 20, 24
+_OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def kept_slopes(
@@ -53,10 +55,10 @@ def _own_folder() -> Path | None:
     try:
         folder = Path(tempfile.gettempdir()) / ("vgvt-reconcile" if user is None else f"vgvt-reconcile-{user}")
         folder.mkdir(mode=0o700, exist_ok=True)
-        owned = user is None or folder.lstat().st_uid == user  # of a link, who made it
+        there = folder.lstat()  # of a link itself, which others may write to
     except OSError:
         return None
-    return folder if owned else None
+    return folder if user is None or (there.st_uid == user and not there.st_mode & _OTHERS_WRITE) else None
 
 
 def _leave_newest(folder: Path) -> None:
