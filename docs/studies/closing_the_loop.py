@@ -59,7 +59,7 @@ from vgvt.scenario.streams import named_stream
 PLACEBOS, DRAWS, OPEN_DRAWS, PAIRS = 200, 20, 20, 60
 # Every fortieth campaign comes from MuJoCo's time domain: each of them takes as long as ten others.
 IN_TIME = 40
-GROUPS = ("placebo", "effect", "never", "removed", "family", "pair")
+GROUPS = ("placebo", "effect", "never", "removed", "family", "pair", "beside")
 
 
 def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, short: bool = False) -> list[Case]:
@@ -94,8 +94,9 @@ def plan(draws: int, placebos: int, open_draws: int, pairs: int, base: int = 1, 
         ]
         queues.append(taken_out)
     pair = [(names[i % len(names)], names[(7 * i + 3) % len(names)]) for i in range(pairs)]
-    queues.append(
-        [Case("pair", p, k, SIZES[2], NOISE[(k + 1) % 3], base=base) for k, p in enumerate(pair) if p[0] != p[1]]
+    queues.extend(
+        [Case(group, p, k, SIZES[2], NOISE[(k + 1) % 3], base=base) for k, p in enumerate(pair) if p[0] != p[1]]
+        for group in ("pair", "beside")
     )
     return [replace(case, short=short) for case in interleaved(queues)]
 

@@ -36,8 +36,11 @@ NOISE = (0.003, 0.01, 0.03)
 # What the second laboratory needs lies with the tests that check it.
 TESTS = Path(__file__).parents[2] / "tests"
 SIMULATION, SECOND = "simulation", "second laboratory"
-OPEN_SET = ("removed", "family", "never")
-"""Groups whose truth the analysis cannot name: it, or its whole family, was taken out, or no catalogue ever had it."""
+OPEN_SET = ("removed", "family", "never", "beside")
+"""Groups whose truth the analysis cannot name as a whole.
+
+It, its whole family, or one of two was taken out of the catalogue, or no catalogue ever had it.
+"""
 SHORT = (
     "added-inertia", "added-mass", "bend-twist-coupling", "channel-delay", "channel-gain", "drive-point-offset",
     "drive-remount", "high-pass-mismatch", "local-absorber", "loose-sensor-mount", "mount-compliance",
@@ -52,9 +55,9 @@ class Case:
     """One campaign and one question.
 
     ``group`` is 'placebo', 'effect', 'pair', 'removed' (from the registry), 'family' (removed with all of its family),
-    'never' (in it) or 'alone' (the only one in it); ``truth`` names the effects that act; ``size`` is a multiple of
-    what gets a name in 95 of 100 campaigns, as ``vgvt reconcile --power`` states it; ``source`` is the laboratory,
-    ``engine`` its solver.
+    'never' (in it), 'beside' (two act, and the second is removed) or 'alone' (the only one in it); ``truth`` names the
+    effects that act; ``size`` is a multiple of what gets a name in 95 of 100 campaigns, as ``vgvt reconcile --power``
+    states it; ``source`` is the laboratory, ``engine`` its solver.
     """
 
     group: str
@@ -80,7 +83,8 @@ class Case:
         """Whether the analysis does not know an effect of the registry."""
         if self.group == "family":
             return family_of(name) in map(family_of, self.truth)
-        return self.group == "removed" and name in self.truth
+        gone = {"removed": self.truth, "beside": self.truth[1:]}
+        return name in gone.get(self.group, ())
 
     @property
     def key(self) -> str:

@@ -63,6 +63,17 @@ def open_set_right(row: Row) -> bool:
     return row["verdict"] == "unknown" or (row["verdict"] == "partly_explained" and bool(row["near"]))
 
 
+def half_right(row: Row) -> bool:
+    """Of two effects of which one was taken out: unknown, or explained in part by the other one and nothing else."""
+    alone = row["answer"] == "part" and " | " not in row["named"]
+    return row["verdict"] == "unknown" or (row["verdict"] == "partly_explained" and alone)
+
+
+def other_told(row: Row) -> bool:
+    """Of two effects of which one was taken out: whether the other one is named, or a lead."""
+    return row["answer"] == "part" or row["truth"].split("+")[0] in row["leads"].split(" | ")
+
+
 def twin(row: Row) -> bool:
     """Whether what is named does as well as the truth itself would, within what counts as equal: nothing tells them."""
     told = row.get("told_ahead_nats")
@@ -130,7 +141,7 @@ def headline(rows: Sequence[Row]) -> str:
 def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """Every rate with what was promised of it."""
     effect, pair = [r for r in judged(rows, "effect") if visible(r)], judged(rows, "pair")
-    never, removed, family = (judged(rows, group) for group in ("never", "removed", "family"))
+    never, removed, family, beside = (judged(rows, group) for group in ("never", "removed", "family", "beside"))
     return [
         ("placebo: an effect named", "≤ 2 %", rate(judged(rows, "placebo"), named)),
         ("placebo: not called adequate", "", rate(judged(rows, "placebo"), lambda r: r["verdict"] != "adequate")),
@@ -152,6 +163,8 @@ def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
          rate(removed, lambda r: open_set_right(r) or relative(r))),
         ("removed with its whole family: unknown, or partly with its place", "≥ 90 %", rate(family, open_set_right)),
         ("two effects: both named", "≥ 75 %", rate(pair, in_set)),
+        ("two effects, one of them removed: unknown, or partly by the other one alone", "", rate(beside, half_right)),
+        ("… the other one named, or a lead", "", rate(beside, other_told)),
         ("stated intervals of 95 % that hold the true size or place, truth named alone", "95 %", rate(
             [{"off": d} for r in effect if r["answer"] == "right" for d in deviations_of(r)],
             lambda d: abs(d["off"]) <= CONFIDENCE_Z)),
@@ -164,7 +177,8 @@ def _promises(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
 def by_verdict(rows: Sequence[Row]) -> str:
     """What was true behind each verdict: how many are right, and what the others were."""
     groups = {"placebo": "nothing missing", "effect": "one effect", "pair": "two", "removed": "removed",
-              "family": "removed with its family", "never": "never catalogued"}  # fmt: skip
+              "family": "removed with its family", "beside": "one of two removed",
+              "never": "never catalogued"}  # fmt: skip
     lines = []
     for verdict in JUDGED:
         mine = [r for r in rows if r["verdict"] == verdict]
@@ -178,7 +192,7 @@ _RIGHT = {
     "adequate": "nothing is missing, or what is there is below what gets a name",
     "explained": "the truth is in the answer",
     "ambiguous": "the truth is in the answer",
-    "partly_explained": "the truth is in the answer, or is in no catalogue and sits at the place that is told",
+    "partly_explained": "the truth, or all of it that can be, is in the answer, or sits at the place that is told",
     "unknown": "the truth is not in the catalogue",
 }
 
@@ -190,6 +204,8 @@ def _verdict_right(row: Row) -> bool:
         return row["group"] == "placebo" or (row["group"] == "effect" and not visible(row))
     if row["verdict"] == "unknown":
         return open_set
+    if row["group"] == "beside":
+        return half_right(row)
     return open_set_right(row) if open_set else in_set(row)
 
 
@@ -272,7 +288,7 @@ def confusion(rows: Sequence[Row]) -> Counter[tuple[str, str]]:
     """How often each truth got each answer: the truth where it is in the set, else the first name, else the verdict."""
     counts: Counter[tuple[str, str]] = Counter()
     for row in rows:
-        if row["verdict"] not in JUDGED or row["group"] == "pair":
+        if row["verdict"] not in JUDGED or row["group"] in ("pair", "beside"):
             continue
         truth = row["truth"] or "no effect"
         label = f"{truth} ({row['group']})" if row["group"] in OPEN_SET else truth

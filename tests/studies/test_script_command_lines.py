@@ -97,7 +97,7 @@ def test_a_count_is_a_whole_number_above_none(
         (
             "closing_the_loop",
             ["new", "--only", "placebos"],
-            "one of: effect, family, never, pair, placebo, removed",
+            "one of: beside, effect, family, never, pair, placebo, removed",
         ),
         ("closing_the_loop", ["new", "--draws", "0"], "argument --draws: '0' does not do"),
         ("closing_the_loop", ["new", "--placebos", "-1"], "argument --placebos: '-1' does not do"),

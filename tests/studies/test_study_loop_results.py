@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import closing_the_loop as study
 import loop_cases
 import loop_results
+import loop_work
 import pytest
 import scipy.stats
 from loop_cases import Case
@@ -105,3 +107,37 @@ def test_what_was_taken_out_with_its_family_has_a_row_of_its_own() -> None:
     assert "| removed from the catalogue: unknown, or partly with its place | ≥ 90 % | – |" in said
     assert "removed with its family 1" in loop_results.by_verdict(rows)
     assert loop_results.confusion(rows) == {("a (family)", "unknown"): 1, ("a (family)", "b"): 1}
+
+
+def test_of_two_the_second_is_taken_out() -> None:
+    """The records hold both; what is asked is whether the other one is found, and what is missing is not hidden."""
+    case = Case("beside", ("added-mass", "run-drift"), 0, 6.0, 0.01)
+    assert set(case.catalogue) == set(available_effects()) - {"run-drift"}
+    planned = {c.truth for c in study.plan(1, 1, 1, 8) if c.group == "beside"}
+    assert planned == {c.truth for c in study.plan(1, 1, 1, 8) if c.group == "pair"}
+
+
+@pytest.mark.parametrize(
+    ("verdict", "named", "leads", "right", "told"),
+    [
+        ("unknown", "", "a | c", True, True), ("unknown", "", "", True, False),
+        ("partly_explained", "a or c", "", True, True), ("partly_explained", "a | c", "", False, True),
+        ("partly_explained", "c", "", False, False), ("explained", "a", "", False, True),
+        ("adequate", "", "", False, False),
+    ],
+)  # fmt: skip
+def test_what_is_left_of_two_is_named_in_part_and_alone(
+    verdict: str, named: str, leads: str, right: bool, told: bool
+) -> None:
+    """What explains the rest away is worse than to say that something is unknown."""
+    sets = [tuple(part.split(" or ")) for part in named.split(" | ")] if named else []
+    row = {"group": "beside", "truth": "a+b", "verdict": verdict, "named": named, "leads": leads, "core": "c",
+           "answer": loop_work.answer(("a", "b"), verdict, sets), "near": False}  # fmt: skip
+    said = loop_results.headline([row])
+    assert (
+        f"| two effects, one of them removed: unknown, or partly by the other one alone |  | {right:d} of 1, " in said
+    )
+    assert f"| … the other one named, or a lead |  | {told:d} of 1, " in said
+    beside = loop_results.by_verdict([row]).splitlines()
+    assert any(f"{right:d} of 1, " in line for line in beside)
+    assert not loop_results.confusion([row])
