@@ -15,7 +15,7 @@ from vgvt.effects import available_effects
 from vgvt.effects.beams import with_beams
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
-from vgvt.reconcile.outcome.augment import augment
+from vgvt.reconcile.outcome.augment import augment, posterior_of
 from vgvt.reconcile.outcome.cells import at_whole_cells
 from vgvt.reconcile.outcome.instruments import gain_tables
 from vgvt.reconcile.outcome.resimulate import accelerances, beyond_limits, quiet, resimulated
@@ -63,6 +63,9 @@ def test_a_force_gauge_that_reads_too_much_is_in_the_file(cache: Path, tmp_path:
     written = augmented(scenario, found, tmp_path)
     (force,) = (t for t in written.effect if t.parameters["channels"] == "force")
     assert force.name == "channel-gain" and force.parameters["gain_error"] == pytest.approx(0.02, abs=0.008)
+    # What the calibration tells is what the gauge does, not what that does to A/F.
+    (told,) = (r for r in posterior_of(found) if r["name"] == "gain force")
+    assert told["factor"] == pytest.approx(1 + force.parameters["gain_error"], abs=0.002)
     again = resimulated(written, found)
     bare = resimulated(written.model_copy(update={"effect": ()}), found)
     assert again.comparison is not None and bare.comparison is not None and again.apart is not None

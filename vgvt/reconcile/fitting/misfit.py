@@ -74,7 +74,7 @@ def jacobian(anchored: Linearised, u: Array, e: Array, predicted: ComplexArray, 
     plain = chain_factor(problem, u[known:], None)
     for k, nuisance in enumerate(problem.nuisances):
         if nuisance.kind == "gain":
-            changes.append(nuisance.sd * here * nuisance.rows[keep, None])
+            changes.append(nuisance.power * nuisance.sd * here * nuisance.rows[keep, None])
         else:
             moved = u[known:].copy()
             moved[k] += _STEP

@@ -40,10 +40,7 @@ def gain_tables(scenario: Scenario, fit: Fit) -> tuple[EffectTable, ...]:
         choice = nuisance.name.removeprefix("gain ")
         if nuisance.kind != "gain":
             continue
-        if choice == "force":
-            # What reads too much of the force makes A/F smaller.
-            tables += _gain(choice, 1 / factor)
-        elif choice.startswith("sensor-"):
+        if choice == "force" or choice.startswith("sensor-"):
             tables += _gain(choice, factor)
         else:
             run, label = _channel(scenario, fit.problem.measured, nuisance)

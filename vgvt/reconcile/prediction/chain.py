@@ -44,7 +44,7 @@ def _plain(problem: Problem, packed: bytes) -> ComplexArray:
     corners = {"corner force": scenario.transducer.high_pass_hz, "corner sensors": scenario.accelerometers.high_pass_hz}
     for nuisance, u in zip(problem.nuisances, scores, strict=True):
         with np.errstate(over="ignore"):  # a trial step may go anywhere: it is refused for what it predicts
-            factor = float(np.exp(nuisance.sd * u))
+            factor = float(np.exp(nuisance.power * nuisance.sd * u))
         if nuisance.kind == "gain":
             gain = gain * np.where(nuisance.rows, factor, 1.0)
         else:

@@ -38,12 +38,16 @@ CELLS = Unknown("cells", "refinement of the beams' cells", "", 0.5, "bounded", l
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nuisance:
-    """A gain or corner of the measuring chain with a unit normal prior; ``rows`` (C,) are the channels it scales."""
+    """A gain or corner of the measuring chain with a unit normal prior; ``rows`` (C,) are the channels it scales.
+
+    A gain scales A/F by its ``power``: what reads too much of the force makes it smaller.
+    """
 
     name: str
     sd: float
     kind: str
     rows: NDArray[np.bool_]
+    power: int = 1
 
     def __repr__(self) -> str:
         return f"<Nuisance {self.name}: ± {100 * self.sd:.3g} %, of {counted(int(self.rows.sum()), 'channel')}>"
@@ -248,7 +252,7 @@ def nuisances_of(scenario: Scenario, measured: Measured) -> tuple[Nuisance, ...]
     """What the tolerances leave open of the measuring chain of a campaign."""
     t, count = scenario.tolerances, len(measured.channels)
     everything = np.ones(count, dtype=bool)
-    found = [Nuisance("gain force", t.gain, "gain", everything)]
+    found = [Nuisance("gain force", t.gain, "gain", everything, power=-1)]
     instruments = np.array([c.instrument for c in measured.channels])
     found += [Nuisance(f"gain sensor-{k + 1}", t.gain, "gain", instruments == k) for k in np.unique(instruments)]
     # With every sensor in one place only its own gain and its channel's are the same thing.
