@@ -21,6 +21,12 @@ from vgvt.reconcile.question.problem import CELLS
 NAMES = tuple(f"unknown {k}" for k in range(30))
 
 
+@pytest.fixture(autouse=True)
+def every_parameter_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fits here are made up, and have no tangent that could say otherwise."""
+    monkeypatch.setattr(reasons, "untold_parameters", lambda fit, index: ())
+
+
 def fitted(*far: float, converged: bool = True) -> Any:
     """A fit with some far scores."""
     scores = np.zeros(len(NAMES))
@@ -197,7 +203,7 @@ def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     about = found(fitted(), fitted())
     winner: Any = SimpleNamespace(
         name="root-freeplay", hypothesis=SimpleNamespace(label="root-freeplay", linear=False), gain_nats=90.0,
-        lasting_nats=80.0, held_out=1.4, fit=SimpleNamespace(chi2_per_dof=1.3),
+        lasting_nats=80.0, held_out=1.4, fit=SimpleNamespace(chi2_per_dof=1.3, hypotheses=(None,)),
     )  # fmt: skip
     about.rounds = (Addition(winner, (winner,), (winner,), 3.6),)
     about.null.problem = SimpleNamespace(names=NAMES, measured=SimpleNamespace(harmonics=()))

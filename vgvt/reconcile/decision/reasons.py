@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from vgvt.data.shown import listed
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
@@ -13,6 +14,7 @@ from vgvt.reconcile.decision.place_control import open_places
 from vgvt.reconcile.evidence.localise import Localisation, words_of_place
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.rivals import Rival
+from vgvt.reconcile.evidence.untold import untold_parameters
 from vgvt.reconcile.question.harmonics import words_of
 from vgvt.reconcile.question.level_grid import several_levels
 from vgvt.reconcile.question.thresholds import Thresholds
@@ -136,6 +138,9 @@ def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
         if r.name not in beside
     ]
     said += [f"Its place is not determined: {where} it explains the data as well" for where in open_places(addition)]
+    untold = untold_parameters(winner.fit, len(winner.fit.hypotheses) - 1)
+    if untold:
+        said.append(f"No record told {listed(untold)} of {winner.name}: nothing that is foretold depends on it")
     return said
 
 

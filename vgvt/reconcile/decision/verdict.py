@@ -12,6 +12,7 @@ from vgvt.reconcile.evidence.localise import Localisation, words_of_place
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.evidence.shared_roots import idle_parameters
+from vgvt.reconcile.evidence.untold import untold_parameters
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.suggest import Suggestion
 from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation
@@ -24,7 +25,8 @@ from vgvt.view.reconcile_wording import fitted_text
 class NamedEffect:
     """An effect that the data name: parameters {name: (value, standard deviation, unit)}, its settings, its evidence.
 
-    A stiffness that it would have given a root which is jointed already is no parameter of it.
+    A stiffness that it would have given a root which is jointed already is no parameter of it, nor is what nothing that
+    is foretold depends on.
 
     ``equivalent`` are the names of effects that explain the data as well; ``ranges`` are 95 % intervals by parameter.
     """
@@ -162,7 +164,7 @@ def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...
     for k, addition in enumerate(rounds):
         winner = addition.winner
         others = tuple(dict.fromkeys(r.name for r in addition.alike if r.name != winner.name))
-        cls, idle = winner.hypothesis.cls, idle_parameters(final, k)
+        cls, idle = winner.hypothesis.cls, idle_parameters(final, k).union(untold_parameters(final, k))
         names.append(
             NamedEffect(
                 winner.name,

@@ -15,6 +15,7 @@ from vgvt.reconcile.decision.verdict import NamedEffect, Verdict
 from vgvt.reconcile.evidence.localise import HARDLY
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.residual import Residual
+from vgvt.reconcile.evidence.untold import untold_parameters
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.power_rows import power_rows
 from vgvt.reconcile.outcome.augment import posterior_of
@@ -176,8 +177,10 @@ def _candidates(found: Attribution, limits: Thresholds) -> tuple[CandidateRow, .
 
 
 def _candidate(k: int, rival: Rival, before: float | None, standing: Standing) -> CandidateRow:
-    values = rival.fit.values(len(rival.fit.hypotheses) - 1)
-    fitted = ", ".join(f"{name} {value:.4g} {unit}".rstrip() for name, (value, _, unit) in values.items())
+    last = len(rival.fit.hypotheses) - 1
+    values, untold = rival.fit.values(last), untold_parameters(rival.fit, last)
+    told = ((name, value) for name, value in values.items() if name not in untold)
+    fitted = ", ".join(f"{name} {value:.4g} {unit}".rstrip() for name, (value, _, unit) in told)
     label = rival.hypothesis.label
     nats = (rival.gain_nats, rival.raw_nats, rival.lasting_nats)
     return CandidateRow(k, label, *nats, before, rival.held_out, standing, fitted, rival.fit.converged)
