@@ -185,6 +185,7 @@ def _reconciled(
     from vgvt.files.manifest import file_sha256
     from vgvt.reconcile.loop import reconcile as close_the_loop
     from vgvt.reconcile.outcome.account import account_of
+    from vgvt.view.reconcile_document import account_document
     from vgvt.view.reconcile_page import write_reconcile_page
     from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence, warnings_of
 
@@ -209,6 +210,7 @@ def _reconciled(
         write_reconcile_page(folder.cache / folder.report.name, account)
     document: dict[str, Any] = {
         **verdict.document(),
+        **account_document(account),
         "sentence": verdict_sentence(account),
         "next_steps": next_steps(account),
         "would_disprove_it": disproofs(account),
