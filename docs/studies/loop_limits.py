@@ -32,8 +32,8 @@ def own_ratio(told: Fit, truth: dict[str, dict[str, Any]]) -> float | None:
     for name, said in truth.items():
         cls = available_effects()[name]
         sizes = {p.name for p in parameters_of(cls) if p.neutral is not None}
-        share = candidates(told.problem, {name: cls})[0].share
-        fixed = Hypothesis(cls, {k: v for k, v in said.items() if k not in sizes}, share)
+        one = candidates(told.problem, {name: cls})[0]
+        fixed = Hypothesis(cls, {k: v for k, v in said.items() if k not in sizes}, one.share, places=one.places)
         limits = {p.parameter: p.named for p in power(here, [fixed])}
         found += [abs(said[s]) / limits[s] for s in sizes & said.keys() if np.isfinite(limits.get(s, np.nan))]
     return max(found, default=None)

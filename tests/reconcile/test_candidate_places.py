@@ -92,6 +92,25 @@ def test_a_tie_is_offered_with_both_its_ends_and_fitted_with_both_free() -> None
     assert sum(h.share for h in variants) == pytest.approx(1.0)
 
 
+def test_a_place_that_is_fitted_is_paid_for_by_its_prior_alone(tmp_path: Path) -> None:
+    """With its place free every variant of a mass is the same one; when a payload came is still a choice of a run.
+
+    Paid for as one of all places as well, a mass was ten or twenty times less likely than a transducer's, which has no
+    place to pay for.
+    """
+    scenario = roving_scenario()
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path)
+    known = available_effects()
+    runs = len(scenario.acquisition.runs) - 1
+    choices = {"added-mass": 1, "local-absorber": 1, "cable-bundle": 1, "payload-change": runs, "transducer-mass": 1}
+    for name, count in choices.items():
+        variants = candidates(case, {name: known[name]})
+        assert sum(h.share for h in variants) == pytest.approx(1.0)
+        assert {round(1 / freed(h).share, 9) for h in variants} == {count}, name
+        # What is free already is not freed once more.
+        assert freed(freed(variants[0])).share == freed(variants[0]).share
+
+
 def test_what_one_run_alone_shows_of_a_point_cannot_have_drifted(tmp_path: Path) -> None:
     """Every point is in one run only, but sensors go through all of them: a gain that was always wrong has one name."""
     scenario = roving_scenario()

@@ -124,7 +124,7 @@ def _round(addition: Addition) -> dict[str, Any]:
 def _rival(r: Rival) -> dict[str, Any]:
     return {
         "effects": [
-            {"name": h.name, "settings": dict(h.settings), "share": h.share, "spans": dict(h.spans)}
+            {"name": h.name, "settings": dict(h.settings), "share": h.share, "spans": dict(h.spans), "places": h.places}
             for h in r.fit.hypotheses
         ],
         "fit": _ended(r.fit),
@@ -143,7 +143,11 @@ def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any
 def _as_rival(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any]) -> Rival:
     hypotheses = tuple(
         Hypothesis(
-            known[h["name"]], h["settings"], h["share"], {k: (v[0], v[1]) for k, v in h.get("spans", {}).items()}
+            known[h["name"]],
+            h["settings"],
+            h["share"],
+            {k: (v[0], v[1]) for k, v in h.get("spans", {}).items()},
+            h.get("places", 1),
         )
         for h in row["effects"]
     )

@@ -170,9 +170,11 @@ def _offers(winner: Fit) -> list[tuple[str, Hypothesis, dict[str, float]]]:
     if _moved(ends, there) > APART_M:
         placed = {k: v for pair, point in zip(PLACES, there, strict=False) for k, v in zip(pair, point, strict=True)}
         offers.append(("at the mirror image", free, {**values, **placed}))
-    stations = sorted((p for p in places(winner.problem) if _apart(p, place) > APART_M), key=lambda p: _apart(p, place))
+    every = places(winner.problem)
+    stations = sorted((p for p in every if _apart(p, place) > APART_M), key=lambda p: _apart(p, place))
     for p in stations[:_NEIGHBOURS]:
-        held = replace(free, settings={**free.settings, "x_m": p[0], "y_m": p[1]})
+        there_alone = {**free.settings, "x_m": p[0], "y_m": p[1]}
+        held = replace(free, settings=there_alone, share=free.share / len(every), places=len(every))
         rest = {k: v for k, v in values.items() if k not in ("x_m", "y_m")}
         offers.append((f"at x = {p[0]:.2f} m, y = {p[1]:.2f} m", held, rest))
     return offers

@@ -53,7 +53,8 @@ def nameable_ratio(
     enough.
     """
     neutral = float(p.neutral or 0.0)
-    name, beside = p.name, len(freed(hypothesis).parameters) - 1
+    free = freed(hypothesis)
+    name, beside = p.name, len(free.parameters) - 1
     index = [q.name for q in hypothesis.parameters].index(name)
 
     def score(change: float) -> float:
@@ -67,7 +68,7 @@ def nameable_ratio(
         stretch = 2 * _SLIGHTLY / (score(change * (1 + _SLIGHTLY)) - score(change * (1 - _SLIGHTLY)))
         told = raw * ratio**power
         freedom = 0.5 * math.log1p((power * told * stretch) ** 2) + 0.5 * beside * math.log1p(told**2)
-        paid = freedom + 0.5 * score(change) ** 2 - math.log(hypothesis.share)
+        paid = freedom + 0.5 * score(change) ** 2 - math.log(free.share)
         return 0.5 * seen**2 - _DEVIATE * seen - paid - threshold_nats
 
     low, high = math.log(_LEAST), math.log(_MOST)

@@ -33,12 +33,14 @@ class Hypothesis:
     deviations around its middle, or around the neutral value where that lies inside.
     ``share`` is the prior probability that this variant gets of its effect's (the look-elsewhere factor).
     ``spans`` are plausible ranges of this aircraft by parameter, where they are not those of the catalogue: its places.
+    ``places`` is how many variants differ by their place alone: with its place free one stands for all of them.
     """
 
     cls: type
     settings: Mapping[str, Any] = field(default_factory=dict)
     share: float = 1.0
     spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    places: int = 1
 
     def __repr__(self) -> str:
         ranges = [f"{p.name} {p.low:.4g} to {p.high:.4g} {p.unit}".rstrip() for p in self.parameters]

@@ -63,7 +63,8 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
         if _refusal(problem, cls, variants) is not None:
             continue
         spans = reach(parameters_of(cls), box)
-        found += [Hypothesis(cls, settings, 1.0 / len(variants), spans) for settings in variants]
+        count = len({tuple(v.get(name) for name in _TIED) for v in variants})
+        found += [Hypothesis(cls, settings, 1.0 / len(variants), spans, count) for settings in variants]
     return tuple(found)
 
 
@@ -131,10 +132,15 @@ def _act_once(problem: Problem, hypothesis: Hypothesis) -> None:
 
 
 def freed(hypothesis: Hypothesis) -> Hypothesis:
-    """The same variant with its place, if it has one, free to be fitted; a size that was left out stays out."""
+    """The same variant with its place, if it has one, free to be fitted; a size that was left out stays out.
+
+    It stands for the variants at all places then: the prior of a place that is fitted pays for where it is, once.
+    """
     placed = {p.name for p in parameters_of(hypothesis.cls) if p.neutral is None}
     kept = {k: v for k, v in hypothesis.settings.items() if k not in placed}
-    return dataclasses.replace(hypothesis, settings=kept)
+    if len(kept) == len(hypothesis.settings):
+        return hypothesis
+    return dataclasses.replace(hypothesis, settings=kept, share=hypothesis.share * hypothesis.places, places=1)
 
 
 def places(problem: Problem) -> tuple[tuple[float, float], ...]:
