@@ -69,6 +69,11 @@ def held_out_note(account: Account) -> str:
         else "Held out of every fit, fixed by the scenario's seed before the first one"
     )
     text = f"{when}: {'; '.join(said)}."
+    if account.changed:
+        text += (
+            " What was named had to foretell them, so that their error after it is the least of several that were "
+            "tried: a run that is measured afterwards is the blind test."
+        )
     return f'<p class="note">{escaped(text)}</p>'
 
 
