@@ -16,6 +16,7 @@ from vgvt.view.reconcile_account import (
     PlaceRow,
     PosteriorRow,
     PowerRow,
+    SeenRow,
     SuggestionRow,
 )
 
@@ -110,7 +111,19 @@ def account(kind: str = "ambiguous", named: bool = True) -> Account:
             PosteriorRow("EI wing", "EI of the wing", -4.2, 0.3, "× 0.66 ± 0.02"),
             PosteriorRow("drive x", "drive point, x", 0.1, 0.9, "+0.0005 ± 0.0045 m", "0.635 m", "0.6355 m"),
         ),
-        modes=(ModeRow(16.5, 15.0, 0.02, 0.02, 0.99, (40.0, 0.5), (41.0, 0.6)),),
+        modes=(
+            ModeRow(
+                16.5,
+                15.0,
+                0.02,
+                0.02,
+                0.99,
+                (40.0, 0.5),
+                (41.0, 0.6),
+                SeenRow(15.02, 0.004, 0.021, 0.0003, (9.85, -0.13), (-4.8, None), (0.912, 0.998)),
+            ),
+            ModeRow(22.25, None, 0.01, None, None, (3.0, 3.1), None),
+        ),
         power=(
             PowerRow("added-mass", "added-mass", "mass_kg", "kg", 0.01, 0.016, 0.002, 0.2, (("local-absorber", 0.93),)),
             PowerRow("mains-hum", "mains-hum", "amplitude_v", "V", np.inf, np.inf, 0.0, 0.1),

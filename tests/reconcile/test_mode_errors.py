@@ -97,6 +97,33 @@ def test_a_model_that_changes_between_runs_is_held_against_one_that_does_not(bea
     assert model_modes(drift).shapes.shape == model_modes(later).shapes.shape
 
 
+def test_both_models_are_held_against_the_modes_that_were_measured(beam: Fit) -> None:
+    """Records of the model itself: it has no error, and a mass on it has what that does to its own modes."""
+    problem = replace(beam.problem, measured=replace(beam.problem.measured, values=beam.predicted))
+    heavy = claimed(problem, "added-mass", {"mass_kg": 0.1, "x_m": 0.0, "y_m": 0.45})
+    rows = mode_rows(replace(beam, problem=problem), heavy)
+    paired = [r for r in rows if r.before_hz and r.after_hz and r.seen]
+    assert len(paired) >= 3
+    for row in paired:
+        seen, shift = row.seen, 100 * (row.after_hz / row.before_hz - 1)
+        assert seen is not None and None not in (*seen.frequency_error_percent, *seen.mac)
+        before, after = seen.frequency_error_percent
+        assert before == pytest.approx(0.0, abs=0.02) and after == pytest.approx(shift, abs=0.05)
+        assert seen.damping_error_percent[0] == pytest.approx(0.0, abs=0.5)
+        assert seen.mac[0] > 0.9999 and 0.3 < seen.mac[1] < 1.0
+        assert seen.frequency_hz == pytest.approx(row.before_hz, rel=2e-3)
+    assert min(100 * (r.after_hz / r.before_hz - 1) for r in paired) < -1.0
+
+
+def test_a_mode_that_the_records_do_not_show_has_nothing_measured(beam: Fit) -> None:
+    """White noise in place of records."""
+    g, values = np.random.default_rng(1), beam.problem.measured.values
+    noise = g.standard_normal(values.shape) + 1j * g.standard_normal(values.shape)
+    deaf = replace(beam.problem, measured=replace(beam.problem.measured, values=noise))
+    rows = mode_rows(replace(beam, problem=deaf), replace(beam, problem=deaf))
+    assert rows and sum(row.seen is None for row in rows) >= len(rows) - 1
+
+
 def test_the_own_gain_of_a_held_out_channel_is_left_open_as_on_the_rest_of_the_page(beam: Fit) -> None:
     """No other record tells it: 0.6 % within its tolerance is no error of the model, and none of the table."""
     problem = beam.problem

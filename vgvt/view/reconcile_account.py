@@ -149,10 +149,28 @@ class PosteriorRow:
 
 
 @dataclass(frozen=True, slots=True)
+class SeenRow:
+    """A mode as records show it, and how far both models are from that, before and after, by the same fit of each.
+
+    Frequency and damping errors in per cent of what was measured, MAC of the shapes over all channels; None where a
+    model does not show the mode.
+    """
+
+    frequency_hz: float
+    frequency_std_hz: float
+    damping_ratio: float
+    damping_std: float
+    frequency_error_percent: tuple[float | None, float | None]
+    damping_error_percent: tuple[float | None, float | None]
+    mac: tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True)
 class ModeRow:
     """A mode of both models and the error around it, before and after, on train and held-out channels.
 
     Errors are medians over channels of |predicted - measured| over |measured|, per cent, in a window around the mode.
+    ``seen`` is the mode as the records show it, None where they do not.
     """
 
     before_hz: float | None
@@ -162,6 +180,7 @@ class ModeRow:
     mac: float | None
     train_percent: tuple[float, float]
     held_out_percent: tuple[float, float] | None
+    seen: SeenRow | None = None
 
 
 @dataclass(frozen=True, slots=True)

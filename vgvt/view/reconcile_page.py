@@ -15,6 +15,7 @@ from vgvt.view.html_page import escaped, figure_data, figure_element, html_page
 from vgvt.view.reconcile_account import Account, PowerRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
 from vgvt.view.reconcile_law import law_figure
+from vgvt.view.reconcile_modes import modes_section
 from vgvt.view.reconcile_residual import held_out_note, residual_table
 
 _MAP = (
@@ -75,7 +76,7 @@ def render_reconcile_page(account: Account) -> str:
         "nameless": ("One thing without a name", _nameless(account, data)),
         "candidates": ("Candidates", _candidates(account, data)),
         "error": ("Error before and after" if account.changed else "Error", parts.error_section(account)),
-        "modes": ("Mode by mode", parts.modes_section(account)),
+        "modes": ("Mode by mode", modes_section(account)),
         "responses": ("Responses", _responses(account, data)),
         "tests": ("The next test", parts.tests_section(account)),
         "power": ("What this campaign could see", parts.power_section(account.power)),

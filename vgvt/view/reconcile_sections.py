@@ -8,7 +8,7 @@ import numpy as np
 
 from vgvt.view.html_page import escaped
 from vgvt.view.reconcile_account import Account, CandidateRow, PowerRow
-from vgvt.view.reconcile_markup import improvement, listed, number, percent, table
+from vgvt.view.reconcile_markup import listed, number, table
 from vgvt.view.reconcile_wording import (
     DATA_SETS,
     KINDS,
@@ -96,36 +96,6 @@ def error_section(account: Account) -> str:
 
 def _merit_cells(merit: Mapping[str, float]) -> list[str]:
     return [format(merit[figure], form) for figure, _, form in _MERITS]
-
-
-def modes_section(account: Account) -> str:
-    """Mode by mode: frequency, damping and the error around it, before and after."""
-    if not account.modes:
-        return ""
-    pair = account.changed
-    heads: tuple[str, ...] = (
-        ("before, Hz", "after, Hz", "ζ before, %", "ζ after, %", "MAC", "error fitted, %", "error held out, %")
-        if pair
-        else ("model, Hz", "ζ, %", "error fitted, %", "error held out, %")
-    )
-    rows: list[tuple[str, ...]] = []
-    for m in account.modes:
-        if pair:
-            held = "" if m.held_out_percent is None else improvement(m.held_out_percent)
-            rows.append(
-                (number(m.before_hz, ".3f"), number(m.after_hz, ".3f"), percent(m.before_damping_ratio),
-                 percent(m.after_damping_ratio), number(m.mac, ".3f"), improvement(m.train_percent), held)
-            )  # fmt: skip
-        else:
-            held = "" if m.held_out_percent is None else f"{m.held_out_percent[0]:.1f}"
-            rows.append(
-                (number(m.before_hz, ".3f"), percent(m.before_damping_ratio), f"{m.train_percent[0]:.1f}", held)
-            )
-    note = (
-        "Modes of the models in their first run, paired by shape (MAC between the two). Errors: median over channels "
-        "of |predicted - measured| relative to |measured|, in a window of three half-power widths around the mode."
-    )
-    return f'<p class="note">{escaped(note)}</p>{table(heads, rows)}'
 
 
 def places_table(account: Account, count: int = 10) -> str:

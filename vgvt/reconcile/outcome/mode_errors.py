@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,12 +11,14 @@ from numpy.typing import NDArray
 from vgvt.data.shown import counted, in_columns
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.mechanics.response import poles_of
+from vgvt.reconcile.outcome.measured_modes import SeenMode, mac_of_residues, seen_modes
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.problem import Problem
-from vgvt.view.reconcile_account import ModeRow
+from vgvt.view.reconcile_account import ModeRow, SeenRow
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+_Pairs = list[tuple[int | None, int | None]]
 
 # A window of this many half-power widths each side, at least this share of the frequency and these many lines.
 _WIDTHS, _SHARE, _FEWEST_LINES = 3.0, 0.01, 5
@@ -66,8 +69,9 @@ def mode_rows(before: Fit, after: Fit) -> tuple[ModeRow, ...]:
     pairs = _pairs(first, second)
     # As on the rest of a page: the own gain of a held-out channel is no error of either model.
     foretold = (before.foretold, after.foretold)
+    seen = _seen(before.problem, foretold, first, second, pairs)
     rows = []
-    for i, j in pairs:
+    for (i, j), shown in zip(pairs, seen, strict=True):
         f = second.frequency_hz[j] if j is not None else first.frequency_hz[i]
         damping = second.damping_ratio[j] if j is not None else first.damping_ratio[i]
         errors = _errors(before.problem, foretold, float(f), float(damping))
@@ -75,13 +79,49 @@ def mode_rows(before: Fit, after: Fit) -> tuple[ModeRow, ...]:
         rows.append(
             ModeRow(
                 _at(first.frequency_hz, i), _at(second.frequency_hz, j), _at(first.damping_ratio, i),
-                _at(second.damping_ratio, j), mac, *errors,
+                _at(second.damping_ratio, j), mac, *errors, shown,
             )
         )  # fmt: skip
     return tuple(sorted(rows, key=lambda r: r.after_hz or r.before_hz or 0.0))
 
 
-def _pairs(first: ModelModes, second: ModelModes) -> list[tuple[int | None, int | None]]:
+def _seen(
+    problem: Problem, foretold: tuple[ComplexArray, ComplexArray], first: ModelModes, second: ModelModes, pairs: _Pairs
+) -> list[SeenRow | None]:
+    """What the records show of each pair of modes, and of each of the models beside."""
+    measured, used = problem.measured, problem.measured.used
+    run_of = np.array([c.run for c in measured.channels])[used]
+
+    def shown(values: ComplexArray, modes: Sequence[tuple[ModelModes, int] | None]) -> list[SeenMode | None]:
+        """Of a mode for each that there is."""
+        there = [m for m in modes if m is not None]
+        starts = ([float(m.frequency_hz[k]) for m, k in there], [float(m.damping_ratio[k]) for m, k in there])
+        found = iter(seen_modes(values[used], measured.sigma[used], measured.frequency_hz, run_of, *starts))
+        return [None if m is None else next(found) for m in modes]
+
+    earlier = [None if i is None else (first, i) for i, _ in pairs]
+    later = [None if j is None else (second, j) for _, j in pairs]
+    records = shown(measured.values, [j or i for i, j in zip(earlier, later, strict=True)])
+    models = (shown(foretold[0], earlier), shown(foretold[1], later))
+    return [
+        None if found is None else _seen_row(found, (before, after))
+        for found, before, after in zip(records, *models, strict=True)
+    ]
+
+
+def _seen_row(found: SeenMode, models: tuple[SeenMode | None, SeenMode | None]) -> SeenRow:
+    def errors(name: str) -> tuple[float | None, float | None]:
+        one, other = (None if m is None else 100 * (getattr(m, name) / getattr(found, name) - 1) for m in models)
+        return one, other
+
+    before, after = (None if m is None else mac_of_residues(found, m) for m in models)
+    return SeenRow(
+        found.frequency_hz, found.frequency_std_hz, found.damping_ratio, found.damping_std, errors("frequency_hz"),
+        errors("damping_ratio"), (before, after),
+    )  # fmt: skip
+
+
+def _pairs(first: ModelModes, second: ModelModes) -> _Pairs:
     """Best MAC first, each mode once, near in frequency; what is left has no partner."""
     options = sorted(
         (
@@ -92,7 +132,7 @@ def _pairs(first: ModelModes, second: ModelModes) -> list[tuple[int | None, int 
         ),
         reverse=True,
     )
-    taken: list[tuple[int | None, int | None]] = []
+    taken: _Pairs = []
     used_i: set[int] = set()
     used_j: set[int] = set()
     for mac, i, j in options:
