@@ -59,7 +59,7 @@ def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, s
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_in_a_long_run(tmp_path: Path, number: signal.Signals, status: int) -> None:
     folder = tmp_path / "long"
     returned, out, err, seconds = interrupted(folder, number, "s left")

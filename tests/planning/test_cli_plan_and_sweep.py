@@ -82,3 +82,57 @@ def test_bad_input_says_what_to_write(arguments, word, capsys, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     assert run_command(arguments) == 2
     assert word in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        ("--minutes", "inf", "has no end"), ("--setup-minutes", "inf", "has no end"), ("--max-volts", "inf", "no end"),
+        ("--minutes", "1e6", "8 GB of samples"), ("--seeds", "1", "no scatter"), ("--modes", "nan", "no frequencies"),
+        ("--modes", ",", "no frequencies"), ("--modes", "-8", "no frequencies"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_planned_is_told_by_its_option(tmp_path, capsys, option, value, said) -> None:
+    """Without end, too large for any campaign, of no use, or no number: at once, and nothing is written."""
+    arguments = ["plan", "quick", "--free", "sensors", "--minutes", "6", "--seeds", "0", option, value]
+    assert run_command([*arguments, "--out", str(tmp_path / "plan")]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert option in told and said in told
+    assert not (tmp_path / "plan").exists()
+
+
+def test_more_accelerometers_than_places_are_as_many_as_there_are_places(tmp_path) -> None:
+    arguments = ["plan", "quick", "--free", "sensors", "--minutes", "6", "--seeds", "0", "--sensors", "500"]
+    assert run_command([*arguments, "--out", str(tmp_path / "plan")]) == 0
+
+
+def test_an_earlier_plan_is_kept_or_told_of(tmp_path, capsys) -> None:
+    """One that somebody has edited is not lost, and one of another order does not pass for the answer to this one."""
+    out = tmp_path / "plan"
+    better = [
+        "plan",
+        "quick",
+        "--free",
+        "level",
+        "--minutes",
+        "8",
+        "--max-volts",
+        "3",
+        "--seeds",
+        "0",
+        "--out",
+        str(out),
+    ]
+    assert run_command(better) == 0
+    written = (out / "plan.toml").read_text(encoding="utf-8")
+    assert run_command(better) == 0
+    assert sorted(p.name for p in out.iterdir()) == ["card.html", "plan.svg", "plan.toml"]
+    for _ in range(2):
+        (out / "plan.toml").write_text("# mine\n" + written, encoding="utf-8")
+        assert run_command(better) == 0
+    assert (out / "plan-earlier.toml").read_text(encoding="utf-8").startswith("# mine")
+    assert (out / "plan-earlier-2.toml").exists() and (out / "plan.toml").read_text(encoding="utf-8") == written
+    capsys.readouterr()
+    assert run_command(["plan", "quick", "--free", "level", "--seeds", "0", "--out", str(out)]) == 0
+    said = capsys.readouterr()
+    assert "of an earlier plan" in " ".join(said.err.split())

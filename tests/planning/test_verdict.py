@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from vgvt.cli.plan import _show
 from vgvt.planning.budget import AS_DESCRIBED
 from vgvt.planning.confirmation import Confirmation
 from vgvt.planning.prediction import ModePrediction, Prediction
@@ -49,6 +50,22 @@ def test_simulation_has_the_last_word(predicted_twice_as_good, before, after, se
     result = dataclasses.replace(predicted_twice_as_good, confirmed=confirmed)
     assert result.gain == pytest.approx(2.0)
     assert result.verdict is verdict
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (1e-5, 2e-5, "2 times as good by prediction, and 0.5 ± 14 % times in simulated campaigns"),
+        (np.nan, np.nan, "2 times as good by prediction, and simulated campaigns miss a mode more often than not"),
+    ],
+)
+def test_what_simulation_says_against_a_plan_is_told(predicted_twice_as_good, capsys, before, after, said) -> None:
+    """It read "2 times as good; 1.05 would count", which was no reason."""
+    confirmed = {"as-described": seen(before, 50), "plan-1": seen(after, 50)}
+    result = dataclasses.replace(predicted_twice_as_good, confirmed=confirmed)
+    assert result.contradicted
+    _show(result, {})
+    assert said in " ".join(capsys.readouterr().out.split())
 
 
 def test_the_confirmed_gain_and_its_error(predicted_twice_as_good) -> None:

@@ -69,6 +69,9 @@ def process_pool(workers: int) -> MakeExecutor:
                 folder.mkdir(mode=0o700)
                 yield pool
             except BaseException:
+                # A kill reaches this process alone, and nobody takes what the cells under way would come to.
+                for worker in dict(getattr(pool, "_processes", None) or {}).values():
+                    worker.terminate()
                 closing.start()
                 raise
             closing.start()
@@ -86,7 +89,7 @@ def process_pool(workers: int) -> MakeExecutor:
 
 
 def _closed(pool: Executor, folder: Path) -> None:
-    """Wait for the cells that are under way, and take away what all workers had on disk."""
+    """Wait for the workers, and take away what they had on disk."""
     pool.shutdown(wait=True, cancel_futures=True)
     _gone(folder)
 
@@ -109,6 +112,9 @@ def leave_with_parent(parent: int, folder: Path | None = None) -> None:
     signal.signal(signal.SIGINT, _leave)
     # So a pool that has lost a worker ends the others.
     signal.signal(signal.SIGTERM, _leave)
+    hung_up = getattr(signal, "SIGHUP", None)
+    if hung_up is not None and signal.getsignal(hung_up) == signal.SIG_DFL:
+        signal.signal(hung_up, _leave)
     if _MASKS:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _CTRL_C)
     own = threading.get_ident()

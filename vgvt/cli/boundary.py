@@ -103,6 +103,10 @@ def _signals() -> Iterator[None]:
         signal.SIGINT: signal.signal(signal.SIGINT, interruption.on_signal),
         signal.SIGTERM: signal.signal(signal.SIGTERM, leave),
     }
+    # A terminal that is closed; who asked for nohup goes on.
+    hung_up = getattr(signal, "SIGHUP", None)
+    if hung_up is not None and signal.getsignal(hung_up) == signal.SIG_DFL:
+        before[hung_up] = signal.signal(hung_up, leave)
     try:
         yield
     finally:

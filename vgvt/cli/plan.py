@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -37,7 +39,8 @@ def plan(
         str | None, typer.Option(metavar="HZ,HZ,...", help="The modes that count, by frequency. Default: all swept.")
     ] = None,
     points: Annotated[
-        int | None, typer.Option(min=1, help="Points to measure, where sensors are free. Default: as many as now.")
+        int | None,
+        typer.Option(min=1, help="Points to measure, where sensors are free. Default: as now, or as --sensors."),
     ] = None,
     max_volts: Annotated[
         float | None,
@@ -59,7 +62,7 @@ def plan(
         float, typer.Option(min=1, metavar="SECONDS", help="More time goes into repeats.", rich_help_panel=_LAB)
     ] = 300.0,
     seeds: Annotated[
-        int, typer.Option(min=0, help="Simulated campaigns of a plan; 0: none.", rich_help_panel=_CONFIRM)
+        int, typer.Option(min=0, help="Simulated campaigns of a plan, two or more; 0: none.", rich_help_panel=_CONFIRM)
     ] = 6,
     confirm: Annotated[
         int, typer.Option(min=1, help="How many of the best plans are simulated.", rich_help_panel=_CONFIRM)
@@ -81,11 +84,22 @@ def plan(
     beside the scenario as it is. Writes the plan as a scenario, a drawing and a test card.
     """
     from vgvt.cli.described import described_scenario
+    from vgvt.data import InputError
     from vgvt.identification import make_identifier
     from vgvt.planning.budget import Budget
     from vgvt.planning.informed import INFORMED
     from vgvt.planning.planner import Order, checked_free, plan_test
 
+    given = {
+        "--minutes": minutes, "--setup-minutes": setup_minutes, "--mount-minutes": mount_minutes,
+        "--clay-minutes": clay_minutes, "--longest-sweep": longest_sweep, "--max-volts": max_volts or 1.0,
+    }  # fmt: skip
+    for option, value in given.items():
+        if not math.isfinite(value):
+            raise InputError(option, f"{value} has no end", "write a number")
+    if seeds == 1:
+        advice = "write 2 or more, or 0 for none"
+        raise InputError("--seeds", "one campaign has no scatter to hold against a prediction", advice)
     described = described_scenario(scenario)
     if identifier != INFORMED:
         make_identifier(identifier)  # a misspelt name costs no time
@@ -120,10 +134,16 @@ def plan(
 def _frequencies(text: str | None) -> tuple[float, ...]:
     from vgvt.data import InputError
 
+    if text is None:
+        return ()
+    advice = "write them in Hz, like 8.2,15.8"
     try:
-        return tuple(float(part) for part in (text or "").split(",") if part.strip())
+        found = tuple(float(part) for part in text.split(",") if part.strip())
     except ValueError:
-        raise InputError("--modes", f"{text!r} are no frequencies", "write them in Hz, like 8.2,15.8") from None
+        raise InputError("--modes", f"{text!r} are no frequencies", advice) from None
+    if not found or not all(0 < hz < math.inf for hz in found):
+        raise InputError("--modes", f"{text!r} are no frequencies", advice)
+    return found
 
 
 def _written(described: Scenario, name: str, result: PlanningResult, order: Order, folder: Path) -> dict[str, Path]:
@@ -134,7 +154,10 @@ def _written(described: Scenario, name: str, result: PlanningResult, order: Orde
     from vgvt.view.lab_card import card_page
     from vgvt.view.plan_drawing import plan_drawing
 
+    there = [name for name in _FILES if (folder / name).exists()]
     if result.verdict is not Verdict.BETTER:
+        if there:
+            log(f"{', '.join(there)} in {folder} {'is' if len(there) == 1 else 'are'} of an earlier plan")
         return {}
     best = result.plans[0]
     title = f"{described.name}, planned"
@@ -147,10 +170,20 @@ def _written(described: Scenario, name: str, result: PlanningResult, order: Orde
         "drawing": (folder / "plan.svg", plan_drawing(best.scenario, title)),
         "card": (folder / "card.html", card_page(best.scenario, title, _facts(best, order))),
     }
+    planned, text = texts["scenario_file"]
+    if planned.exists() and planned.read_bytes() != text.encode():
+        # Somebody may have edited it.
+        log(f"the earlier {planned.name} is kept as {_kept_aside(planned)}")
     for path, text in texts.values():
         with replacing(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
     return {key: path for key, (path, _) in texts.items()}
+
+
+def _kept_aside(path: Path) -> Path:
+    """The file under a name that nothing has yet."""
+    names = (path.with_name(f"plan-earlier{'' if k == 1 else f'-{k}'}.toml") for k in count(1))
+    return path.rename(next(name for name in names if not name.exists()))
 
 
 def _extends(name: str, folder: Path) -> str:
@@ -215,7 +248,11 @@ def _show(result: PlanningResult, paths: dict[str, Path]) -> None:
         for words in plan.overloads:
             log(f"{plan.name}: {words}; turn the level down")
     if result.verdict is Verdict.NOTHING_TO_GAIN:
-        show(f"Nothing to gain: the best plan found is {result.gain:.3g} times as good; {LEAST_GAIN:g} would count.")
+        better = f"the best plan found is {result.gain:.3g} times as good"
+        if result.gain < LEAST_GAIN:
+            show(f"Nothing to gain: {better}; {LEAST_GAIN:g} would count.")
+        else:
+            show(f"Nothing to gain: {better} by prediction, and {_not_borne_out(result)}.")
         return
     show(f"The worst mode: {result.gain:.3g} times better than as described" + _more(result))
     best = result.plans[0]
@@ -224,6 +261,14 @@ def _show(result: PlanningResult, paths: dict[str, Path]) -> None:
         log(f"{best.name} {askew}; {_LEVEL_IT}")
     for key, path in paths.items():
         log(f"{key.replace('_', ' ')}: {path}")
+
+
+def _not_borne_out(result: PlanningResult) -> str:
+    """What simulated campaigns say against a plan."""
+    seen, error = result.confirmed_gain or math.nan, 100 * (result.confirmed_gain_relative_error or 0.0)
+    if seen > 0 and math.isfinite(seen):
+        return f"{seen:.3g} ± {error:.0f} % times in simulated campaigns"
+    return "simulated campaigns miss a mode more often than not"
 
 
 def _more(result: PlanningResult) -> str:

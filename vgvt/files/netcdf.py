@@ -94,6 +94,8 @@ def check_format(path: Path, root: xarray.Dataset, format_name: str, version: in
         number = int(field(path, root, "format_version"))
     except (TypeError, ValueError) as error:
         raise InputError(str(path), "its format_version is not a number", "make the file again") from error
+    if number < 1:
+        raise InputError(str(path), f"its format_version is {number}, and they begin at 1", "make the file again")
     if number > version:
         raise InputError(
             str(path), f"written in version {number} of {format_name!r}, this program reads {version}", "update vgvt"

@@ -18,6 +18,7 @@ from vgvt.planning.search import best_plans
 from vgvt.planning.selection import dealt
 from vgvt.planning.wish import FREE, Wish
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.sampling import MOST_SAMPLES
 from vgvt.simulation.command import peak_command_v
 
 Progress = Callable[[float, str], None]
@@ -62,6 +63,7 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     report = progress or (lambda _fraction, _text: None)
     share = 0.5 if order.seeds else 1.0
     check_generator_gives(scenario, order.largest_peak_v)
+    _check_size(scenario, order.budget)
     peak_v = order.largest_peak_v or peak_command_v(scenario)
     wish = Wish(order.free, order.budget, _points(scenario, order), peak_v, order.largest_mac)
     check_what_stays(scenario, wish)
@@ -82,6 +84,21 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
 
         confirmed[plan.name] = confirm(plan, order.identifier, order.seeds, of_plan)
     return PlanningResult(now, full, tuple(plans), confirmed)
+
+
+def _check_size(scenario: Scenario, budget: Budget) -> None:
+    """InputError where so many minutes hold more samples than a campaign may have."""
+    rate_hz = scenario.acquisition.sample_rate_hz
+    at_once = max(min(budget.sensors, len(sensor_places(scenario))), *map(len, scenario.acquisition.runs))
+    channels = at_once + 2 * len(scenario.shakers)
+    most_minutes = MOST_SAMPLES / (60 * rate_hz * channels)
+    if budget.minutes > most_minutes:
+        raise InputError(
+            "--minutes",
+            f"{budget.minutes:g} min of {channels} channels at {rate_hz:g} Hz make more than the "
+            f"{8 * MOST_SAMPLES / 1e9:g} GB of samples that a campaign may have",
+            f"give at most {0.99 * most_minutes:.3g}, or lower acquisition.sample_rate_hz",
+        )
 
 
 def _targets(modes: tuple[tuple[str, float], ...], order: Order, scenario: Scenario) -> tuple[tuple[str, float], ...]:
@@ -109,8 +126,8 @@ def _points(scenario: Scenario, order: Order) -> int:
             problem = f"is {order.points}, but the runs stay as they are and measure {now}"
             raise InputError("--points", problem, "add sensors to --free, or leave --points out")
         return now
-    points = order.points or max(now, order.budget.sensors)
     places = len(sensor_places(scenario))
+    points = order.points or max(now, min(order.budget.sensors, places))
     if points > places:
         raise InputError("--points", f"{points} points, but there are places for {places}", "measure fewer")
     return points

@@ -70,12 +70,16 @@ class PlanningResult:
         return math.hypot(*errors)
 
     @property
+    def contradicted(self) -> bool:
+        """Whether simulated campaigns do not bear a plan out, beyond their own error."""
+        seen, error = self.confirmed_gain, self.confirmed_gain_relative_error
+        # NaN: the modes were missed more often than not in both, which bears nothing out.
+        return seen is not None and error is not None and not seen * (1 + 2 * error) >= 1
+
+    @property
     def verdict(self) -> Verdict:
         """Better only where the prediction says so and no simulation contradicts it beyond its own error."""
-        seen, error = self.confirmed_gain, self.confirmed_gain_relative_error
-        # NaN: the modes were missed more often than not in both, which speaks for neither.
-        contradicted = seen is not None and error is not None and not seen * (1 + 2 * error) >= 1
-        better = self.gain >= LEAST_GAIN and not contradicted
+        better = self.gain >= LEAST_GAIN and not self.contradicted
         return Verdict.BETTER if better else Verdict.NOTHING_TO_GAIN
 
     def as_dict(self) -> dict[str, Any]:

@@ -8,8 +8,8 @@ from vgvt.scenario.base import MisfitError
 from vgvt.scenario.instruments import Accelerometers, Acquisition, Transducer
 from vgvt.scenario.rig import Excitation
 
-# Of a campaign, held in memory at once: 8 GB, sixty times the longest that is bundled.
-_MOST_SAMPLES = 1e9
+MOST_SAMPLES = 1e9
+"""Of a campaign, held in memory at once: 8 GB, sixty times the longest that is bundled."""
 
 
 def check_sampling(
@@ -78,35 +78,35 @@ def _check_longest(excitation: Excitation, acquisition: Acquisition, drives: int
     rate_hz, repeats = acquisition.sample_rate_hz, acquisition.repeats
     channels = sum(len(nodes) + 2 * drives for nodes in acquisition.runs)
     once = excitation.whole_s * rate_hz * channels
-    if once * repeats <= _MOST_SAMPLES:
+    if once * repeats <= MOST_SAMPLES:
         return
     gigabytes = f"{8 * once * repeats / 1e9:.3g} GB of samples"
-    most = f"more than the {8 * _MOST_SAMPLES / 1e9:g} GB that a campaign may have"
+    most = f"more than the {8 * MOST_SAMPLES / 1e9:g} GB that a campaign may have"
     columns = f"{channels} channels of all runs" + (f", {repeats} times," if repeats > 1 else "")
     fast = _too_fast(excitation, rate_hz, columns, f"{gigabytes}, {most}", channels * repeats)
     silence_s = excitation.lead_in_s + excitation.ring_down_s
-    longest_s = _MOST_SAMPLES / (rate_hz * channels * repeats) - silence_s
+    longest_s = MOST_SAMPLES / (rate_hz * channels * repeats) - silence_s
     long = MisfitError(
         ("excitation", "duration_s"),
         f"is {excitation.duration_s:g}: {columns} at {rate_hz:g} Hz make {gigabytes}, {most}",
         f"Write at most {longest_s:.3g}, or sample more slowly."
         if longest_s > 0
         else "Sample more slowly, or shorten the silence around it.",
-        (fast, *_too_silent(excitation, _MOST_SAMPLES / (rate_hz * channels), f"{gigabytes}, {most}")),
+        (fast, *_too_silent(excitation, MOST_SAMPLES / (rate_hz * channels), f"{gigabytes}, {most}")),
     )
-    if once > _MOST_SAMPLES:
+    if once > MOST_SAMPLES:
         raise long
     raise MisfitError(
         ("acquisition", "repeats"),
         f"is {repeats} and makes {gigabytes}, {most}",
-        f"Repeat {math.floor(_MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
+        f"Repeat {math.floor(MOST_SAMPLES / once)} times at most, or make another campaign of the rest.",
         (long, fast),
     )
 
 
 def _too_fast(excitation: Excitation, rate_hz: float, columns: str, too_much: str, channels: int) -> MisfitError:
     """What a campaign that is too large says of its sample rate."""
-    fastest_hz = math.floor(_MOST_SAMPLES / (excitation.whole_s * channels))
+    fastest_hz = math.floor(MOST_SAMPLES / (excitation.whole_s * channels))
     needed_hz = 2 * excitation.band_hz[1]
     return MisfitError(
         ("acquisition", "sample_rate_hz"),

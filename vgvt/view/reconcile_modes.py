@@ -41,8 +41,8 @@ def _of_both(m: ModeRow) -> tuple[str, ...]:
     hz, damping = (m.before_hz, m.after_hz), (m.before_damping_ratio, m.after_damping_ratio)
     by_hz, by_damping, macs = _errors(m.seen)
     return (
-        *(_with_error(number(v, ".3f"), e, "+.2f") for v, e in zip(hz, by_hz, strict=True)),
-        *(_with_error(percent(v), e, "+.0f") for v, e in zip(damping, by_damping, strict=True)),
+        *(_with_error(number(v, ".3f"), e, 2) for v, e in zip(hz, by_hz, strict=True)),
+        *(_with_error(percent(v), e, 1) for v, e in zip(damping, by_damping, strict=True)),
         " → ".join(number(v, ".3f") or "–" for v in macs) if m.seen else "",
         improvement(m.train_percent),
         "" if m.held_out_percent is None else improvement(m.held_out_percent),
@@ -53,8 +53,8 @@ def _of_one(m: ModeRow) -> tuple[str, ...]:
     """Cells of a mode of the one model."""
     by_hz, by_damping, macs = _errors(m.seen)
     return (
-        _with_error(number(m.before_hz, ".3f"), by_hz[0], "+.2f"),
-        _with_error(percent(m.before_damping_ratio), by_damping[0], "+.0f"),
+        _with_error(number(m.before_hz, ".3f"), by_hz[0], 2),
+        _with_error(percent(m.before_damping_ratio), by_damping[0], 1),
         number(macs[0], ".3f"),
         f"{m.train_percent[0]:.1f}",
         "" if m.held_out_percent is None else f"{m.held_out_percent[0]:.1f}",
@@ -71,6 +71,10 @@ def _errors(seen: SeenRow | None) -> tuple[_Two, _Two, _Two]:
     return seen.frequency_error_percent, seen.damping_error_percent, seen.mac
 
 
-def _with_error(value: str, error_percent: float | None, form: str) -> str:
+def _with_error(value: str, error_percent: float | None, digits: int) -> str:
     """A value with how far it is from what was measured, per cent."""
-    return value if error_percent is None or not value else f"{value} ({error_percent:{form}} %)"
+    if error_percent is None or not value:
+        return value
+    # What rounds to nothing has no sign.
+    error = round(error_percent, digits) + 0.0
+    return f"{value} ({error:{'+' if error else ''}.{digits}f} %)"
