@@ -61,6 +61,7 @@ def question(vgvt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Any
     monkeypatch.setattr(vgvt.reconcile.loop, "reconcile", close)
     monkeypatch.setattr(vgvt.reconcile.outcome.account, "account_of", lambda *_, **__: None)
     monkeypatch.setattr(vgvt.view.reconcile_page, "write_reconcile_page", page)
+    monkeypatch.setattr("vgvt.view.reconcile_document.account_document", lambda account: {})
     for name in ("disproofs", "next_steps", "verdict_sentence", "warnings_of"):
         monkeypatch.setattr(f"vgvt.view.reconcile_wording.{name}", lambda account: ())
     campaign = written(tmp_path, simulated_campaign(load_scenario(str(beam)), engine="linear"))

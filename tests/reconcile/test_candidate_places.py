@@ -108,7 +108,7 @@ def test_a_place_that_is_fitted_is_paid_for_by_its_prior_alone(tmp_path: Path) -
         assert sum(h.share for h in variants) == pytest.approx(1.0)
         assert {round(1 / freed(h).share, 9) for h in variants} == {count}, name
         # What is free already is not freed once more.
-        assert freed(freed(variants[0])).share == freed(variants[0]).share
+        assert freed(freed(variants[0])).share == freed(variants[0]).share and freed(variants[0]).places == 1
 
 
 def test_what_one_run_alone_shows_of_a_point_cannot_have_drifted(tmp_path: Path) -> None:

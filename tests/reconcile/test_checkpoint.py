@@ -33,7 +33,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     case = problem(tmp_path, 3)
     known = available_effects()
     delay = Hypothesis(known["channel-delay"], {"channels": "response"}, 0.5)
-    gain = Hypothesis(known["channel-gain"], {"channels": "7+Z"}, 0.25, {"gain_error": (-0.7, 0.7)})
+    gain = Hypothesis(known["channel-gain"], {"channels": "7+Z"}, 0.25, {"gain_error": (-0.7, 0.7)}, 3)
     u = 0.3 * np.random.default_rng(0).standard_normal(case.size)
     start = fit(case, (), u, np.zeros(0), ())
     rivals = tuple(Rival(fit(case, (h,), u, np.array([0.2]), ()), 9.5, 11.0, 9.7, 0.7) for h in (delay, gain))
@@ -48,7 +48,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     assert refused == (addition.rivals[0],)
     np.testing.assert_array_equal(addition.winner.fit.predicted, rivals[1].fit.predicted)
     assert addition.winner.hypothesis.label == gain.label
-    assert addition.winner.hypothesis.spans == gain.spans
+    assert addition.winner.hypothesis.spans == gain.spans and addition.winner.hypothesis.places == 3
     assert [r.name for r in addition.equivalent] == ["channel-delay", "channel-gain"]
     assert [(r.name, r.gain_nats) for r in addition.in_its_place] == [("channel-gain", 9.5), ("channel-delay", 9.5)]
     assert addition.winner.fit.evidence_nats == rivals[1].fit.evidence_nats

@@ -75,6 +75,27 @@ def test_runs_have_poles_of_their_own_and_a_mean() -> None:
     assert np.isnan(seen.residues[15:]).all() and np.isfinite(seen.residues[:15]).all()
 
 
+def test_a_start_far_off_finds_its_lines() -> None:
+    """Begun 7 % off, with a window of 4 half-power widths: the lines are chosen anew where the fit has led."""
+    alone = response(HZ[:1], DAMPING[:1], SHAPES[:1])
+    rest = 0.3 * response(HZ[3:], DAMPING[3:], SHAPES[3:])
+    (seen,) = seen_modes(alone + rest, NOTHING, LINES, ONE_RUN, [4.28], [0.02])
+    assert seen is not None
+    assert seen.frequency_hz == pytest.approx(4.0, rel=2e-5) and seen.damping_ratio == pytest.approx(0.02, rel=2e-3)
+
+
+def test_how_a_channel_is_judged_weighs_it_and_scales_no_residue() -> None:
+    """One that noise drowns says little of the pole; residues are those of A/F."""
+    g, clean = np.random.default_rng(2), response(HZ[3:], DAMPING[3:], SHAPES[3:])
+    noise = g.standard_normal(clean.shape) + 1j * g.standard_normal(clean.shape)
+    sigma = np.where(np.arange(5)[:, None] == 1, 20.0, 0.05) * np.ones_like(NOTHING)
+    (seen,) = seen_modes(clean + sigma * noise, sigma, LINES, ONE_RUN, HZ[3:], DAMPING[3:])
+    assert seen is not None
+    assert seen.residues[[0, 2, 3, 4]] == pytest.approx(SHAPES[3, [0, 2, 3, 4]] * SHAPES[3, 0], abs=0.01)
+    (blind,) = seen_modes(clean + sigma * noise, NOTHING, LINES, ONE_RUN, HZ[3:], DAMPING[3:])
+    assert blind is None or seen.frequency_std_hz < 0.2 * blind.frequency_std_hz
+
+
 def test_what_is_not_there_is_not_seen() -> None:
     """A start in a valley finds no mode, nor the neighbour's; without lines around it there is no fit."""
     alone = response(HZ[:1], DAMPING[:1], SHAPES[:1])

@@ -26,6 +26,7 @@ from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import NEAR, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import make_problem
+from vgvt.reconcile.search.candidates import freed
 
 CHANNELS, LINES = 8, 100
 
@@ -104,6 +105,18 @@ def test_the_mirror_image_of_two_ends_mirrors_both(monkeypatch: pytest.MonkeyPat
     (there,) = offered(0.5, 1.0, 0.4, -0.2)
     assert there == {"x_m": 0.5, "y_m": -1.0, "other_x_m": 0.4, "other_y_m": 0.2, "stiffness_n_per_m": 50.0}
     assert offered(0.5, 1.0, 0.5, -1.0) == []
+
+
+def test_a_place_that_is_held_is_one_of_all_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It costs that choice; the mirror image, whose place is fitted, costs what the winner's does."""
+    stations = tuple((0.1 * k, 0.5) for k in range(8))
+    monkeypatch.setattr(place_control, "places", lambda problem: stations)
+    mass = Hypothesis(available_effects()["added-mass"], {}, share=0.5)
+    told = {"mass_kg": (0.05, 0.01, "kg"), "x_m": (0.1, 0.01, "m"), "y_m": (0.5, 0.01, "m")}
+    found: Any = SimpleNamespace(problem=None, hypotheses=(mass,), values=lambda k: told)
+    mirror, *held = (h for _, h, _ in place_control._offers(found))
+    assert (mirror.share, mirror.settings) == (0.5, {})
+    assert [h.share for h in held] == [0.5 / 8] * 2 and all(freed(h).share == 0.5 for h in held)
 
 
 def test_places_nearer_than_a_station_are_one_place() -> None:

@@ -105,6 +105,9 @@ def test_sizes_that_get_a_name() -> None:
     plain = ratio(one)
     assert 1.3 < plain < 1.8
     assert plain < ratio(replace(one, share=1 / 64)) < plain * 1.3
+    # One of 64 places that are fitted costs no more than a place that is.
+    assert ratio(replace(one, share=1 / 64, places=64)) == plain
+    assert ratio(replace(one, share=1 / 64, places=16)) == ratio(replace(one, share=1 / 4))
     assert plain < ratio(one, needed=30.0)
     # Twice as many deviations at a size that is only larger by the root of two.
     assert ratio(one, grows=2) == pytest.approx(plain**0.5, rel=0.05)
