@@ -82,6 +82,12 @@ def test_a_start_far_off_finds_its_lines() -> None:
     (seen,) = seen_modes(alone + rest, NOTHING, LINES, ONE_RUN, [4.28], [0.02])
     assert seen is not None
     assert seen.frequency_hz == pytest.approx(4.0, rel=2e-5) and seen.damping_ratio == pytest.approx(0.02, rel=2e-3)
+    # Of noisy records they say as much of it as where it was begun at its place.
+    g = np.random.default_rng(7)
+    noisy = alone + 0.5 * (g.standard_normal(alone.shape) + 1j * g.standard_normal(alone.shape))
+    far, near = (seen_modes(noisy, NOTHING, LINES, ONE_RUN, [hz], [0.02])[0] for hz in (4.28, 4.0))
+    assert far is not None and near is not None
+    assert far.frequency_hz == pytest.approx(near.frequency_hz, abs=0.2 * near.frequency_std_hz)
 
 
 def test_how_a_channel_is_judged_weighs_it_and_scales_no_residue() -> None:
