@@ -44,6 +44,16 @@ def test_modes_that_overlap_are_told_apart() -> None:
         assert seen.residues == pytest.approx(SHAPES[k] * SHAPES[k, 0], abs=0.05)
 
 
+def test_a_weak_mode_between_strong_ones_is_seen_where_it_is() -> None:
+    """A hundredth of their size, as an absorber's is: with a straight line for all the others it is 1 % off."""
+    hz, damping = np.array([8.0, 12.2, 15.3]), np.array([0.012, 0.02, 0.013])
+    weak = SHAPES[:3] * np.array([1.0, 0.1, 1.0])[:, None]
+    (seen,) = seen_modes(response(hz, damping, weak), NOTHING, LINES, ONE_RUN, [12.1], [0.03])
+    assert seen is not None
+    assert seen.frequency_hz == pytest.approx(12.2, rel=1e-3)
+    assert seen.damping_ratio == pytest.approx(0.02, rel=0.05)
+
+
 def test_their_deviations_are_those_of_noise() -> None:
     """Of 40 readings with 2 % noise, in deviations that each states: chi-square bounds at one in a thousand."""
     g, clean = np.random.default_rng(4), response()

@@ -18,8 +18,9 @@ ComplexArray = NDArray[np.complex128]
 
 # Lines on each side of a mode: so many half-power widths, and in all so many more than one channel has unknowns.
 _WIDTHS, _SPARE_LINES = 4.0, 6
-# A constant and a slope over the window, for all other modes.
-_BACKGROUND = 2
+# Terms of a polynomial over the window, for all other modes: beside strong ones a weak mode is small against how they
+# bend there.
+_BACKGROUND = 4
 # A fit that leads so far from where it began, in the logarithm of frequency, or to such damping found another thing.
 _ASTRAY, _LEAST_DAMPED, _MOST_DAMPED = 0.1, 1e-5, 0.3
 # How many times what noise takes, value for value, a pole takes to be one: the best of some dozen lines takes three.
@@ -28,7 +29,7 @@ _MORE_THAN_NOISE = 6.0
 _UNSURE = 0.02
 # Half-power widths, of both together: modes that are nearer are fitted together.
 _BESIDE = 5.0
-_RECENTRED = 2
+_RECENTRED = 3
 # Two fits have met where frequencies differ by less than this share, and shapes are one.
 _SAME, _SAME_MAC = 2e-3, 0.9
 
@@ -69,7 +70,7 @@ def seen_modes(
 
     ``sigma`` (C, L) is what a channel is judged by, ``frequency_hz`` (L,) its lines, ``run_of`` (C,) the run that each
     belongs to: every run has poles of its own, as sensors rove. Rational fits of order two for each mode of those that
-    overlap, a constant and a slope beside (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
+    overlap, a cubic beside (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
     """
     hz, damping = np.asarray(start_hz, dtype=float), np.asarray(start_damping, dtype=float)
     found: list[SeenMode | None] = [None] * hz.size
@@ -159,7 +160,7 @@ def _fitted(data: ComplexArray, frequency_hz: Array, start: Array) -> _Fitted | 
 
     count, s = start.size // 2, 2j * np.pi * frequency_hz
     middle, half = frequency_hz.mean(), max(float(np.ptp(frequency_hz)) / 2, 1e-12)
-    background = np.array([np.ones(s.size), (frequency_hz - middle) / half], dtype=complex)
+    background = np.array([((frequency_hz - middle) / half) ** k for k in range(_BACKGROUND)], dtype=complex)
 
     def basis(at: Array) -> ComplexArray:
         omega, ratio = 2 * np.pi * np.exp(at[:count, None]), np.exp(at[count:, None])
