@@ -15,9 +15,7 @@ _NOTHING = 1e-3
 
 
 def untold_parameters(fit: Fit, index: int) -> tuple[str, ...]:
-    """Parameters of a hypothesis that move nothing in a fit; not those at the end of what is tried, beyond which none
-    can go.
-    """
+    """Parameters of a hypothesis that move nothing in a fit; not those at the end of what is tried, which cannot."""
     start = fit.u.size + sum(len(h.parameters) for h in fit.hypotheses[:index])
     values = fit.values(index)
     return tuple(
