@@ -11,8 +11,8 @@ _PAIR = ("before, Hz", "after, Hz", "ζ before, %", "ζ after, %", "MAC with mea
 _ONE = ("model, Hz", "ζ, %", "MAC with measured")
 _ERRORS = ("error fitted, %", "error held out, %")
 _MODELS = (
-    "Modes of the models are those of their first run{paired}. In brackets stands how far they are from what was "
-    "measured, by the same local fit of both responses, run by run; of the records its mean over the runs with one "
+    "Modes of the models are those of their first run{paired}. In brackets stands by how many per cent they are off "
+    "what was measured, by the same local fit of both responses, run by run; of the records its mean over the runs with one "
     "standard deviation, and nothing where they do not show the mode. Errors: median over channels of |predicted - "
     "measured| relative to |measured|, in a window of three half-power widths around the mode."
 )
@@ -77,4 +77,4 @@ def _with_error(value: str, error_percent: float | None, digits: int) -> str:
         return value
     # What rounds to nothing has no sign.
     error = round(error_percent, digits) + 0.0
-    return f"{value} ({error:{'+' if error else ''}.{digits}f} %)"
+    return f"{value} ({error:{'+' if error else ''}.{digits}f})"
