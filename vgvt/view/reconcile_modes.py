@@ -12,9 +12,9 @@ _ONE = ("model, Hz", "ζ, %", "MAC with measured")
 _ERRORS = ("error fitted, %", "error held out, %")
 _MODELS = (
     "Modes of the models are those of their first run{paired}. In brackets stands by how many per cent they are off "
-    "what was measured, by the same local fit of both responses, run by run; of the records its mean over the runs with "
-    "one standard deviation, and nothing where they do not show the mode. Errors: median over channels of |predicted - "
-    "measured| relative to |measured|, in a window of three half-power widths around the mode."
+    "what was measured, by the same local fit of both responses, run by run; of the records its mean over the runs "
+    "with one standard deviation, and nothing where they do not show the mode. Errors: median over channels of "
+    "|predicted - measured| relative to |measured|, in a window of three half-power widths around the mode."
 )
 
 
