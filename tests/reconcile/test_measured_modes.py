@@ -121,6 +121,20 @@ def test_what_is_not_there_is_not_seen() -> None:
     assert seen_modes(alone[:, ::300], NOTHING[:, ::300], few, ONE_RUN, [4.0], [0.02]) == [None]
 
 
+@pytest.mark.parametrize("damping", [0.0, -0.01, 1e-9])
+def test_a_model_s_mode_without_damping_is_where_a_fit_begins(damping: float) -> None:
+    """An unstable one ended the whole command, after its search."""
+    (seen,) = seen_modes(response(), NOTHING, LINES, ONE_RUN, HZ[3:], [damping])
+    assert seen is not None and seen.damping_ratio == pytest.approx(DAMPING[3], rel=1e-2)
+
+
+def test_a_response_that_is_not_finite_shows_nothing() -> None:
+    """A joint's march that ran away is foretold as no number; the other run says what it says."""
+    values = np.concatenate([response(), np.full((5, LINES.size), np.nan)])
+    (seen,) = seen_modes(values, np.ones((10, LINES.size)), LINES, np.repeat([0, 1], 5), HZ[3:], DAMPING[3:])
+    assert seen is not None and seen.runs == 1
+
+
 def test_a_mode_is_seen_once() -> None:
     """Two modes of a model beside one of the records: it is that of the nearer one."""
     alone = response(HZ[:1], DAMPING[:1], SHAPES[:1])

@@ -23,6 +23,7 @@ _WIDTHS, _SPARE_LINES = 4.0, 6
 _BACKGROUND = 4
 # A fit that leads so far from where it began, in the logarithm of frequency, or to such damping found another thing.
 _ASTRAY, _LEAST_DAMPED, _MOST_DAMPED = 0.1, 1e-5, 0.3
+_BEGUN_WITH = 1e-4
 # How many times what noise takes, value for value, a pole takes to be one: the best of some dozen lines takes three.
 _MORE_THAN_NOISE = 6.0
 # Of the frequency: a run that knows a pole no better says nothing of it, as where all its sensors sit in nodes.
@@ -72,7 +73,8 @@ def seen_modes(
     belongs to: every run has poles of its own, as sensors rove. Rational fits of order two for each mode of those that
     overlap, a cubic beside (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
     """
-    hz, damping = np.asarray(start_hz, dtype=float), np.asarray(start_damping, dtype=float)
+    # A model's mode may have no damping, or less than none: a fit begins with some.
+    hz, damping = np.asarray(start_hz, dtype=float), np.maximum(start_damping, _BEGUN_WITH)
     found: list[SeenMode | None] = [None] * hz.size
     for together in _clusters(hz, damping):
         by_run = {}
@@ -116,6 +118,8 @@ def _poles_of_run(
     values: ComplexArray, sigma: Array, frequency_hz: Array, hz: Array, damping: Array
 ) -> list[_Pole | None] | None:
     """The poles that one run shows near given ones, its lines chosen anew around what was found; None without any."""
+    if not np.isfinite(values).all():
+        return None
     at = np.log(np.concatenate([hz, damping]))
     fitted: _Fitted | None = None
     for _ in range(_RECENTRED):
