@@ -142,7 +142,7 @@ def results_of(
     cases: Sequence[Any], folder: Path, workers: int, minutes: float, do: Callable[[Any], list[Row]] = work
 ) -> Generator[tuple[Any, list[Row], bool]]:
     """Every case, its rows and whether they were there already; done ones first, none begun after ``minutes``."""
-    store: Any = Store(folder, core())
+    store = Store(folder, core())
     left = []
     for case in cases:
         rows = store.rows(case)
@@ -152,7 +152,7 @@ def results_of(
             yield case, rows, True
     # The clock on the wall: workers are other processes. They live to the end and keep what they once derived.
     in_time = partial(_begun_before, time.time() + 60 * minutes, do)
-    pool: Any = in_order_of_completion(left, process_pool(workers) if workers > 1 else None, in_time)  # type: ignore[arg-type]
+    pool = in_order_of_completion(left, process_pool(workers) if workers > 1 else None, in_time)
     with closing(pool):
         for case, rows in pool:
             if rows:

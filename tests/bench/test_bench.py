@@ -93,8 +93,8 @@ def test_a_pool_of_processes_gives_the_same_table(serial, plan, tmp_path) -> Non
 def test_an_interrupted_bench_goes_on_and_ends_with_the_same_table(serial, plan, tmp_path, monkeypatch) -> None:
     done = []
 
-    def first_only(cells, make):
-        for cell, rows in in_order_of_completion(cells, make):
+    def first_only(cells, make, work):
+        for cell, rows in in_order_of_completion(cells, make, work):
             done.append(cell.key)
             yield cell, rows
             raise KeyboardInterrupt

@@ -79,7 +79,7 @@ def test_ctrl_c_leaves_no_lock_of_the_executor_locked() -> None:
             executor.shutdown(wait=False, cancel_futures=True)
 
     with pytest.raises(KeyboardInterrupt):
-        list(in_order_of_completion([Stub(k) for k in range(5)], make, work))  # type: ignore[arg-type]
+        list(in_order_of_completion([Stub(k) for k in range(5)], make, work))
     assert executor.handed == 5
     assert executor.was_shut
 
@@ -105,7 +105,7 @@ def counted() -> tuple[list[int], MakeExecutor]:
 def test_the_main_thread_never_touches_the_executor(counted: tuple[list[int], MakeExecutor]) -> None:
     given, make = counted
     cells = [Stub(k) for k in range(4)]
-    found = {cell.number: rows for cell, rows in in_order_of_completion(cells, make, work)}  # type: ignore[arg-type]
+    found = {cell.number: rows for cell, rows in in_order_of_completion(cells, make, work)}
     assert found == {k: [{"number": k}] for k in range(4)}
     assert len(given) == 4
     assert threading.main_thread().ident not in given
@@ -120,11 +120,11 @@ def fail_at_one(stub: Stub) -> list[dict[str, Any]]:
 def test_an_error_of_a_cell_is_raised_where_its_rows_are_awaited(counted: tuple[list[int], MakeExecutor]) -> None:
     cells = [Stub(k) for k in range(4)]
     with pytest.raises(ValueError, match="this cell fails"):
-        list(in_order_of_completion(cells, counted[1], fail_at_one))  # type: ignore[arg-type]
+        list(in_order_of_completion(cells, counted[1], fail_at_one))
 
 
 def test_who_stops_asking_leaves_no_thread_behind(counted: tuple[list[int], MakeExecutor]) -> None:
-    rows = in_order_of_completion([Stub(k) for k in range(4)], counted[1], work)  # type: ignore[arg-type]
+    rows = in_order_of_completion([Stub(k) for k in range(4)], counted[1], work)
     next(rows)
     rows.close()  # type: ignore[attr-defined]
     assert "work off cells" not in {thread.name for thread in threading.enumerate()}
@@ -173,7 +173,7 @@ def test_a_worker_that_is_sent_away_is_one_that_is_lost(tmp_path: Path, monkeypa
     """Its cell is done again by another one: no reason to end without a word."""
     monkeypatch.setenv("VGVT_TEST_MARKS", str(tmp_path))
     cells = [Stub(k) for k in range(4)]
-    rows = in_order_of_completion(cells, process_pool(1), sent_away)  # type: ignore[arg-type]
+    rows = in_order_of_completion(cells, process_pool(1), sent_away)
     assert sorted(cell.number for cell, _ in rows) == [0, 1, 2, 3]
 
 

@@ -65,7 +65,7 @@ def quick_pool(workers: int) -> MakeExecutor:
 
 def finished(stubs: list[Stub], make: MakeExecutor, done: list[int]) -> None:
     """Work the stubs off; ``done`` grows by the number of each as its rows come, for what is left of it by an error."""
-    for stub, rows in in_order_of_completion(stubs, make, work):  # type: ignore[arg-type]
+    for stub, rows in in_order_of_completion(stubs, make, work):
         assert rows == [{"number": stub.number}]
         done.append(stub.number)
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from vgvt.data import InputError
-from vgvt.reconcile.placebo import Placebo, best_nats, calibrated_thresholds, write_thresholds
-from vgvt.reconcile.question.thresholds import thresholds_of
+from vgvt.reconcile.placebo import Placebo, best_nats, calibrated_thresholds, own_thresholds, write_thresholds
+from vgvt.reconcile.question.thresholds import LIMITS, PLACEBO_FLOOR, stored_thresholds, thresholds_of
 
 
 def drawn(count: int, seed: int) -> list[Placebo]:
@@ -91,3 +91,45 @@ def test_strains_have_a_limit_for_noise_and_one_for_the_models_form() -> None:
     assert both.strain_form_sd * 0.9 >= max(p.strain_sd or 0.0 for p in formed) * (1 - 1e-12)
     unnoted = calibrated_thresholds(drawn(60, 1), "a test")
     assert (unnoted.strain_sd, unnoted.strain_form_sd) == (4.0, 0.0)
+
+
+def like(stored: Any, count: int, share: float, noise: float = 0.3, nats: float = 0.0) -> list[Placebo]:
+    """Placebos that all leave a share of what those that are shipped leave beyond their noise."""
+    left = [
+        noise + (1 - noise) * share * v for v in (stored.chi2_per_dof, stored.smooth_per_dof, stored.held_out_per_dof)
+    ]
+    return [Placebo(*left, nats, noise, noise, PLACEBO_FLOOR, 1.0)] * count
+
+
+def test_few_placebos_of_ones_own_lower_no_limit_and_raise_it_at_once() -> None:
+    """All of 20 leave half of what those that are shipped leave, or twice as much, and gain nothing, or 30 nats."""
+    stored = stored_thresholds()
+    half, twice = (own_thresholds(like(stored, 20, s, nats=n), "a test") for s, n in ((0.5, 0.0), (2.0, 30.0)))
+    for name in LIMITS:
+        assert getattr(half, name) == pytest.approx(getattr(stored, name))
+    assert twice.chi2_per_dof == pytest.approx(2 * stored.chi2_per_dof)
+    assert twice.smooth_per_dof == pytest.approx(2 * stored.smooth_per_dof)
+    assert twice.held_out_per_dof == pytest.approx(2 * stored.held_out_per_dof)
+    assert max(twice.evidence_nats, twice.evidence_form_nats) >= 30.0
+    assert "none below" in half.provenance
+    with pytest.raises(InputError, match="too few"):
+        own_thresholds(like(stored, 4, 1.0), "a test")
+
+
+def test_a_hundred_placebos_of_ones_own_lower_limits() -> None:
+    stored = stored_thresholds()
+    half = own_thresholds(like(stored, 100, 0.5), "a test")
+    assert half.chi2_per_dof == pytest.approx(0.5 * stored.chi2_per_dof)
+    assert half.evidence_nats == 1.0
+    assert "none below" not in half.provenance
+
+
+def test_where_noise_hides_what_is_left_its_limits_are_those_that_are_shipped() -> None:
+    stored = stored_thresholds()
+    hidden = own_thresholds(like(stored, 100, 0.5, noise=0.9, nats=3.0), "a test")
+    assert hidden.chi2_per_dof == pytest.approx(stored.chi2_per_dof)
+    assert hidden.held_out_per_dof == pytest.approx(stored.held_out_per_dof)
+    assert hidden.evidence_nats == pytest.approx(3.0)
+    twice = replace(stored, model_form=2 * stored.model_form)
+    scaled = calibrated_thresholds(like(stored, 20, 0.5, noise=0.9), "a test", where_hidden=twice)
+    assert scaled.chi2_per_dof == pytest.approx(4 * stored.chi2_per_dof)

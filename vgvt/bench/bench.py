@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vgvt.bench.cell import Cell, seeded
+from vgvt.bench.cell import Cell, run_cell, seeded
 from vgvt.bench.completion import in_order_of_completion
 from vgvt.bench.entry import Entry
 from vgvt.bench.executors import MakeExecutor
@@ -77,7 +77,7 @@ def bench(
     parts = {part.cell.key: part for part in left}
     report = _Reporter(progress, len(cells), len(cells) - len(left))
     report("")
-    for cell, fresh in in_order_of_completion([part.cell for part in left], make_executor):
+    for cell, fresh in in_order_of_completion([part.cell for part in left], make_executor, run_cell):
         part = parts[cell.key]
         done = [*part.kept, *fresh]
         store.keep(part.whole, done)

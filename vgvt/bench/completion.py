@@ -10,12 +10,14 @@ from pathlib import Path
 from queue import SimpleQueue
 from tempfile import TemporaryDirectory
 from threading import Thread
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
-from vgvt.bench.cell import Cell, Row, run_cell
+from vgvt.bench.cell import Row
 from vgvt.bench.executors import ATTEMPTS, MakeExecutor, at_work
+from vgvt.bench.task import Titled
 
-Work: TypeAlias = Callable[[Cell], list[Row]]
+T = TypeVar("T", bound=Titled)
+Work: TypeAlias = Callable[[T], list[Row]]
 _Finished: TypeAlias = "SimpleQueue[Future[list[Row]] | None]"
 _Said: TypeAlias = "SimpleQueue[tuple[int, list[Row]] | BaseException | None]"
 
@@ -25,8 +27,8 @@ class _NobodyListensError(Exception):
 
 
 def in_order_of_completion(
-    cells: Sequence[Cell], make: MakeExecutor | None, work: Work = run_cell
-) -> Iterator[tuple[Cell, list[Row]]]:
+    cells: Sequence[T], make: MakeExecutor | None, work: Work[T]
+) -> Iterator[tuple[T, list[Row]]]:
     """Every cell with its rows as soon as they are there; serially without an executor.
 
     A pool that loses a worker is made anew. What was under way is done again after all the rest, each with nothing
@@ -55,7 +57,7 @@ def in_order_of_completion(
             thread.join()
 
 
-def _told(cells: Sequence[Cell], make: MakeExecutor, work: Work, finished: _Finished, said: _Said) -> None:
+def _told(cells: Sequence[T], make: MakeExecutor, work: Work[T], finished: _Finished, said: _Said) -> None:
     """Say the number and the rows of every cell, and None or an error behind the last."""
     try:
         for word in _worked_off(cells, make, work, finished):
@@ -68,7 +70,7 @@ def _told(cells: Sequence[Cell], make: MakeExecutor, work: Work, finished: _Fini
 
 
 def _worked_off(
-    cells: Sequence[Cell], make: MakeExecutor, work: Work, finished: _Finished
+    cells: Sequence[T], make: MakeExecutor, work: Work[T], finished: _Finished
 ) -> Iterator[tuple[int, list[Row]]]:
     left = dict.fromkeys(range(len(cells)))
     deaths: dict[int, int] = {}  # of those that were under way when a worker died: how many were surely theirs
@@ -97,7 +99,7 @@ def _worked_off(
             raise RuntimeError(f"the workers died {ATTEMPTS} times in a row before they began anything")
 
 
-def _marked(mark: Path, work: Work, cell: Cell) -> list[Row]:
+def _marked(mark: Path, work: Work[T], cell: T) -> list[Row]:
     """The rows of a cell; the mark is there while it is under way, and stays when the worker dies under it."""
     with at_work():
         with suppress(OSError):  # on another machine the folder is not there, and nobody asks for the mark

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,12 +14,14 @@ import typer
 from vgvt.cli.console import bullets, log, progress, show
 from vgvt.cli.document import write_document
 from vgvt.cli.options import BandOption, JsonOption, LeaveOutFaultyOption
+from vgvt.cli.reconcile_placebos import FEWEST, refuse_beside_placebos, rehearse
 
 if TYPE_CHECKING:
     from vgvt.cli.reconcile_folder import ReconcileFolder
     from vgvt.data import Campaign
     from vgvt.reconcile.decision.verdict import Verdict
     from vgvt.reconcile.question.hypothesis import Hypothesis
+    from vgvt.reconcile.question.thresholds import Thresholds
     from vgvt.scenario.model import Scenario
 
 _LINES = 500
@@ -62,6 +65,15 @@ def reconcile(
     power: Annotated[
         bool, typer.Option("--power", help="Say how small each effect could be and still be seen.")
     ] = False,
+    placebos: Annotated[
+        int | None,
+        typer.Option(
+            "--placebos", min=FEWEST, metavar="N", help="Try N campaigns of SCENARIO in which nothing is missing."
+        ),
+    ] = None,
+    thresholds: Annotated[
+        Path | None, typer.Option("--thresholds", metavar="FILE", help="Limits of one's own test, as --placebos wrote.")
+    ] = None,
     leave_out_faulty: LeaveOutFaultyOption = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes. Default: one a core, at most four.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Do it again where the answer is there already.")] = False,
@@ -70,25 +82,35 @@ def reconcile(
     """Trace what a scenario does not explain of a campaign to an effect, or say that none does.
 
     Writes reconciled.toml, verdict.json and report.html. Exit status 0 with
-    any verdict. Without CAMPAIGN, --power says before the test what it could see.
+    any verdict. Without CAMPAIGN, --power says before the test what it could see,
+    and --placebos how often it would be given a name when nothing is missing.
     """
     from vgvt.cli.options import resolved_scenario
     from vgvt.cli.reconcile_power import power_before_the_test, refuse_what_needs_a_campaign, tell_of_cut
     from vgvt.data import InputError
+    from vgvt.reconcile.question.thresholds import thresholds_of
 
     if not scenario:
         raise InputError("--scenario", "is missing", "write --scenario NAME or --scenario FILE.toml: what is believed")
     believed = resolved_scenario(scenario, seed, None, own_runs=campaign is None)
     effects = undeclared(believed, chosen_effects(only or [], without or []))
+    limits = None if thresholds is None else thresholds_of(thresholds)
+    if placebos is not None:
+        refuse_beside_placebos(
+            {"CAMPAIGN": campaign is not None, "--power": power, "--leave-out-faulty": leave_out_faulty}
+        )
+        return rehearse(
+            believed, placebos, effects, limits, out, band=band, lines=lines, workers=workers, force=force,
+            as_json=as_json,
+        )  # fmt: skip
     if campaign is None:
         if not power:
-            raise InputError(
-                "CAMPAIGN", "is missing", "name what was measured, or add --power to ask what a test could see"
-            )
+            advice = "name what was measured, or add --power or --placebos N to ask what a test could see"
+            raise InputError("CAMPAIGN", "is missing", advice)
         refuse_what_needs_a_campaign(
             {"--workers": workers is not None, "--leave-out-faulty": leave_out_faulty, "--force": force}
         )
-        return power_before_the_test(believed, effects, out, band, lines, as_json)
+        return power_before_the_test(believed, effects, out, band, lines, as_json, limits)
     from vgvt.cli.new_folders import none_left_empty
     from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
     from vgvt.cli.soundness import sound_campaign
@@ -100,14 +122,17 @@ def reconcile(
         log(remark)
     tell_of_cut(band, measured.band_hz, measured.name)
     folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
-    fingerprint = fingerprint_of(measured, believed, effects, {"lines": lines, "power": power})
+    options = {"lines": lines, "power": power, "thresholds": None if limits is None else asdict(limits)}
+    fingerprint = fingerprint_of(measured, believed, effects, options)
     with none_left_empty(folder.cache), _alone(folder):
         folder.sweep()
         if force:
             folder.forget()
         document = None if force else folder.answer(fingerprint)
         if document is None:
-            document = _reconciled(measured, believed, effects, folder, lines, power, fingerprint, _processes(workers))
+            document = _reconciled(
+                measured, believed, effects, folder, lines, limits, power, fingerprint, _processes(workers)
+            )
         else:
             log(f"took the verdict that {folder.path} already holds; --force does it again")
             if document["reconciled_edited"]:
@@ -177,6 +202,7 @@ def _reconciled(
     effects: Mapping[str, type],
     folder: ReconcileFolder,
     lines: int,
+    thresholds: Thresholds | None,
     with_power: bool,
     fingerprint: str,
     workers: int,
@@ -193,7 +219,8 @@ def _reconciled(
     with _kept_on_interrupt(folder), progress(f"reconcile {campaign.name}") as report:
         share = 1.0 - _POWER_SHARE
         verdict = close_the_loop(
-            campaign, scenario, effects=effects, lines=lines, folder=folder.cache, workers=workers,
+            campaign, scenario, effects=effects, thresholds=thresholds, lines=lines, folder=folder.cache,
+            workers=workers,
             progress=lambda fraction, message, _: report(share * fraction, message),
         )  # fmt: skip
         tried = _tried(verdict, effects)
@@ -247,7 +274,7 @@ def _power(verdict: Verdict, tried: tuple[Hypothesis, ...], report: Any) -> tupl
     """Detectability around the calibrated scenario."""
     from vgvt.reconcile.next_test.power import power as detectability
 
-    return detectability(verdict.attribution.null, tried, report)
+    return detectability(verdict.attribution.null, tried, report, verdict.thresholds)
 
 
 def _facts(campaign: Campaign, scenario: Scenario, tried: tuple[Hypothesis, ...], spent_s: float) -> dict[str, str]:

@@ -12,6 +12,7 @@ from vgvt.cli.document import document_text, write_document
 
 if TYPE_CHECKING:
     from vgvt.reconcile.question.hypothesis import Hypothesis
+    from vgvt.reconcile.question.thresholds import Thresholds
     from vgvt.scenario.model import Scenario
     from vgvt.view.reconcile_account import PowerRow
 
@@ -40,6 +41,7 @@ def power_before_the_test(
     band: tuple[float, float] | None,
     lines: int,
     as_json: bool,
+    thresholds: Thresholds | None = None,
 ) -> int:
     """Print the table of detectability; with ``out`` write power.json and power.html there too.
 
@@ -49,11 +51,11 @@ def power_before_the_test(
     from vgvt.cli.reconcile_folder import ReconcileFolder
 
     if out is None:
-        document, rows = _computed(scenario, effects, band, lines)
+        document, rows = _computed(scenario, effects, band, lines, thresholds)
     else:
         with none_left_empty(out):
             ReconcileFolder(out).prepare()
-            document, rows = _computed(scenario, effects, band, lines)
+            document, rows = _computed(scenario, effects, band, lines, thresholds)
             _write(out, scenario, document, rows)
     if as_json:
         write_document(document)
@@ -65,7 +67,11 @@ def power_before_the_test(
 
 
 def _computed(
-    scenario: Scenario, effects: Mapping[str, type], band: tuple[float, float] | None, lines: int
+    scenario: Scenario,
+    effects: Mapping[str, type],
+    band: tuple[float, float] | None,
+    lines: int,
+    thresholds: Thresholds | None,
 ) -> tuple[dict[str, Any], tuple[PowerRow, ...]]:
     """The table of detectability as a document, and its rows."""
     from vgvt.reconcile.next_test.before_test import expected_fit
@@ -82,7 +88,7 @@ def _computed(
         report(_LINED_UP, "derivatives")
         without = {name: error.problem for name, error in cannot_have(fit.problem, effects).items()}
         tried = some_variant(candidates(fit.problem, effects), effects, without)
-        found = power(fit, tried, lambda f, m: report(_LINED_UP + (1 - _LINED_UP) * f, m))
+        found = power(fit, tried, lambda f, m: report(_LINED_UP + (1 - _LINED_UP) * f, m), thresholds)
     rows = power_rows(found)
     for name, why in without.items():
         log(f"no variant of {name} is possible on {scenario.name}: {why}")

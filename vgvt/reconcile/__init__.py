@@ -7,6 +7,7 @@ from typing import Any
 
 _HOMES = {
     "question.data": ("Measured", "MeasuredChannel", "measured_frfs"),
+    "question.drawn": ("drawn_gains", "drawn_lab"),
     "question.figures_of_merit": ("Comparison", "Merit", "Resimulation", "compare", "merit"),
     "question.holdout": ("Split", "split"),
     "question.hypothesis": ("Hypothesis",),
@@ -31,7 +32,8 @@ _HOMES = {
     "outcome.resimulate": ("resimulated",),
     "outcome.mode_errors": ("ModelModes", "mode_rows", "model_modes"),
     "loop": ("reconcile",),
-    "placebo": ("Placebo", "calibrated_thresholds", "write_thresholds"),
+    "placebo": ("Placebo", "calibrated_thresholds", "own_thresholds", "write_thresholds"),
+    "rehearsal": ("Rehearsal", "placebo_campaign", "rehearsed"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = sorted(_HOME_OF)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.data import InputError
 from vgvt.data.shown import headed
+from vgvt.data.suggestion import choose_one_of
+from vgvt.files.toml_syntax import parsed_toml
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.holdout import Split
 
@@ -21,6 +23,7 @@ PLACEBO_FLOOR = 0.004
 FAR_OFF = 4.0
 """More than this many times what campaigns leave in which nothing is missing, and a model is none of the data."""
 _STORED = Path(__file__).with_name("thresholds.toml")
+_MADE_BY = "vgvt reconcile --scenario SCENARIO --placebos N"
 # How well a campaign's noise is known on average, and the normal deviate that 98 of 100 stay below. Of the 376 placebos
 # of the study at 1 and 3 % noise none left 3 % more than that noise, what it fluctuates by and the form's share.
 _NOISE_KNOWN, _DEVIATE = 0.03, 2.054
@@ -61,6 +64,13 @@ class Thresholds:
         What a model's form has wrong is imitated in proportion to its size, the root of its share.
         """
         return replace(self, evidence_nats=max(self.evidence_nats, self.evidence_form_nats * share.form_size))
+
+
+LIMITS = (
+    "chi2_per_dof", "smooth_per_dof", "held_out_per_dof", "evidence_nats", "evidence_form_nats", "strain_sd",
+    "strain_form_sd",
+)  # fmt: skip
+"""The fields of :class:`Thresholds` that a campaign in which nothing is missing stays below."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,8 +154,31 @@ def stored_thresholds() -> Thresholds:
 
 
 def thresholds_of(path: Path) -> Thresholds:
-    """Thresholds from a TOML file with a number for every field and the provenance in words."""
-    return Thresholds(**tomllib.loads(path.read_text(encoding="utf-8")))
+    """Thresholds from a TOML file with a number for every field and the provenance in words.
+
+    InputError, with the key, for a file that is not that.
+    """
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}"
+        raise InputError(str(path), problem, f"give a file as {_MADE_BY} writes it") from None
+    found = parsed_toml(path, raw)
+    for field in fields(Thresholds):
+        if field.name not in found and field.default is MISSING:
+            raise InputError(f"{path}: {field.name}", "is missing", f"give a file as {_MADE_BY} writes it")
+    for name, value in found.items():
+        if name not in (f.name for f in fields(Thresholds)):
+            known = [f.name for f in fields(Thresholds)]
+            raise InputError(f"{path}: {name}", "is no limit", choose_one_of(name, known))
+        if name == "provenance":
+            if not isinstance(value, str):
+                raise InputError(f"{path}: {name}", f"is {value!r}", "say in quotes where the limits come from")
+        elif isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < math.inf:
+            raise InputError(f"{path}: {name}", f"is {value!r}, and a limit is a number", "write one, 0 or more")
+    if found.get("model_form") == 0:
+        raise InputError(f"{path}: model_form", "is 0, and the limits refer to it", f"write {PLACEBO_FLOOR:g}")
+    return Thresholds(**found)
 
 
 def _limit(share: NoiseShare, beyond: float, floor_of_placebos: float, summed: int) -> float:
