@@ -70,7 +70,7 @@ def test_it_says_how_often_something_was_named_and_writes_limits(vgvt, tmp_path:
 
 def test_in_words(vgvt, tmp_path: Path, beam: Path, tried) -> None:
     found = placebos(vgvt, beam, tmp_path / "out")
-    assert "Of 10 campaigns in which nothing is missing 1 was given a name: 2 to 40 %" in found.out
+    assert "Of 10 campaigns in which nothing is missing 1 was given a name: of all" in found.out
     assert "names: added-mass 1" in found.out
     assert "as shipped" in found.out
     assert "--thresholds" in found.out

@@ -130,6 +130,8 @@ def _worked_off(
     if known:
         log(f"took {len(known)} of {count} campaigns from {folder}; --force makes them again")
     left = [r for r in every if r.number not in known]
+    if left:
+        log(f"each of {len(left)} campaigns is told when its verdict is there: minutes where a test is large")
     report(len(known) / count, f"{len(known)} of {count} campaigns")
     pool = executor_for(workers, None) if len(left) > 1 else None
     for one, rows in in_order_of_completion(left, pool, work):
@@ -220,8 +222,8 @@ def _show(document: Mapping[str, Any]) -> None:
 
     count, named, (low, high) = document["campaigns"], document["named"], document["named_interval"]
     show(
-        f"Of {count} campaigns in which nothing is missing {named or 'none'} {'was' if named == 1 else 'were'} given a "
-        f"name: {100 * low:.0f} to {100 * high:.0f} % of such tests would be (95 %).",
+        f"Of {count} campaigns in which nothing is missing {named or 'none'} {'was' if named < 2 else 'were'} given a "
+        f"name: of all such tests {100 * low:.0f} to {100 * high:.0f} % would be (95 %).",
         "",
     )
     verdicts = ", ".join(f"{number} {kind.replace('_', ' ')}" for kind, number in document["verdicts"].items())
