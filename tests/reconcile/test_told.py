@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -201,18 +201,34 @@ def test_what_is_told_replaces_the_final_fit_and_what_it_leaves(rehung: Problem)
     assert told_anew.null is final
 
 
-def test_a_fit_that_whole_slopes_make_worse_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    here: Any = SimpleNamespace(cost=10.0, problem=None, hypotheses=(), u=None, e=None)
-    worse, better = (SimpleNamespace(cost=c) for c in (11.0, 9.0))
-    for more, kept in ((worse, here), (better, better)):
-        monkeypatch.setattr(told, "fit", lambda *_, whole, more=more: more)
-        assert polished(here) is kept
+@dataclass(frozen=True)
+class Stub:
+    """A fit by hand, by some slopes."""
+
+    cost: float
+    by: str = "whole"
+    converged: bool = True
+    problem: Any = None
+    hypotheses: tuple[Any, ...] = ()
+    u: Any = None
+    e: Any = None
+
+
+def test_a_fit_that_whole_slopes_make_worse_stays_where_it_is_with_errors_by_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By other slopes a size seemed three times as well known as it was."""
+    here = Stub(10.0, "others")
+    for more, kept in ((Stub(11.0), Stub(10.2, "there")), (Stub(9.0), Stub(9.0))):
+        there = Stub(10.2, "there", converged=False)
+        monkeypatch.setattr(told, "fit", lambda *given, whole, m=more, t=there: m if given[4] else t)
+        assert polished(here) == kept  # type: ignore[arg-type]
 
     def falls(*_: Any, whole: bool) -> Any:
         raise NoStructureError("it falls")
 
     monkeypatch.setattr(told, "fit", falls)
-    assert polished(here) is here
+    assert polished(here) is here  # type: ignore[arg-type, comparison-overlap]
 
 
 def test_intervals_are_straight_in_scores(rehung: Problem) -> None:

@@ -39,10 +39,14 @@ def with_told_parameters(
 def polished(found: Fit, tell: Progress = silent) -> Fit:
     """A fit gone on with by the slopes of the whole aircraft, effects and all, as it is where the fit has arrived.
 
-    Other slopes stop where they promise no more: beside the bottom, where an effect and an unknown multiply.
+    Other slopes stop where they promise no more: beside the bottom, where an effect and an unknown multiply. Where
+    these lead no further down, what is told still has the errors by them: by others a size had a third of its own.
     """
     try:
         more = fit(found.problem, found.hypotheses, found.u, found.e, TO_THE_END, tell, whole=True)
+        if more.cost <= found.cost:
+            return more
+        here = fit(found.problem, found.hypotheses, found.u, found.e, (), whole=True)
     except NoStructureError:
         return found
-    return more if more.cost <= found.cost else found
+    return replace(here, converged=found.converged)

@@ -19,6 +19,7 @@ from vgvt.effects.acting import action_of
 from vgvt.effects.action import Action, ChannelFilter
 from vgvt.effects.parameter import parameters_of
 from vgvt.reconcile.fitting.fit import NEAR, Fit, cost_at, fit
+from vgvt.reconcile.fitting.foretold import held_out_chi2
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
@@ -41,7 +42,7 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
     if not problem.split.held.any() or not set(_COURSE) & set(own.settings):
         return found
     scores = found.e[found.e.size - len(own.parameters) :]
-    here, alike = _done(problem, own, scores), [found]
+    here, best, least = _done(problem, own, scores), found.hypotheses, found.held_out_chi2_per_dof or 0.0
     for there in _other_courses(problem, hypotheses, own):
         if not _alike(problem, here, _done(problem, there, scores)):
             continue
@@ -50,8 +51,14 @@ def best_course(found: Fit, hypotheses: Sequence[Hypothesis]) -> Fit:
             predicted = anchor(problem, found.u, joined, found.e, slopes=False).predict(found.u, found.e)
         except NoStructureError:
             continue
-        alike.append(replace(found, hypotheses=joined, predicted=predicted))
-    return min(alike, key=lambda f: f.held_out_chi2_per_dof or 0.0)
+        missed = held_out_chi2(problem, predicted) or 0.0
+        if missed < least:
+            best, least = joined, missed
+    if best is found.hypotheses:
+        return found
+    # Judged anew: sensors rove with the runs of a group, so that what is fitted is the same to a few digits only.
+    again = fit(problem, best, found.u, found.e, (), origin=found.origin, follow=found.followed)
+    return replace(again, converged=found.converged)
 
 
 def in_other_courses(
