@@ -12,7 +12,7 @@ _HOMES = {
     "question.holdout": ("Split", "split"),
     "question.hypothesis": ("Hypothesis",),
     "question.problem": ("Problem", "make_problem", "problem_of"),
-    "question.thresholds": ("Thresholds", "stored_thresholds", "thresholds_of"),
+    "question.thresholds": ("Thresholds", "stored_thresholds", "thresholds_for", "thresholds_of"),
     "question.uncertain": ("Unknown", "unknowns"),
     "fitting.fit": ("Fit", "calibrate", "fit"),
     "evidence.localise": ("Localisation", "Place", "localise"),

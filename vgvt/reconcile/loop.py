@@ -27,7 +27,7 @@ from vgvt.reconcile.outcome.augment import augment, write_reconciled
 from vgvt.reconcile.outcome.resimulate import resimulated
 from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.problem import make_problem
-from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
+from vgvt.reconcile.question.thresholds import Thresholds, thresholds_for
 from vgvt.reconcile.search.candidates import candidates
 from vgvt.reconcile.searches import Searches
 from vgvt.reconcile.work.one_thread import one_thread
@@ -65,13 +65,12 @@ def reconcile(
     verdict. Where the fit meets its own data and only those held out are missed, another hold-out is tried: what
     happened to them alone no fit could name.
     """
-    limits = stored_thresholds() if thresholds is None else thresholds
     tell = _Clock(progress)
     tell(0.0, "read the campaign")
     problem = make_problem(
         campaign, scenario, floor=floor, lines=lines, cache=None if folder is None else folder / "cache"
     )
-    limits = limits.at(noise_share(problem.measured, problem.split.train))
+    limits = thresholds_for(problem, thresholds)
     null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
     hypotheses = candidates(problem, effects)
     origin = provenance_of(campaign, scenario, {h.name: h.cls for h in hypotheses}, limits, lines)

@@ -95,7 +95,7 @@ def attribute(
     It ends where no other effect gains a name, not where the data are met: a small second effect hides in what all the
     data together allow, as it would if it were alone.
 
-    ``thresholds`` are those of the campaign (:meth:`~vgvt.reconcile.question.thresholds.Thresholds.at`).
+    ``thresholds`` are those of the campaign (:func:`~vgvt.reconcile.question.thresholds.thresholds_for`).
     ``begun`` are the null model, the rounds and what they refused, of a call that was broken off; ``keep`` is told all
     three after each round.
     ``workers`` processes share what can be done at once; the answer is the same with any number.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from vgvt.data.suggestion import choose_one_of
 from vgvt.files.toml_syntax import parsed_toml
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.holdout import Split
+
+if TYPE_CHECKING:
+    from vgvt.reconcile.question.problem import Problem
 
 SMOOTHED = 5
 """Neighbouring lines whose sum is the smooth part of a residual."""
@@ -146,6 +150,12 @@ def limits_for(thresholds: Thresholds, measured: Measured, parts: Split) -> Limi
         _limit(held, thresholds.held_out_per_dof, thresholds.model_form, 1),
         max(thresholds.strain_sd, thresholds.strain_form_sd * fitted.form_size),
     )
+
+
+def thresholds_for(problem: Problem, thresholds: Thresholds | None = None) -> Thresholds:
+    """Limits (those that are shipped when left out) with what a name needs at a problem's own share of noise."""
+    limits = stored_thresholds() if thresholds is None else thresholds
+    return limits.at(noise_share(problem.measured, problem.split.train))
 
 
 def stored_thresholds() -> Thresholds:
