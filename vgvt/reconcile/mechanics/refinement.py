@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.assurance import modal_assurance
 from vgvt.effects.beams import with_beams
+from vgvt.reconcile.mechanics.between_links import between_links
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, Structure, structure
@@ -24,9 +25,15 @@ _FINER, _FEWEST_CELLS = 4, 12
 MOST_CELLS = 60
 """On the finest beam: more are not worth their time."""
 _LONG = 0.5
+# So much fewer cells do as well, where links then meet at the drive.
+_AS_GOOD = 0.8
 _SAME_SHAPE = 0.8
+# Of a mode's frequency, more than what few cells cost: seen at five points one torsion mode looks like another.
+_NEAR = 0.25
 # Of the limit, three times the band: modes above this are at rest as far as the band goes.
 _STATIC = 0.5
+# Of the limit: twice the band.
+_TOLD = 2 / 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +42,7 @@ class Refinement:
     ``drive`` (n,).
 
     ``flexibility`` (places,), m/N, is what modes too high to be matched give more than the structure's own, at rest.
+    ``furthest`` is the largest share of its frequency by which a mode below two thirds of the limit is moved.
     """
 
     places: tuple[str, ...]
@@ -43,6 +51,7 @@ class Refinement:
     axis: Array
     drive: Array
     flexibility: Array
+    furthest: float = 0.0
 
     @classmethod
     def none(cls, own: Structure) -> Refinement:
@@ -93,26 +102,65 @@ def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz:
     times = min(_FINER, MOST_CELLS / max(cells, 1))
     if times <= 1.5:
         return Refinement.none(own)
-    beams = [b.name for b in scenario.airframe.beam]
-    finer = with_beams(scenario, beams, lambda b: b.model_copy(update={"cells": round(times * b.cells)}))
+    finer, times = _finely_cut(scenario, layouts, times)
     # What the cells still err by at this refinement, in second order, goes along.
-    return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2))
+    return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2), curved=True)
 
 
-def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, share: float = 1.0) -> Refinement:
+def _finely_cut(scenario: Scenario, layouts: Layouts, times: float) -> tuple[Scenario, float]:
+    """The scenario with up to so many ``times`` its cells, and how many times: as many as let links meet at the drive.
+
+    Where it is pushed a beam's twist has a bend. A chain has one only between links: what sits beside the drive would
+    twist too little, by up to a quarter of what a link does.
+    """
+    finest, drive = max(b.cells for b in scenario.airframe.beam), layouts.first.drive
+    most = round(times * finest)
+    apart: dict[int, float] = {}
+    for cells in range(most, round(_AS_GOOD * most) - 1, -1):
+        parts = layouts.plan(_times_as_fine(scenario, cells / finest)).parts
+        apart[cells] = round(1.0 - max(share for _, share in parts.shares(drive.part, drive.position_m)), 2)
+    # Of those that do equally well the most.
+    chosen = min(apart, key=lambda cells: apart[cells])
+    return _times_as_fine(scenario, chosen / finest), chosen / finest
+
+
+def _times_as_fine(scenario: Scenario, times: float) -> Scenario:
+    names = [b.name for b in scenario.airframe.beam]
+    return with_beams(scenario, names, lambda b: b.model_copy(update={"cells": round(times * b.cells)}))
+
+
+def towards(
+    other: Scenario,
+    layouts: Layouts,
+    own: Structure,
+    limit_hz: float,
+    share: float = 1.0,
+    *,
+    curved: bool = False,
+) -> Refinement:
     """What gives a structure the modes of the same aircraft cut into other cells, up to a limit that both chains have.
 
     Stiffness Σ M φ (ω² of the other chain - own ω²) φᵀ M, damping alike at equal modal damping, and rows
     Σ (other chain's shape - own) φᵀ M: sensors and drive ride on straight links, and the beam between is curved.
+    ``share`` is by how much what the other chain changes is to be exceeded. ``curved`` gives rows of the other chain's
+    beam as it is between its links; what its own links are off by is known, then, and is not exceeded.
     """
-    layout = layouts.plan(other)
-    target = structure(layout, layout.grid, None)
-    squares, shapes, seen = _modes(own)
-    squares_there, shapes_there, seen_there = _modes(target)
+    there = layouts.plan(other)
+    ride = np.vstack([own.axis, own.drive])
+    if curved:
+        (_, along), (target, rows) = between_links(layouts.first, own), between_links(there)
+    else:
+        along, target = ride, structure(there, there.grid, None)
+        rows = np.vstack([target.axis, target.drive])
+    squares, shapes, seen = _modes(own, along)
+    squares_there, shapes_there, seen_there = _modes(target, rows)
+    off_by = ((along - ride) @ shapes).T
     within = int(np.searchsorted(squares, (2 * np.pi * limit_hz) ** 2))
     within_there = int(np.searchsorted(squares_there, (2 * np.pi * 1.5 * limit_hz) ** 2))
     likeness = modal_assurance(seen[:within], seen_there[:within_there])
-    found = Refinement.none(own)
+    ratio = np.log(np.maximum(squares[:within, None], 1e-9) / np.maximum(squares_there[None, :within_there], 1e-9)) / 2
+    likeness[np.abs(ratio) > _NEAR] = 0.0
+    found, furthest = Refinement.none(own), 0.0
     stiffness, damping, axis, drive = found.stiffness, found.damping, found.axis, found.drive
     high, high_there = (s > (2 * np.pi * _STATIC * limit_hz) ** 2 for s in (squares, squares_there))
     for k, square in enumerate(squares[:within]):
@@ -120,16 +168,20 @@ def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, 
         if likeness[k, match] <= _SAME_SHAPE or int(np.argmax(likeness[:, match])) != k:
             continue
         high[k] = high_there[match] = False
+        if square < (2 * np.pi * _TOLD * limit_hz) ** 2:
+            furthest = max(furthest, abs(ratio[k, match]))
         shape, shape_there = shapes[:, k], shapes_there[:, match]
         weight = own.mass @ shape
         lost = float(shape_there @ target.damping @ shape_there - shape @ own.damping @ shape)
-        moved = np.sign(seen[k] @ seen_there[match]) * seen_there[match] - seen[k]
+        moved = share * (np.sign(seen[k] @ seen_there[match]) * seen_there[match] - seen[k]) + off_by[k]
         stiffness += share * (squares_there[match] - square) * np.outer(weight, weight)
         damping += share * lost * np.outer(weight, weight)
-        axis += share * np.outer(moved[:-1], weight)
-        drive += share * moved[-1] * weight
-    lacking = _at_rest(squares_there, seen_there, high_there) - _at_rest(squares, seen, high)
-    return replace(found, flexibility=share * lacking)
+        axis += np.outer(moved[:-1], weight)
+        drive += moved[-1] * weight
+    # Not exceeded: beside the drive it falls with the first power of a link's length, but where links meet there. Modes
+    # that are not matched have the rows of the links that points ride on.
+    lacking = _at_rest(squares_there, seen_there, high_there) - _at_rest(squares, seen - off_by, high)
+    return replace(found, flexibility=lacking, furthest=furthest)
 
 
 def _at_rest(squares: Array, seen: Array, chosen: NDArray[np.bool_]) -> Array:
@@ -137,7 +189,7 @@ def _at_rest(squares: Array, seen: Array, chosen: NDArray[np.bool_]) -> Array:
     return np.asarray((seen[chosen, -1] / squares[chosen]) @ seen[chosen, :-1])
 
 
-def _modes(s: Structure) -> tuple[Array, Array, Array]:
-    """Squared frequencies (n,), mass-normalised shapes (n, n), and what the points see of them (n, places + 1)."""
+def _modes(s: Structure, rows: Array) -> tuple[Array, Array, Array]:
+    """Squared frequencies (n,), mass-normalised shapes (n, n), and what ``rows`` (places + 1, n) see of them."""
     squares, shapes = scipy.linalg.eigh((s.stiffness + s.stiffness.T) / 2, (s.mass + s.mass.T) / 2)
-    return squares, shapes, (np.vstack([s.axis, s.drive]) @ shapes).T
+    return squares, shapes, (rows @ shapes).T

@@ -1,0 +1,115 @@
+"""Points of a beam between the links of its chain: nearer to the beam than the links that they ride on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from vgvt.effects.beams import with_beams
+from vgvt.reconcile.mechanics.between_links import between_links
+from vgvt.reconcile.mechanics.refinement import meshed, to_continuum
+from vgvt.reconcile.question.problem import _fine_enough
+from vgvt.reconcile.question.uncertain import prepared
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation.reduced import Layouts, Structure, structure
+
+# At places that are no edges of cells, on and off the axis, and one at a tip.
+PLACES_M = (
+    (-0.1, 0.215, 0.0),
+    (0.1, 0.407, 0.0),
+    (0.08, -0.613, 0.0),
+    (0.0, 0.79, 0.0),
+    (-0.1, -0.985, 0.0),
+    (0.1, 1.0, 0.0),
+)
+
+
+@pytest.fixture(scope="module")
+def beam() -> Scenario:
+    """The teaching beam with sensors and drive anywhere."""
+    scenario = load_scenario("teaching-beam")
+    grid = scenario.accelerometers.grid.model_copy(
+        update={
+            "node": tuple(range(1, len(PLACES_M) + 1)),
+            "x_m": tuple(p[0] for p in PLACES_M),
+            "y_m": tuple(p[1] for p in PLACES_M),
+        }
+    )
+    return scenario.model_copy(
+        update={
+            "accelerometers": scenario.accelerometers.model_copy(update={"grid": grid}),
+            "acquisition": scenario.acquisition.model_copy(update={"runs": (tuple(range(1, len(PLACES_M) + 1)),)}),
+            "shaker": scenario.shaker.model_copy(update={"position_m": (0.08, 0.79, 0.0)}),
+        }
+    )
+
+
+def cut(scenario: Scenario, cells: int) -> Layouts:
+    names = [b.name for b in scenario.airframe.beam]
+    return Layouts.of(prepared(with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells}))))
+
+
+def shapes(found: Structure, rows: np.ndarray, count: int) -> np.ndarray:
+    """What rows see (modes, rows) of the first modes, each with its largest value 1."""
+    _, vectors = scipy.linalg.eigh((found.stiffness + found.stiffness.T) / 2, (found.mass + found.mass.T) / 2)
+    seen = (rows @ vectors[:, :count]).T
+    return seen / np.take_along_axis(seen, np.abs(seen).argmax(axis=1)[:, None], 1)
+
+
+def riding(layouts: Layouts) -> tuple[Structure, np.ndarray]:
+    found = structure(layouts.first, layouts.first.grid)
+    return found, np.vstack([found.axis, found.drive])
+
+
+def test_shapes_of_few_cells_are_those_of_many(beam: Scenario) -> None:
+    """Of 24 cells against 192, eight elastic modes: by a fifth of what riding on a link errs, at most."""
+    modes = slice(6, 14)
+    exact = shapes(*between_links(cut(beam, 192).first), modes.stop)[modes]
+    coarse = cut(beam, 24)
+    between = np.abs(shapes(*between_links(coarse.first), modes.stop)[modes] - exact).max()
+    rides = np.abs(shapes(*riding(coarse), modes.stop)[modes] - exact).max()
+    assert rides > 0.02
+    assert between < 0.2 * rides
+
+
+def test_the_error_falls_with_the_square_of_the_links(beam: Scenario) -> None:
+    """Four times as many cells leave a sixteenth or so; a point that rides on a link has a quarter left."""
+    modes = slice(6, 12)
+    exact = shapes(*between_links(cut(beam, 192).first), modes.stop)[modes]
+    left = [np.abs(shapes(*between_links(cut(beam, n).first), modes.stop)[modes] - exact).max() for n in (12, 48)]
+    assert left[1] < left[0] / 10
+
+
+def test_a_point_of_the_body_rides_on_it(beam: Scenario) -> None:
+    hati = load_scenario("hati-unsymmetric")
+    layouts = cut(hati, 12)
+    (_, between), (_, rides) = between_links(layouts.first), riding(layouts)
+    on_the_body = [k for k, p in enumerate((*layouts.first.grid, layouts.first.drive)) if p.part == "body"]
+    assert on_the_body
+    np.testing.assert_allclose(between[on_the_body], rides[on_the_body], atol=1e-12)
+    assert np.abs(between - rides).max() > 1e-3
+
+
+def test_a_chain_that_is_made_up_for_foretells_one_of_many_cells(beam: Scenario) -> None:
+    """Static and modal: the rows of the first elastic modes with what is added are those of a beam of 192 cells."""
+    layouts = cut(beam, 24)
+    own, rows = riding(layouts)
+    change = to_continuum(layouts.first.scenario, layouts, own, 120.0)
+    fine, exact = between_links(cut(beam, 192).first)
+    modes = slice(6, 12)
+    wanted = shapes(fine, exact, modes.stop)[modes]
+    better = shapes(own, rows + np.vstack([change.axis, change.drive]), modes.stop)[modes]
+    assert np.abs(better - wanted).max() < 0.004 < np.abs(shapes(own, rows, modes.stop)[modes] - wanted).max()
+
+
+def test_an_aircraft_whose_modes_its_cells_mix_gets_more_of_them() -> None:
+    """The BFF's items sit between its cells: a mode at one and a half times the band is five per cent off."""
+    bff = load_scenario("bff")
+    limit_hz = 3 * bff.excitation.band_hz[1]
+    assert [b.cells for b in _fine_enough(bff, limit_hz).airframe.beam] == [
+        2 * b.cells for b in meshed(bff).airframe.beam
+    ]
+    for name in ("hati-unsymmetric", "garteur-sm-ag19", "teaching-beam"):
+        scenario = load_scenario(name)
+        assert _fine_enough(scenario, 3 * scenario.excitation.band_hz[1]) == meshed(scenario)
