@@ -202,8 +202,8 @@ def test_what_a_name_leaves_is_said_whatever_else_it_awaits(
     monkeypatch.setattr(reasons, "several_levels", lambda problem: True)
     about = found(fitted(), fitted())
     winner: Any = SimpleNamespace(
-        name="root-freeplay", hypothesis=SimpleNamespace(label="root-freeplay", linear=False), gain_nats=90.0,
-        lasting_nats=80.0, held_out=1.4, fit=SimpleNamespace(chi2_per_dof=1.3, hypotheses=(None,)),
+        name="root-freeplay", hypothesis=SimpleNamespace(label="root-freeplay", linear=False, settings={}),
+        gain_nats=90.0, lasting_nats=80.0, held_out=1.4, fit=SimpleNamespace(chi2_per_dof=1.3, hypotheses=(None,)),
     )  # fmt: skip
     about.rounds = (Addition(winner, (winner,), (winner,), 3.6),)
     about.null.problem = SimpleNamespace(names=NAMES, measured=SimpleNamespace(harmonics=()))
@@ -251,7 +251,7 @@ def test_a_refused_variant_of_a_lead_is_not_told_against_it(monkeypatch: pytest.
 
     def rival(name: str, nats: float = 40.0) -> Any:
         return SimpleNamespace(
-            name=name, hypothesis=SimpleNamespace(label=name), gain_nats=nats, fit=None, held_out=2.0
+            name=name, hypothesis=SimpleNamespace(label=name, settings={}), gain_nats=nats, fit=None, held_out=2.0
         )
 
     led: Any = SimpleNamespace(

@@ -46,7 +46,7 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
 def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
     """What was named, or comes nearest, with its parameters, evidence and equals."""
     from vgvt.view.fitted_table import FittedTable
-    from vgvt.view.reconcile_wording import fitted_text
+    from vgvt.view.reconcile_wording import fitted_text, settings_texts
 
     rows = []
     for e in effects:
@@ -54,7 +54,7 @@ def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
             fitted_text(k, p["value"], p["std"], p["unit"], (p["low"], p["high"]) if "low" in p else None)
             for k, p in e["parameters"].items()
         ]
-        values += [f"{k} = {v}" for k, v in e["settings"].items()]
+        values += settings_texts(e["name"], e["settings"])
         rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", ", ".join(e["equivalent"])))
     return FittedTable(
         columns=("effect", "parameters", "nats", "explains it as well"),

@@ -16,7 +16,12 @@ from vgvt.scenario.model import Scenario
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class SignFlip:
-    """The chosen channels read minus what they should."""
+    """The chosen channels read minus what they should.
+
+    A force gauge the wrong way round and all accelerometers upside down are one: A/F is minus what it should be, and
+    does not tell which. A drive point does: above heave, below what else resonates there, A/F is one over a mass; and
+    its imaginary part, the power that the shaker gives, is negative nowhere.
+    """
 
     name: ClassVar[str] = "sign-flip"
     summary: ClassVar[str] = "Some channels have the wrong sign"
@@ -24,7 +29,10 @@ class SignFlip:
     linear: ClassVar[bool] = True
     signature: ClassVar[str] = "one entry of every mode shape has the wrong sign, magnitudes and poles are perfect"
     confused_with: ClassVar[tuple[str, ...]] = ("swapped-sensors",)
-    separating_test: ClassVar[str] = "rigid modes: all of a rigid aircraft heaves the same way"
+    separating_test: ClassVar[str] = (
+        "rigid modes: all of a rigid aircraft heaves the same way; with the force, or every response, the wrong way "
+        "round it still does, but A/F at the drive point is negative above heave, where a mass moves with the force"
+    )
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3 (checks on the transducers)"
 
     channels: str = dataclasses.field(default="", metadata={"doc": f"empty for none, {CHANNELS}"})

@@ -47,6 +47,11 @@ _NEXT = {
     ),
     "unknown": ("An effect of your own, written for it, can be tried with the same command.",),
 }
+# A factor of all responses is the same factor of the force, turned over: a ratio is all that is looked at.
+_FACTORS = frozenset(
+    ("sign-flip", "channel-gain", "gain-drift", "anti-alias-delay", "channel-delay", "high-pass-mismatch")
+)
+_EITHER = {"response": "force", "force": "response"}
 DATA_SETS = {
     "train": "fitted",
     "held_out": "held out, all",
@@ -167,8 +172,34 @@ def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
 def parameter_text(effect: EffectRow) -> str:
     """``mass_kg = 0.0800 ± 0.0021 kg, …``, settings last."""
     numbers = [fitted_text(name, *told, effect.ranges.get(name)) for name, told in effect.parameters.items()]
-    settings = [f"{k} = {v}" for k, v in effect.settings.items()]
-    return ", ".join(numbers + settings)
+    return ", ".join(numbers + settings_texts(effect.name, effect.settings))
+
+
+def in_the_ratio(name: str, settings: Mapping[str, object]) -> bool:
+    """Whether an effect multiplies all responses, or the force: A/F does not tell which."""
+    return name in _FACTORS and settings.get("channels") in _EITHER
+
+
+def settings_texts(name: str, settings: Mapping[str, object]) -> list[str]:
+    """``channels = 12+Z`` for each setting of an effect; what A/F does not tell it from stands beside it."""
+    either = in_the_ratio(name, settings)
+    return [
+        f"{k} = {v} (or {_EITHER[str(v)]}: A/F does not tell)" if either and k == "channels" else f"{k} = {v}"
+        for k, v in settings.items()
+    ]
+
+
+def ratio_words(name: str) -> str:
+    """Where to look for what multiplies all responses, or the force."""
+    alike = (
+        "all responses the wrong way round from the force the wrong way round"
+        if name == "sign-flip"
+        else f"{name} of all responses from the opposite of the force"
+    )
+    return (
+        f"A/F does not tell {alike}: look at the force gauge, its plug, cable and amplifier, and at what all "
+        "responses share"
+    )
 
 
 def fitted_text(name: str, value: float, std: float, unit: str, interval: tuple[float, float] | None = None) -> str:

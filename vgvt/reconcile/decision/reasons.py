@@ -19,6 +19,7 @@ from vgvt.reconcile.question.harmonics import words_of
 from vgvt.reconcile.question.level_grid import several_levels
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.reconcile.search.shortlist import BIASED
+from vgvt.view.reconcile_wording import in_the_ratio, ratio_words
 
 # Of the candidates that were refused a name, the best so many are told.
 _TOLD = 3
@@ -141,7 +142,12 @@ def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
     untold = untold_parameters(winner.fit, len(winner.fit.hypotheses) - 1)
     if untold:
         said.append(f"No record told {listed(untold)} of {winner.name}: nothing that is foretold depends on it")
-    return said
+    return said + _of_the_ratio((winner, *addition.equivalent))
+
+
+def _of_the_ratio(rivals: tuple[Rival, ...]) -> list[str]:
+    """Of what multiplies all responses or the force, that it may be either."""
+    return list(dict.fromkeys(ratio_words(r.name) for r in rivals if in_the_ratio(r.name, r.hypothesis.settings)))
 
 
 def _of_the_unknown(found: Attribution) -> list[str]:
@@ -162,6 +168,7 @@ def _of_the_unknown(found: Attribution) -> list[str]:
             f"{found.leads[-1].winner.held_out:.2f}; {why_no_name(found)}"
         )
         said += [text for lead in found.leads for text in beside_a_lead(lead)]
+        said += _of_the_ratio(tuple(r for a in found.leads for r in (a.winner, *a.alike)))
     refused: dict[str, Rival] = {}
     for r in sorted(found.vetoed, key=lambda r: -r.gain_nats):
         # Of a lead, another variant may have been refused: that says nothing against it.

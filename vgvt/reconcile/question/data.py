@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, Channel, Dof, InputError
 from vgvt.data.shown import counted, headed
 from vgvt.reconcile.mechanics.ending import Ending
+from vgvt.reconcile.question.excited import excited_lines
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
 from vgvt.reconcile.question.shared_noise import in_phase
 from vgvt.reconcile.question.spectra import Spectra, spectra_of
@@ -154,7 +155,10 @@ def measured_frfs(
     low, high = band_hz or campaign.band_hz
     usable = _usable_lines(spectra, frequency, (low, high), campaign.name)
     channels, rows = _channels(runs)
-    chosen = _chosen(spectra, usable, lines)
+    excited = np.zeros(frequency.size, dtype=bool)
+    band_lines = np.flatnonzero((frequency >= low) & (frequency <= high) & (frequency > 0))
+    excited[band_lines] = excited_lines(np.abs(spectra.force[:, band_lines]))
+    chosen = _chosen(spectra, usable, excited, lines)
     values = np.array([spectra.response[i][chosen] / spectra.force[c.run][chosen] for c, i in rows])
     variances, of_force = _variances(runs, spectra, rows, chosen, rate)
     noise = variances["local rational"]
@@ -227,7 +231,19 @@ def _usable_lines(spectra: Spectra, frequency: Array, band: tuple[float, float],
     return lines
 
 
-def _chosen(spectra: Spectra, usable: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+def _chosen(spectra: Spectra, usable: NDArray[np.intp], excited: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
+    """About ``count`` of the usable lines, those that are ``excited`` (K,) first: between them noise alone answers.
+
+    Half as many are enough; where there are fewer, lines between them, on which little force is, join them.
+    """
+    lit = usable[excited[usable]]
+    if 2 * lit.size >= count or lit.size == usable.size:
+        return _thinned(spectra, lit, count)
+    dark = usable[~excited[usable]]
+    return np.sort(np.concatenate([lit, _thinned(spectra, dark, count - lit.size)]))
+
+
+def _thinned(spectra: Spectra, usable: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """Lines at equal steps of an even share plus how fast the responses change, (lines,)."""
     if usable.size <= count:
         return usable
