@@ -52,6 +52,13 @@ def test_a_floor_is_a_fraction(campaign: Campaign, floor: Any) -> None:
         make_problem(campaign, small_scenario(), lines=60, floor=floor)
 
 
+def test_tolerances_of_more_than_all_are_told_by_their_key(campaign: Campaign) -> None:
+    scenario = small_scenario()
+    wide = scenario.model_copy(update={"tolerances": scenario.tolerances.model_copy(update={"model_form": 4.0})})
+    with pytest.raises(InputError, match=r"^scenario quick: tolerances\.model_form: is 4\.0, and a relative"):
+        make_problem(campaign, wide, lines=60)
+
+
 @pytest.mark.parametrize("floor", [0.0, 0, 1.0, np.float32(0.01)])
 def test_any_fraction_is_one(campaign: Campaign, floor: Any) -> None:
     assert np.isfinite(measured_frfs(campaign, lines=60, floor=floor).sigma).all()

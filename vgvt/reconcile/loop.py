@@ -25,7 +25,7 @@ from vgvt.reconcile.fitting.fit import FAR, calibrate
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.outcome.augment import augment, write_reconciled
 from vgvt.reconcile.outcome.resimulate import resimulated
-from vgvt.reconcile.question.arguments import check_campaign, check_effects, check_scenario
+from vgvt.reconcile.question.arguments import check_effects
 from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds
@@ -66,8 +66,6 @@ def reconcile(
     verdict. Where the fit meets its own data and only those held out are missed, another hold-out is tried: what
     happened to them alone no fit could name.
     """
-    check_campaign(campaign)
-    check_scenario(scenario)
     if effects is not None:
         check_effects(effects)
     folder = None if folder is None else Path(folder)

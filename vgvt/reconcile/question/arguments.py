@@ -45,13 +45,21 @@ def check_lines(lines: object) -> None:
         )
 
 
-def check_floor(floor: object) -> None:
-    """InputError unless it is a relative error: a negative one would be squared, and judge like a positive one."""
+def floor_for(scenario: Scenario, floor: float | None) -> float:
+    """The relative model-form error to judge by: what was asked for, or what the scenario's tolerances say."""
+    if floor is None:
+        floor = scenario.tolerances.model_form
+        check_floor(floor, f"scenario {scenario.name}: tolerances.model_form")
+    return floor
+
+
+def check_floor(floor: object, where: str = "floor") -> None:
+    """InputError, naming ``where``, unless it is a relative error: a negative one would be squared, and count."""
     if isinstance(floor, bool) or not isinstance(floor, Real) or not 0 <= float(floor) <= 1:
         raise InputError(
-            "floor",
+            where,
             f"is {_shown(floor)}, and a relative model-form error from 0 to 1 is needed",
-            "write a fraction of A/F, like 0.004 for 0.4 %, or leave it out for the scenario's tolerances.model_form",
+            "write a fraction of A/F, like 0.004 for 0.4 %, or leave it out",
         )
 
 

@@ -15,7 +15,7 @@ from vgvt.effects.acting import acted
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.reconcile.mechanics.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
-from vgvt.reconcile.question.arguments import check_campaign, check_scenario
+from vgvt.reconcile.question.arguments import check_campaign, check_scenario, floor_for
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
 from vgvt.reconcile.question.kept_slopes import kept_slopes
@@ -130,7 +130,7 @@ def make_problem(
     """
     check_campaign(campaign)
     check_scenario(scenario)
-    measured = measured_frfs(campaign, lines=lines, floor=scenario.tolerances.model_form if floor is None else floor)
+    measured = measured_frfs(campaign, lines=lines, floor=floor_for(scenario, floor))
     stated = aligned(scenario, measured)
     require_one_stiffness(acted(effects_of(stated), stated, 0)[1])
     return problem_of(measured, scenario, cache=cache)
