@@ -243,6 +243,7 @@ def test_a_test_has_to_tell_names_apart_before_places() -> None:
     assert undecided(found((alone,), (here, there))) == ("here", "there")
     assert undecided(found((here, there), (alone,))) == ("here", "there")
     assert undecided(found((here,), (alone,))) == ("alone",)
+    assert undecided(found()) == suggest(undecided(found())) == ()
 
 
 def test_two_starts_that_met_are_one_explanation_and_two_places_are_two(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,6 +25,7 @@ from vgvt.reconcile.fitting.fit import FAR, calibrate
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.outcome.augment import augment, write_reconciled
 from vgvt.reconcile.outcome.resimulate import resimulated
+from vgvt.reconcile.question.arguments import check_effects
 from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.question.thresholds import Thresholds, thresholds_for
@@ -47,7 +48,7 @@ def reconcile(
     thresholds: Thresholds | None = None,
     floor: float | None = None,
     lines: int = 500,
-    folder: Path | None = None,
+    folder: Path | str | None = None,
     most: int = 3,
     workers: int = 1,
     with_tests: bool = True,
@@ -65,6 +66,9 @@ def reconcile(
     verdict. Where the fit meets its own data and only those held out are missed, another hold-out is tried: what
     happened to them alone no fit could name.
     """
+    if effects is not None:
+        check_effects(effects)
+    folder = None if folder is None else Path(folder)
     tell = _Clock(progress)
     tell(0.0, "read the campaign")
     problem = make_problem(

@@ -15,7 +15,7 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
     """The fits that a next test has to tell apart: of the last round that names several effects, the best fit of each.
 
     Where no round does, all that the last one with several holds: one effect at several places. Else what the last
-    round holds: an effect that is alone, at one level.
+    round holds: an effect that is alone, at one level. Nothing where there is no round: no name, nothing to tell.
     """
     for addition in reversed(found.rounds):
         best: dict[str, Fit] = {}
@@ -30,6 +30,8 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
         if len(best) > 1:
             return tuple(best.values())
     apart = [_apart(addition.equivalent) for addition in reversed(found.rounds)]
+    if not apart:
+        return ()
     return tuple(r.fit for r in next((several for several in apart if len(several) > 1), apart[0]))
 
 

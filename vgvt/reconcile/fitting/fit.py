@@ -24,6 +24,7 @@ from vgvt.reconcile.prediction.level_following import Following
 from vgvt.reconcile.prediction.local_slopes import SERVE, Origin, origin_at
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
 from vgvt.reconcile.prediction.unheard import unheard
+from vgvt.reconcile.question.arguments import starting_scores
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, Problem, at_rest, recentred
 from vgvt.reconcile.work.one_thread import one_thread
@@ -160,12 +161,13 @@ def calibrate(
     stages: tuple[tuple[float, int], ...] = STAGES,
     progress: Callable[[float, str], None] | None = None,
 ) -> Fit:
-    """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,).
+    """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,);
+    ValueError for one of another length.
 
     Its problem has the slopes of where the fit ended, for all that is fitted next to it, unless that is so far from the
     stated values that something is imitated: then these are what others start from.
     """
-    at = rough_start(problem)[0] if start is None else start
+    at = rough_start(problem)[0] if start is None else starting_scores(start, problem.size)
     found = fit(problem, (), at, np.zeros(0), stages, progress, exact=True)
     # How coarse a chain the data come from has no bottom where these tell nothing of it, and a slope of its own.
     known = slice(0, len(problem.unknowns) - 1)

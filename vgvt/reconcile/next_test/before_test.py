@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from vgvt.reconcile.fitting.fit import Fit, fit
+from vgvt.reconcile.question.arguments import floor_for
 from vgvt.reconcile.question.data import measured_frfs
 from vgvt.reconcile.question.problem import problem_of
 from vgvt.reconcile.question.suitable import check_excitation, within_excited
@@ -33,8 +34,6 @@ def expected_fit(
     if band_hz is not None:
         band_hz = within_excited(band_hz, scenario.excitation.band_hz, scenario.name)
     campaign = simulate(scenario, engine="linear", progress=progress).campaign
-    measured = measured_frfs(
-        campaign, lines=lines, floor=scenario.tolerances.model_form if floor is None else floor, band_hz=band_hz
-    )
+    measured = measured_frfs(campaign, lines=lines, floor=floor_for(scenario, floor), band_hz=band_hz)
     problem = problem_of(measured, scenario, cache=cache)
     return fit(problem, (), np.zeros(problem.size), np.zeros(0), ())

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, Channel, Dof, InputError
 from vgvt.data.shown import counted, headed
 from vgvt.reconcile.mechanics.ending import Ending
+from vgvt.reconcile.question.arguments import check_campaign, check_floor, check_lines
 from vgvt.reconcile.question.excited import excited_lines
 from vgvt.reconcile.question.harmonics import Harmonic, harmonics
 from vgvt.reconcile.question.shared_noise import in_phase
@@ -57,6 +58,7 @@ class Measured:
     local rational models; ``variances`` holds it and cruder ones to compare with; ``sigma`` (C, L) is the standard
     deviation to judge a model by, with its floor; ``force`` (R, L) are the force spectra and ``lines`` (L,) their
     indices at ``resolution_hz``; ``pushed`` (R, N) is the force itself, N, over the longest record, no taper on it.
+    Forces are those along the positive axis: of a channel ``100-Z`` the samples are negated.
     A channel that could not be ``used`` (C,) has no values and an infinite ``sigma``: its sensor loads the aircraft,
     and nothing is asked of it.
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
@@ -135,8 +137,11 @@ def measured_frfs(
     taper touches the force are left out. Variance by local rational models (McKelvey and Guérin, IFAC Proc. 45(16),
     2012): local polynomials (Schoukens et al., European Journal of Control 15, 2009) and quiet times take a light mode
     for noise, repeats take drift for noise. InputError without a single usable reference, of what is no acceleration or
-    force in SI, and where too few lines are left.
+    force in SI, where too few lines are asked for or left, and for a ``floor`` that is no relative error.
     """
+    check_campaign(campaign)
+    check_lines(lines)
+    check_floor(floor)
     check_quantities(campaign)
     runs, remarks = usable_runs(campaign, every_run=True)
     for run in runs:

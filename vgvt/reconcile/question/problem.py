@@ -15,6 +15,7 @@ from vgvt.effects.acting import acted
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.reconcile.mechanics.refinement import Refinement, meshed, to_continuum, towards, twice_as_fine
+from vgvt.reconcile.question.arguments import check_campaign, check_scenario, floor_for
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
 from vgvt.reconcile.question.kept_slopes import kept_slopes
@@ -122,24 +123,28 @@ def make_problem(
     *,
     floor: float | None = None,
     lines: int = 500,
-    cache: Path | None = None,
+    cache: Path | str | None = None,
 ) -> Problem:
     """Line a scenario up with a campaign; derivatives are kept in ``cache`` (default: the user's temporary folder).
 
     ``floor`` is the relative model-form error, by default that of the scenario's tolerances. InputError where the
     scenario has no point for a measured channel, and where its own effects contradict each other.
     """
-    measured = measured_frfs(campaign, lines=lines, floor=scenario.tolerances.model_form if floor is None else floor)
+    check_campaign(campaign)
+    check_scenario(scenario)
+    measured = measured_frfs(campaign, lines=lines, floor=floor_for(scenario, floor))
     stated = aligned(scenario, measured)
     require_one_stiffness(acted(effects_of(stated), stated, 0)[1])
     return problem_of(measured, scenario, cache=cache)
 
 
-def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | None = None) -> Problem:
+def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | str | None = None) -> Problem:
     """The problem for data that are there already."""
     stated = aligned(scenario, measured)
     lined_up = _fine_enough(stated, _limit_hz(measured))
-    known, start, slopes, finer, span = _assembled_once(lined_up, stated, _limit_hz(measured), cache)
+    known, start, slopes, finer, span = _assembled_once(
+        lined_up, stated, _limit_hz(measured), None if cache is None else Path(cache)
+    )
     return Problem(
         lined_up,
         measured,

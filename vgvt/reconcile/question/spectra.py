@@ -47,7 +47,8 @@ class OwnSpectra:
 class Spectra:
     """Spectra on common lines: force (R, K), response (all channels in order, K), what the taper touches (R, K).
 
-    ``pushed`` (R, N) is the force that they are of; ``ends`` are those of the records, ``own`` their own lines.
+    ``pushed`` (R, N) is the force that they are of, along the positive axis; ``ends`` are those of the
+    records, ``own`` their own lines.
     """
 
     force: ComplexArray
@@ -69,6 +70,7 @@ def spectra_of(
     """Spectra of runs of one sample rate, Hz, padded to the longest; and remarks on those that end ringing.
 
     Tapered are those that do, or by so many seconds a run as somebody else's were who is to be compared with.
+    Forces are those along the positive axis, whichever way round their gauge was read.
     """
     samples = max(run.samples for run in runs)
     touched = np.zeros((len(runs), samples // 2 + 1), dtype=complex)
@@ -79,6 +81,8 @@ def spectra_of(
     ends: list[End] = []
     for r, run in enumerate(runs):
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
+        # All that comes of the force does so here: A/F, levels, and what marches and endings are pushed with.
+        signals[0] *= _sign_of_force(run)
         signals -= signals.mean(axis=1, keepdims=True)
         pushed[r, : run.samples] = signals[0]
         window = _window(signals, rate) if tapers_s is None else _taper(signals.shape[1], round(tapers_s[r] * rate))
@@ -93,6 +97,13 @@ def spectra_of(
         own.append(OwnSpectra(run.samples, alone[0], alone[1:]))
     force, response = np.array([c[0] for c in common]), np.concatenate([c[1:] for c in common])
     return Spectra(force, response, touched, pushed, tuple(ends), tuple(own)), tuple(remarks)
+
+
+def _sign_of_force(run: UsableRun) -> int:
+    """-1 where the gauge was read against the positive axis: ``100-Z`` holds the force along ``100+Z`` negated."""
+    dof = run.references[0].dof
+    assert dof is not None, "Channel refuses references without a DOF"
+    return dof.direction.sign
 
 
 def _window(signals: Array, rate: float) -> Array | None:

@@ -6,15 +6,18 @@ import re
 
 import numpy as np
 
-from vgvt.data import Campaign, ChannelRole, Dof, InputError, Quantity, Record
+from vgvt.data import Campaign, ChannelRole, Direction, Dof, InputError, Quantity, Record
 from vgvt.files.units import UNITS
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import UNRECORDED_NOTE
+from vgvt.signals.impact import NOTE as IMPACTS_NOTE
 
 FEWEST_LINES = 32
 """Lines of the band that a record must tell apart: twice as many as one local model of a channel's noise takes."""
 # Further apart than this is another point, not a badly placed sensor.
 _ANOTHER_POINT_M = 0.10
+# A scenario's shaker stands below its point and pushes up.
+_PUSHES = Direction.PLUS_Z
 _DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
 _MEASURES = {
     ChannelRole.RESPONSE: (Quantity.ACCELERATION,),
@@ -28,6 +31,7 @@ def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
     And unless every run holds accelerations and a force, in SI, for long enough, and was driven.
     """
     check_excitation(scenario)
+    _check_shaken(campaign)
     _check_beginning(campaign)
     _check_forces(campaign)
     check_quantities(campaign)
@@ -88,6 +92,22 @@ def check_excitation(scenario: Scenario) -> None:
         )
 
 
+def _check_shaken(campaign: Campaign) -> None:
+    """InputError for a campaign whose notes say that a hammer struck."""
+    excitation = campaign.notes.get("excitation", "")
+    said = excitation.strip().casefold()
+    # A sidecar's note is in its author's words: "impact, …" as a simulation says, or "modal hammer, …".
+    struck = said.startswith("impact") or ("hammer" in said and "shaker" not in said)
+    if IMPACTS_NOTE not in campaign.notes and not struck:
+        return
+    note = "excitation" if excitation else IMPACTS_NOTE
+    raise InputError(
+        f"{campaign.name}, note {note!r}",
+        f"says that a hammer struck: {campaign.notes[note]}; reconcile takes one shaker at a fixed point",
+        "give the runs that a shaker drove, or mend the note if it is wrong",
+    )
+
+
 def _check_beginning(campaign: Campaign) -> None:
     late_s = campaign.notes.get(UNRECORDED_NOTE)
     if late_s is not None:
@@ -121,7 +141,8 @@ def _check_forces(campaign: Campaign) -> None:
         _check_driven(campaign, record)
     if not campaign.response_dofs:
         raise InputError(campaign.name, "has no response channel", "give a campaign with measured accelerations")
-    if len(references) > 1:
+    # The sign may differ: that is a gauge read the other way round, not another drive point.
+    if len({d.unsigned for d in references}) > 1:
         raise InputError(
             campaign.name,
             f"was driven at {len(references)} points: {_listed(references)}",
@@ -236,6 +257,14 @@ def _check_places(campaign: Campaign, scenario: Scenario, measured: tuple[Dof, .
 
 def _check_drive(campaign: Campaign, scenario: Scenario) -> None:
     drive = campaign.reference_dofs[0]
+    if drive.unsigned.direction is not _PUSHES:
+        raise InputError(
+            f"{campaign.name}, force at {drive}",
+            f"was measured along {drive.direction.label}, and the shaker of scenario {scenario.name} pushes along "
+            f"{_PUSHES.label}",
+            f"reconcile runs that were driven along z; a direction that is stated wrongly is mended in the sidecar: "
+            f"{drive.node}+Z, or {drive.node}-Z for a gauge that reads the other way round",
+        )
     if drive.node not in campaign.geometry.nodes:
         return
     there, here = campaign.geometry.position_m(drive.node), np.array(scenario.shaker.position_m)

@@ -26,6 +26,7 @@ from vgvt.effects.parameter import parameters_of
 from vgvt.effects.registry import EffectPluginWarning, available_effects
 from vgvt.reconcile.evidence.free_places import on_centre_line
 from vgvt.reconcile.evidence.plausible import reach
+from vgvt.reconcile.question.arguments import check_effects
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem
 from vgvt.scenario.mirror import expanded_beams
@@ -51,12 +52,12 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
     Places (``x_m``, ``y_m``) are settings here: a fit may free them. They reach as far as the aircraft does, if that is
     larger than those that the catalogue has in mind. Of an effect with more than a thousand variants as many are taken,
     spread evenly over all. Those of somebody else's effect that fail are left out, and a warning says so. Effects that
-    the scenario :func:`cannot_have` are no candidates.
+    the scenario :func:`cannot_have` are no candidates. InputError for ``effects`` under other names than their own.
     """
     found: list[Hypothesis] = []
     box = aircraft_box_m(problem.scenario.airframe)
     declared = {table.name for table in problem.scenario.effect} - _AGAIN
-    for name, cls in (available_effects() if effects is None else effects).items():
+    for name, cls in _known(effects).items():
         if name in declared:
             continue
         variants = _that_act(problem, cls, _spread(list(_variants(problem, cls))))
@@ -73,9 +74,17 @@ def cannot_have(problem: Problem, effects: Mapping[str, type] | None = None) -> 
 
     Wings on a mount have no centre section that twists, a shaker on a wing puts no moment on the body.
     """
-    known = available_effects() if effects is None else effects
+    known = _known(effects)
     asked = {name: _refusal(problem, cls, _spread(list(_variants(problem, cls)))) for name, cls in known.items()}
     return {name: error for name, error in asked.items() if error is not None}
+
+
+def _known(effects: Mapping[str, type] | None) -> Mapping[str, type]:
+    """Effects by name, all installed ones for None."""
+    if effects is None:
+        return available_effects()
+    check_effects(effects)
+    return effects
 
 
 def _refusal(problem: Problem, cls: type, variants: list[dict[str, Any]]) -> InputError | None:
