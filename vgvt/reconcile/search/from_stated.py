@@ -57,7 +57,7 @@ def from_stated(
     """Starts of the effects that come nearest to the data from the stated values, best first, one of each effect.
 
     Looked at is what acts in all runs alike and has no place: places have their own scan, changes between runs no
-    cause to bend a calibration that all runs share.
+    cause to bend a calibration that all runs share. Of what has no size, as a sign, phases are looked at.
     """
     plain = _distance(current, (), np.zeros(0))
     # Variants of one effect cost alike, and follow each other.
@@ -76,9 +76,24 @@ def _nearest_sizes(current: Fit, hypotheses: Sequence[Hypothesis], tell: Progres
     found: list[_Reached | None] = []
     for k, hypothesis in enumerate(hypotheses):
         tell(k / len(hypotheses), f"from the stated values {hypothesis.name}")
+        if not hypothesis.parameters:
+            found.append(_by_phases(current, hypothesis))
+            continue
         reached = [(_distance(current, (hypothesis,), e), hypothesis, e) for e in _sizes(current, hypothesis)]
         found.append(min(reached, key=lambda r: r[0], default=None))
     return found
+
+
+def _by_phases(current: Fit, hypothesis: Hypothesis) -> _Reached | None:
+    """How near what is there or not brings the phases, as if magnitudes came as much nearer.
+
+    A gauge the wrong way round leaves every magnitude as it is. From the stated values phases tell it at once; a
+    calibration has turned the aircraft round until they are met.
+    """
+    turned = [_out_of_phase(current, given) for given in ((), (hypothesis,))]
+    if not math.isfinite(turned[1]) or turned[0] <= 0:
+        return None
+    return _distance(current, (), np.zeros(0)) * turned[1] / turned[0], hypothesis, np.zeros(0)
 
 
 def _overlapping(current: Fit, hypothesis: Hypothesis, e: Array, tell: Progress) -> _Reached | None:
@@ -155,6 +170,18 @@ def _holds_for_all_runs(current: Fit, hypothesis: Hypothesis, values: dict[str, 
     except ValueError:
         return False
     return not acts[0].same_rig(NOTHING) and all(acts[0].same_rig(other) for other in acts[1:])
+
+
+def _out_of_phase(current: Fit, hypotheses: tuple[Hypothesis, ...]) -> float:
+    """Mean of 1 - cos of the angle between model and data with the unknowns as stated; infinite for no aircraft."""
+    problem, e, keep = current.problem, current.e, current.problem.split.train
+    u = np.zeros(problem.size)
+    try:
+        here = anchor(problem, u, (*current.hypotheses, *hypotheses), e, slopes=False)
+    except NoStructureError:
+        return math.inf
+    ratio = here.predict(u, e, ended=False)[keep] / problem.measured.values[keep]
+    return float(np.mean(1 - ratio.real / np.abs(ratio)))
 
 
 def _distance(current: Fit, hypotheses: tuple[Hypothesis, ...], e: Array) -> float:
