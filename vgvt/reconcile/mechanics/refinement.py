@@ -25,6 +25,7 @@ _FINER, _FEWEST_CELLS = 4, 12
 MOST_CELLS = 60
 """On the finest beam: more are not worth their time."""
 _LONG = 0.5
+_HARDLY_FINER = 1.5
 # So much fewer cells do as well, where links then meet at the drive.
 _AS_GOOD = 0.8
 _SAME_SHAPE = 0.8
@@ -100,8 +101,11 @@ def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz:
     """What ``own``, the structure of a scenario with its sides written out, lacks of a beam without cells."""
     cells = max((b.cells for b in scenario.airframe.beam), default=0)
     times = min(_FINER, MOST_CELLS / max(cells, 1))
-    if times <= 1.5:
-        return Refinement.none(own)
+    if times <= _HARDLY_FINER:
+        # As many cells as are worth having, or nearly; what points on its links miss of the beam is known all the same.
+        return towards(
+            _finely_cut(scenario, layouts, max(times, 1.0) / _AS_GOOD)[0], layouts, own, limit_hz, curved=True
+        )
     finer, times = _finely_cut(scenario, layouts, times)
     # What the cells still err by at this refinement, in second order, goes along.
     return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2), curved=True)
