@@ -93,7 +93,7 @@ def test_a_point_of_the_body_rides_on_it(beam: Scenario) -> None:
 
 @pytest.mark.parametrize("cells", [24, 59])
 def test_a_chain_that_is_made_up_for_foretells_one_of_many_cells(beam: Scenario, cells: int) -> None:
-    """The rows of the first elastic modes with what is added are those of a beam of 192 cells, from any other number."""
+    """The rows of the first elastic modes with what is added are those of a beam of 192 cells."""
     layouts = cut(beam, cells)
     own, rows = riding(layouts)
     change = to_continuum(layouts.first.scenario, layouts, own, 120.0)
