@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from coarse_beam import BEAM
+from coarse_beam import BEAM, written
 
-from vgvt.cli import reconcile_placebos
+from vgvt.cli import reconcile_folder, reconcile_placebos
 from vgvt.effects import available_effects
-from vgvt.reconcile import Kind, Placebo, Rehearsal, rehearsal, stored_thresholds, thresholds_of
+from vgvt.reconcile import Kind, Placebo, Rehearsal, Thresholds, loop, rehearsal, stored_thresholds, thresholds_of
 from vgvt.reconcile.placebo import write_thresholds
 from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation import simulated_campaign
 
 
 @pytest.fixture
@@ -149,6 +150,34 @@ def test_what_makes_no_sense_is_refused_before_any_campaign(
     assert words in " ".join(found.err.split())
     assert tried == []
     assert sorted(p.name for p in beam.parent.iterdir()) == ["beam.toml"]
+
+
+def test_limits_reach_the_loop_and_make_another_question(
+    vgvt, tmp_path: Path, beam: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a campaign of the beam itself, the loop broken off where it begins."""
+    simulated = simulated_campaign(load_scenario(str(beam)), engine="linear")
+    campaign, limits = written(tmp_path, simulated), tmp_path / "limits.toml"
+    asked: list[tuple[object, str]] = []
+    fingerprint = reconcile_folder.fingerprint_of
+
+    def told(*given: Any) -> str:
+        asked.append((None, fingerprint(*given)))
+        return asked[-1][1]
+
+    def broken_off(*_: object, thresholds: Thresholds | None, **__: object) -> None:
+        asked[-1] = (thresholds and thresholds.evidence_nats, asked[-1][1])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reconcile_folder, "fingerprint_of", told)
+    monkeypatch.setattr(loop, "reconcile", broken_off)
+    for nats in (None, 20.0, 30.0, 30.0):
+        write_thresholds(limits, replace(stored_thresholds(), evidence_nats=nats or 1.0))
+        options = () if nats is None else ("--thresholds", limits)
+        assert vgvt("reconcile", campaign, "--scenario", beam, "--out", "found", *options).status == 130
+    assert [nats for nats, _ in asked] == [None, 20.0, 30.0, 30.0]
+    assert len({question for _, question in asked}) == 3
+    assert asked[2] == asked[3]
 
 
 def test_a_hammer_is_refused(vgvt, beam: Path, tried) -> None:

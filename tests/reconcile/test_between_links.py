@@ -8,7 +8,7 @@ import scipy.linalg
 
 from vgvt.effects.beams import with_beams
 from vgvt.reconcile.mechanics.between_links import between_links
-from vgvt.reconcile.mechanics.refinement import meshed, to_continuum
+from vgvt.reconcile.mechanics.refinement import _finely_cut, meshed, to_continuum
 from vgvt.reconcile.question.problem import _fine_enough
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario, load_scenario
@@ -71,6 +71,33 @@ def test_shapes_of_few_cells_are_those_of_many(beam: Scenario) -> None:
     rides = np.abs(shapes(*riding(coarse), modes.stop)[modes] - exact).max()
     assert rides > 0.02
     assert between < 0.2 * rides
+
+
+def test_a_point_of_the_axis_lies_on_the_parabola_between_two_links(beam: Scenario) -> None:
+    """Of twelve cells, in the first bending: as smooth as a beam, where links have their bends at hinges alone."""
+    along = tuple(float(y) for y in np.arange(0.2, 0.81, 0.02))
+    nodes = tuple(range(1, len(along) + 1))
+    grid = beam.accelerometers.grid.model_copy(update={"node": nodes, "x_m": (0.0,) * len(along), "y_m": along})
+    on_the_axis = beam.model_copy(
+        update={
+            "accelerometers": beam.accelerometers.model_copy(update={"grid": grid}),
+            "acquisition": beam.acquisition.model_copy(update={"runs": (nodes,)}),
+        }
+    )
+    layouts = cut(on_the_axis, 12)
+    bends = [np.abs(np.diff(shapes(*found, 7)[6, :-1], 2)) for found in (between_links(layouts.first), riding(layouts))]
+    assert bends[0].max() < 2.5 * bends[0].mean()
+    assert bends[1].max() > 3.5 * bends[1].mean()
+
+
+def test_links_meet_where_the_beam_is_pushed(beam: Scenario) -> None:
+    """Of 48 to 60 cells so many that the drive's twist is one link's: beside it the beam's has a bend."""
+    layouts = cut(beam, 24)
+    finer, times = _finely_cut(layouts.first.scenario, layouts, 2.5)
+    drive = layouts.first.drive
+    assert max(share for _, share in layouts.plan(finer).parts.shares(drive.part, drive.position_m)) > 0.95
+    assert {b.cells for b in finer.airframe.beam} == {round(24 * times)}
+    assert 48 <= 24 * times < 60
 
 
 def test_the_error_falls_with_the_square_of_the_links(beam: Scenario) -> None:

@@ -15,8 +15,9 @@ from vgvt.effects import available_effects
 from vgvt.effects.beams import with_beams
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
+from vgvt.reconcile.mechanics.refinement import meshed
 from vgvt.reconcile.outcome.augment import augment, posterior_of
-from vgvt.reconcile.outcome.cells import at_whole_cells
+from vgvt.reconcile.outcome.cells import at_whole_cells, with_cells
 from vgvt.reconcile.outcome.instruments import gain_tables
 from vgvt.reconcile.outcome.resimulate import accelerances, beyond_limits, quiet, resimulated
 from vgvt.reconcile.prediction.chain import high_pass
@@ -119,6 +120,16 @@ def test_an_aircraft_has_no_cells_and_its_file_has_more(cache: Path, tmp_path: P
     assert again.comparison is not None and before.comparison is not None
     assert again.comparison.train.chi2_per_dof < 0.2 * before.comparison.train.chi2_per_dof
     assert before.remark.startswith("The simulation of reconciled.toml is")
+
+
+@pytest.mark.parametrize(("asked", "written"), [(1.0, 12), (1.08, 12), (1.2, 12), (1.3, 16), (3.0, 36), (9.0, 60)])
+def test_nearly_as_many_cells_as_stated_are_as_many(asked: float, written: int) -> None:
+    """Of twelve a fit to data of the same chain asks for thirteen now and then, which err by another per cent."""
+    scenario = small_scenario()
+    amount = -min(1 / asked**2, 1 - 1e-6)
+    problem = SimpleNamespace(stated=meshed(scenario), unknowns=(CELLS,))
+    found = SimpleNamespace(problem=problem, u=np.array([np.arctanh(amount) / CELLS.sd]))
+    assert {b.cells for b in with_cells(meshed(scenario), found).airframe.beam} == {written}  # type: ignore[arg-type]
 
 
 def test_what_goes_with_a_tenth_of_a_cell_is_not_written_beside_whole_ones(cache: Path, tmp_path: Path) -> None:
