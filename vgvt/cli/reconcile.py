@@ -100,8 +100,8 @@ def reconcile(
             {"CAMPAIGN": campaign is not None, "--power": power, "--leave-out-faulty": leave_out_faulty}
         )
         return rehearse(
-            believed, placebos, effects, limits, out, band=band, lines=lines, workers=workers, force=force,
-            as_json=as_json,
+            believed, placebos, effects, limits, out, band=band, lines=lines, workers=_processes(workers),
+            force=force, as_json=as_json,
         )  # fmt: skip
     if campaign is None:
         if not power:

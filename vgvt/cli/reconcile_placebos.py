@@ -76,7 +76,7 @@ def rehearse(
     *,
     band: tuple[float, float] | None,
     lines: int,
-    workers: int | None,
+    workers: int,
     force: bool,
     as_json: bool,
 ) -> int:
@@ -115,7 +115,7 @@ def _worked_off(
     made_by: str,
     count: int,
     work: Callable[[Rehearse], list[dict[str, Any]]],
-    workers: int | None,
+    workers: int,
     force: bool,
     report: Callable[[float, str], None],
 ) -> list[dict[str, Any]]:

@@ -13,13 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.scenario.mirror import part_name
-from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import MeasurementPoint, Plan
 from vgvt.simulation.reduced import Structure, structure
 
 Array = NDArray[np.float64]
-# A station of a point's share: of the outer link's, what is as good as the inner one alone.
-_ON_A_STATION = 1e-9
 
 
 def between_links(layout: Plan, near: Structure | None = None) -> tuple[Structure, Array]:
@@ -50,17 +47,16 @@ def _key(point: MeasurementPoint, where: Array, body: str) -> tuple[object, ...]
 def _terms(layout: Plan, point: MeasurementPoint) -> list[tuple[Array, str, float]]:
     """What a point does as a sum over points of links: where each is (3,), its body, its weight."""
     parts, here = layout.parts, point.position_m
-    part = part_name(parts.airframe, point.part, float(here[1]))
     carriers = parts.shares(point.part, here)
-    outer = float(np.clip(carriers[-1][1], 0.0, 1.0)) if len(carriers) > 1 else 0.0
-    if part == ROOT or len(carriers) == 1 or outer < _ON_A_STATION:
-        return [(here, carriers[0][0] if outer < _ON_A_STATION else carriers[-1][0], 1.0)]
-    chain = parts.chains[part]
+    if len(carriers) == 1:
+        # On the body, before a beam's first station or behind its last.
+        return [(here, carriers[0][0], 1.0)]
+    chain = parts.chains[part_name(parts.airframe, point.part, float(here[1]))]
     arc = chain.table.nearest_arc_m(here)
     foot = chain.table.point_m(arc)
     link = chain.shares(arc)[0][0]
     station = chain.table.point_m(0.0 if link is None else link.twist_arc_m)
-    (inner_body, _), (outer_body, _) = carriers
+    (inner_body, _), (outer_body, outer) = carriers
     return [
         # The axis bends away from the inner link; at its station the outer one lies below by half of what it does.
         (foot, inner_body, 1.0),
