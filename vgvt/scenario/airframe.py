@@ -159,9 +159,10 @@ class Item(Table):
 class Damping(Table):
     """Structural damping of the bare airframe, as modal damping ratios.
 
-    Elastic modes up to ``limit_hz`` get the ratio given for them exactly; above,
-    stiffness-proportional damping takes over and grows with frequency, from ``damping_ratio`` at
-    the limit or from less, where a lightly damped mode below the limit or a fine chain leaves no room for it.
+    Elastic modes up to ``limit_hz`` get the ratio given for them exactly; above, damping is
+    proportional to stiffness and grows with frequency, from ``damping_ratio`` at the limit or from
+    less, where a lightly damped mode below the limit leaves no room for it. Beyond three times the
+    limit a fine chain has less, so that its highest modes can be stepped.
     """
 
     damping_ratio: Positive = 0.01
@@ -169,7 +170,8 @@ class Damping(Table):
     modal: tuple[Positive, ...] = ()
     """Ratios of the first elastic modes of the bare airframe, in order of frequency."""
     limit_hz: Positive = 60.0
-    """Highest frequency with exact modal ratios; every mode below it costs simulation time."""
+    """Highest frequency with exact modal ratios; every mode below it costs simulation time, and in fine chains up to
+    three times it."""
 
     @model_validator(mode="after")
     def _ratios_below_critical(self) -> Self:

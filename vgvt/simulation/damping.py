@@ -6,6 +6,10 @@ body, whose joints have no share in M φ. Above the limit plain joint dampers
 take over, in proportion to stiffness, which also keep the chain's highest,
 physically meaningless modes quiet; what they add below is taken off the tendons.
 
+The more cells, the higher is the highest mode, and the less the joints may have for a step to hold: what a fine
+chain's lack, tendons give, as far as modes are near enough to be seen at the end of a band. So damping is no matter
+of the cells.
+
 A joint that is no cell of a beam, at a root or between halves of the body, may be as stiff as one likes: how much
 damping has room is judged with these locked, and each has no more than its own motion can be stepped with. So an
 aircraft whose joint is nearly rigid is damped as one that has none.
@@ -27,6 +31,10 @@ from vgvt.simulation.linear import mass_matrix
 RIGID_MODES = 6
 MODAL_DAMPING = "modal-damping-"
 _HIGHEST_RATIO = 0.7
+# So many times the limit is near: 150 times as much as the limit's own, a mode there bends a band's end by 1 % of it.
+_NEAR = 3.0
+# Of its damping, less than this is nothing that a mode lacks.
+_NOTHING = 1e-6
 # Modes that are named where there are many.
 _TOLD = 4
 
@@ -37,10 +45,14 @@ class StructuralDamping:
 
     ``per_stiffness_s`` times a cell's stiffness is its damper, of each of ``joints``, by name, ``own_s`` (elastic
     joints,) times its stiffness. A mode's damper ``coefficients`` (modes,) acts on ``weights`` (modes, elastic joints)
-    times their velocities: of the first of all elastic modes, whose frequencies are ``natural_frequency_hz``.
+    times their velocities: of some of all elastic modes, whose frequencies are ``natural_frequency_hz``. The
+    first ``stated`` of them are those up to the scenario's limit; further ones have the damping ratio
+    ``growth_s`` ω / 2, by their joints or beside them.
     """
 
     per_stiffness_s: float
+    growth_s: float
+    stated: int
     joints: tuple[str, ...]
     own_s: NDArray[np.float64]
     coefficients: NDArray[np.float64]
@@ -66,13 +78,10 @@ class StructuralDamping:
         exact = omega <= limit
         fixed = [int(model.joint(name).dofadr[0]) for name in connecting]
         fastest = _fastest(model.jnt_stiffness, mass, fixed) if fixed else omega.max(initial=0.0)
-        # As much joint damping as leaves every tendon something to give, the default ratio at the limit, and the
-        # chain's highest mode, a thousand times faster than anything of interest, an oscillation that can be stepped.
-        per_stiffness = 2 * min(
-            damping.damping_ratio / limit,
-            (ratios[exact] / omega[exact]).min(initial=np.inf),
-            _HIGHEST_RATIO / fastest if fastest else np.inf,
-        )
+        # As much joint damping as leaves every tendon something to give and the default ratio at the limit ...
+        growth = 2 * min(damping.damping_ratio / limit, (ratios[exact] / omega[exact]).min(initial=np.inf))
+        # ... and the chain's highest mode, far faster than anything of interest, an oscillation that can be stepped.
+        per_stiffness = min(growth, 2 * _HIGHEST_RATIO / fastest) if fastest else growth
         own_s = np.full(model.nv, per_stiffness)
         # Where a joint is stiffer than all around it, it moves against inertia alone.
         alone = np.sqrt(model.jnt_stiffness[fixed] * np.linalg.inv(mass)[fixed, fixed])
@@ -81,16 +90,27 @@ class StructuralDamping:
         addresses = model.jnt_dofadr[elastic]
         names = tuple(mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k) for k in elastic)
         spared = ((per_stiffness - own_s) * model.jnt_stiffness) @ shapes**2
-        own = (2 * ratios * omega - (per_stiffness * omega**2 - spared))[exact]
-        weights = (mass @ shapes[:, exact])[addresses].T
-        return cls(float(per_stiffness), names, own_s[addresses], own, weights, omega / (2 * np.pi))
+        whole = np.where(exact, 2 * ratios * omega, growth * omega**2)
+        own = whole - (per_stiffness * omega**2 - spared)
+        given = exact | ((omega <= _NEAR * limit) & (own > _NOTHING * whole))
+        weights = (mass @ shapes[:, given])[addresses].T
+        return cls(
+            float(per_stiffness),
+            float(growth),
+            int(exact.sum()),
+            names,
+            own_s[addresses],
+            own[given],
+            weights,
+            omega / (2 * np.pi),
+        )
 
     def without_effect(self, damping: Damping) -> str | None:
         """What is to be said of the last ratios of ``damping.modal``, where they go to no mode; None where all do.
 
         Not an error: a fit or a change of stiffness may carry a mode across the limit.
         """
-        given, exact, count = len(damping.modal), self.coefficients.size, self.natural_frequency_hz.size
+        given, exact, count = len(damping.modal), self.stated, self.natural_frequency_hz.size
         if given <= exact:
             return None
         what = f"airframe.damping.modal has {given} ratios, of which the last {given - exact} go to no mode"
@@ -99,7 +119,7 @@ class StructuralDamping:
         above = self.natural_frequency_hz[exact:given]
         if not above.size:
             return f"{what}; leave them out"
-        theirs = ", ".join(f"{100 * np.pi * self.per_stiffness_s * hz:.2f} % at {hz:.5g} Hz" for hz in above[:_TOLD])
+        theirs = ", ".join(f"{100 * np.pi * self.growth_s * hz:.2f} % at {hz:.5g} Hz" for hz in above[:_TOLD])
         theirs += " …" if above.size > _TOLD else ""
         return (
             f"{what}{' and' if given > count else ':'} above limit_hz {damping.limit_hz:g} damping grows with "
