@@ -32,7 +32,8 @@ from vgvt.effects import make_effect
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import hung_rig, plans
-from vgvt.simulation.linear import linearise, site_row
+from vgvt.simulation.linear import site_row
+from vgvt.simulation.sensed import linearised_at
 
 
 @pytest.fixture(scope="module")
@@ -157,9 +158,8 @@ def _accelerance(scenario: Scenario, node: int, push: NDArray[np.float64]) -> Co
     layout = plans(scenario)[0]
     structure = hung_rig(layout, 0)
     data = at_rest(structure)
-    linear = linearise(structure.model, structure.qpos)
-    site = next(p.site for p in layout.grid if p.dof.node == node)
-    seen = site_row(structure.model, data, site, np.array([0.0, 0.0, 1.0]))
+    linear = linearised_at(structure, [p for p in layout.grid if p.dof.node == node])
+    (seen,) = linear.displacement
     driven = site_row(structure.model, data, layout.drive.site, push)
     s = 2j * np.pi * FREQUENCY_HZ
     dynamic = [k**2 * linear.mass + k * linear.damping + linear.stiffness for k in s]

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
 from finite_element import Array, build, natural_modes
 
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile.mechanics.between_links import between_links
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation.assembly import bare_rig, plan
 from vgvt.simulation.reduced import Layouts, Structure, structure
+from vgvt.simulation.truth import bare_modes
 
 ELEMENTS = 60
 # Elastic ones, but for the first: the spring that beam elements lack moves its frequency by 1.5 %.
@@ -41,6 +44,20 @@ def seen_by(found: Structure, rows: Array) -> tuple[Array, Array]:
     return np.sqrt(squares[MODES]) / (2 * np.pi), (rows @ shapes).T[MODES]
 
 
+def beam_elements(scenario: Scenario) -> tuple[Array, Array]:
+    """Frequencies (modes,), Hz, and mass-normalised shapes (modes, points) of beam elements."""
+    model = build(scenario.airframe, ELEMENTS)
+    frequency, shapes = natural_modes(model.mass, model.stiffness)
+    rows = np.array(
+        [
+            np.array([0.0, 0.0, 1.0])
+            @ model.motion_at(np.array([x, y, 0.0]), f"beam-{'right' if y > 0 else 'left'}")[:3]
+            for x, y in zip(X_M, Y_M, strict=True)
+        ]
+    )
+    return frequency[MODES], (rows @ shapes).T[MODES]
+
+
 @pytest.mark.parametrize(("cells", "within"), [(12, 0.02), (24, 0.01)])
 def test_sensors_see_the_shapes_of_beam_elements(cells: int, within: float) -> None:
     """Mass-normalised, seven modes in bending and torsion, by a sixth of what riding on a link errs, at most.
@@ -51,23 +68,29 @@ def test_sensors_see_the_shapes_of_beam_elements(cells: int, within: float) -> N
     names = [b.name for b in scenario.airframe.beam]
     chain = prepared(with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells})))
     layout = Layouts.of(chain).first
-    model = build(scenario.airframe, ELEMENTS)
-    frequency, shapes = natural_modes(model.mass, model.stiffness)
-    rows = np.array(
-        [
-            np.array([0.0, 0.0, 1.0])
-            @ model.motion_at(np.array([x, y, 0.0]), f"beam-{'right' if y > 0 else 'left'}")[:3]
-            for x, y in zip(X_M, Y_M, strict=True)
-        ]
-    )
-    exact = (rows @ shapes).T[MODES]
-    found, between = between_links(layout)
-    rides = structure(layout, layout.grid)
+    frequency, exact = beam_elements(scenario)
     off = []
-    for s, along in ((found, between[:-1]), (rides, rides.axis)):
-        hz, seen = seen_by(s, along)
-        np.testing.assert_allclose(hz, frequency[MODES], rtol=0.02)
+    for points in (layout.grid, [replace(p, seats=()) for p in layout.grid]):
+        found = structure(layout, points)
+        hz, seen = seen_by(found, found.axis)
+        np.testing.assert_allclose(hz, frequency, rtol=0.02)
         signs = np.sign((seen * exact).sum(axis=1))[:, None]
         off.append(np.abs(signs * seen - exact).max() / np.abs(exact).max())
     assert off[0] < within
     assert off[0] < off[1] / 6
+
+
+@pytest.mark.parametrize(("cells", "within"), [(12, 0.025), (24, 0.012)])
+def test_a_simulated_campaign_s_truth_has_the_shapes_of_beam_elements(cells: int, within: float) -> None:
+    """The bare airframe's, each of largest value one: what the sealed truth holds and sensors of a simulation feel."""
+    scenario = without_instruments(load_scenario("teaching-beam"))
+    names = [b.name for b in scenario.airframe.beam]
+    layout = plan(with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells})))
+    bare = bare_modes(layout, bare_rig(layout))
+    frequency, exact = beam_elements(scenario)
+    elastic = slice(MODES.start - 6, MODES.stop - 6)
+    np.testing.assert_allclose(bare.natural_frequency_hz[elastic], frequency, rtol=0.02)
+    seen = bare.shapes[elastic, : len(X_M)].real
+    scaled = [s / np.abs(s).max(axis=1, keepdims=True) for s in (seen, exact)]
+    signs = np.sign((scaled[0] * scaled[1]).sum(axis=1))[:, None]
+    assert np.abs(signs * scaled[0] - scaled[1]).max() < within

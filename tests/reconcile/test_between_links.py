@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
 
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile.mechanics.between_links import between_links
+from vgvt.reconcile.mechanics.drive_between_links import drive_between_links
 from vgvt.reconcile.mechanics.refinement import _finely_cut, meshed, to_continuum
 from vgvt.reconcile.question.problem import _fine_enough
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation.assembly import Plan
 from vgvt.simulation.reduced import Layouts, Structure, structure
 
 # At places that are no edges of cells, on and off the axis, and one at a tip.
@@ -57,8 +60,14 @@ def shapes(found: Structure, rows: np.ndarray, count: int) -> np.ndarray:
     return seen / np.take_along_axis(seen, np.abs(seen).argmax(axis=1)[:, None], 1)
 
 
+def between_links(layout: Plan) -> tuple[Structure, np.ndarray]:
+    found = structure(layout, layout.grid)
+    return found, np.vstack([found.axis, drive_between_links(found, layout)])
+
+
 def riding(layouts: Layouts) -> tuple[Structure, np.ndarray]:
-    found = structure(layouts.first, layouts.first.grid)
+    """Sensors, too, where their links are."""
+    found = structure(layouts.first, [replace(p, seats=()) for p in layouts.first.grid])
     return found, np.vstack([found.axis, found.drive])
 
 
@@ -122,7 +131,8 @@ def test_a_point_of_the_body_rides_on_it(beam: Scenario) -> None:
 def test_a_chain_that_is_made_up_for_foretells_one_of_many_cells(beam: Scenario, cells: int) -> None:
     """The rows of the first elastic modes with what is added are those of a beam of 192 cells."""
     layouts = cut(beam, cells)
-    own, rows = riding(layouts)
+    own = structure(layouts.first, layouts.first.grid)
+    rows = np.vstack([own.axis, own.drive])
     change = to_continuum(layouts.first.scenario, layouts, own, 120.0)
     fine, exact = between_links(cut(beam, 192).first)
     modes = slice(6, 12)

@@ -71,18 +71,21 @@ def test_where_the_stiffest_hinge_ends_the_scan_goes_on_with_the_arm(tmp_path: P
     ("effect", "settings", "either_way"),
     [
         (BaseStrain(-10.0, 3.0, axis="pitch"), {"axis": "pitch"}, "apparent_force_per_moment_per_m"),
-        (SensorTilt(angle_rad=0.08, azimuth_rad=2.6, sensors="6+Z"), {"sensors": "6+Z"}, "azimuth_rad"),
+        (SensorTilt(angle_rad=0.3, azimuth_rad=2.6, sensors="6+Z"), {"sensors": "6+Z"}, "azimuth_rad"),
     ],
     ids=["base-strain", "sensor-tilt"],
 )
 def test_what_acts_the_opposite_way_is_met(
     tmp_path: Path, effect: Any, settings: dict[str, str], either_way: str
 ) -> None:
-    """Sizes are never negative: begun at one sign or azimuth alone, half of all that there can be promises nothing."""
+    """Sizes are never negative: begun at one sign or azimuth alone, half of all that there can be promises nothing.
+
+    By quarter turns the nearest azimuth is 31 degrees off.
+    """
     stand = Stand.of(all_else_known(tmp_path, effect))
     told = {**settings, either_way: getattr(effect, either_way)}
     known, best = (at_sizes(stand, Hypothesis(type(effect), s))[0].gain_nats for s in (told, settings))
-    assert best > 0.5 * known > 0.5
+    assert best > 0.4 * known > 4.0
 
 
 def test_an_angle_is_begun_by_quarter_turns(tmp_path: Path) -> None:

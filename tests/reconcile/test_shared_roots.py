@@ -124,11 +124,12 @@ def test_every_side_is_stated_as_it_was_fitted(
     case: Problem, laws: Any, tables: list[tuple[str, float]], stiffness: list[float], tmp_path: Path
 ) -> None:
     stated = written(fitted(case, *laws), tmp_path)
-    # Beside whole cells all else is a little aside of the fit: gains behind them, and per mille of a stiffness.
+    # Beside whole cells all else is a little aside of the fit, in valleys of the data: gains behind them, and per mille
+    # of a stiffness.
     found = [t.parameters for t in stated.effect if t.name in SIZES]
     assert [t["side"] for t in found] == [side for side, _ in tables]
-    assert [t[GIVEN] for t in found] == pytest.approx([k for _, k in tables], rel=2e-3)
-    assert joint_stiffness(stated) == pytest.approx(stiffness, rel=2e-3)
+    assert [t[GIVEN] for t in found] == pytest.approx([k for _, k in tables], rel=5e-3)
+    assert joint_stiffness(stated) == pytest.approx(stiffness, rel=5e-3)
     shared = {t[GIVEN] for t in found if t["side"] in (found[0]["side"], "both")}
     assert len(shared) == 1, "one root, one stiffness"
 

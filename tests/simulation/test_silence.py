@@ -55,7 +55,7 @@ def test_trial_structures_are_assembled_in_silence(
 ) -> None:
     """A fit's trial step may lead to an aircraft of which MuJoCo would warn."""
 
-    def hung(layout: object, points: object) -> None:
+    def hung(layout: object) -> None:
         warned()
         raise RuntimeError("no rest")
 

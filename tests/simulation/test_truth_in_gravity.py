@@ -15,9 +15,10 @@ from vgvt.data import Dof, ModalModel, synthesise
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import truth as sealed
 from vgvt.simulation.assembly import Plan, driven_rig, gauged_rig, plans
-from vgvt.simulation.linear import LinearModel, linearise
+from vgvt.simulation.linear import LinearModel
 from vgvt.simulation.modes import modal_model
-from vgvt.simulation.state_space import StateSpace, mass_above_element_kg, state_space, tilt_rows
+from vgvt.simulation.sensed import linearised_at, tilt_rows
+from vgvt.simulation.state_space import StateSpace, mass_above_element_kg, state_space
 
 Complex = NDArray[np.complex128]
 
@@ -43,7 +44,7 @@ def outputs(model: StateSpace, frequency_hz: NDArray[np.float64]) -> tuple[Compl
 def gauged(layout: Plan, model: StateSpace) -> tuple[LinearModel, NDArray[np.float64]]:
     """What the measured force acts on, and what a unit of its coordinates lets the sensors feel of gravity."""
     rig = gauged_rig(layout, 0, model.linear.equilibrium)
-    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.axis) for p in layout.points))
+    linear = linearised_at(rig, layout.points)
     above, tilt = mass_above_element_kg(layout), tilt_rows(rig, layout.points)
     row = linear.displacement[[-1]]
     mass, stiffness = linear.mass - above * row.T @ row, linear.stiffness - above * row.T @ tilt[[-1]]

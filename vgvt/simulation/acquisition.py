@@ -20,10 +20,11 @@ from vgvt.scenario.instruments import NoiseSpectrum
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.signals.noise import coloured_noise
-from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.assembly import Plan
 from vgvt.simulation.channel_effects import changed_by_effects
 from vgvt.simulation.command import limited_drives, unrecorded_samples
 from vgvt.simulation.rig import GRAVITY_M_PER_S2
+from vgvt.simulation.seats import MeasurementPoint
 
 
 @dataclass(frozen=True, slots=True, eq=False)

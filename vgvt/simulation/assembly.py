@@ -37,21 +37,7 @@ from vgvt.simulation.rig import (
     hung_mass_kg,
     numbered,
 )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeasurementPoint:
-    """A place for a sensor: its DOF, site name, part, position (3,) and the rigid body that carries it.
-
-    ``axis`` (3,) is what it senses along: the DOF's direction, unless an effect leans it.
-    """
-
-    dof: Dof
-    site: str
-    part: str
-    position_m: NDArray[np.float64]
-    carrier: str
-    axis: NDArray[np.float64]
+from vgvt.simulation.seats import MeasurementPoint, seats_at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,6 +107,7 @@ class Plan:
             position,
             self.parts.carrier(seat.part, position),
             seat.axis + np.sum([(e.lean, e.cross_sensitivity) for e in errors], axis=(0, 1)),
+            seats_at(self.parts, seat.part, position),
         )
 
 
@@ -178,7 +165,10 @@ def plan(scenario: Scenario) -> Plan:
         place = np.array(position_m)
         return MeasurementPoint(dof, site, part, place, parts.carrier(part, place), dof.direction.unit_vector)
 
-    grid = tuple(point(p.dof, f"node-{p.dof.node}", p.part, p.position_m) for p in sensor_points(scenario))
+    grid = tuple(
+        replace(found, seats=seats_at(parts, found.part, found.position_m))
+        for found in (point(p.dof, f"node-{p.dof.node}", p.part, p.position_m) for p in sensor_points(scenario))
+    )
     drives = [
         point(Dof(s.node, Direction.PLUS_Z), numbered(DRIVE_SITE, k), s.attached_to, s.position_m)
         for k, s in enumerate(scenario.shakers)
@@ -244,7 +234,8 @@ def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float
     data.qpos[:] = qpos
     mujoco.mj_forward(hung, data)
     if layout.strike is not None:
-        add_hammer(spec, layout.strike.site, layout.strike.axis)
+        for k, (site, weight) in enumerate(layout.strike.weighted_sites):
+            add_hammer(spec, site, layout.strike.axis, weight, k)
     else:
         for k, (shaker, point) in enumerate(zip(layout.scenario.shakers, layout.drives, strict=True)):
             drive = data.site(point.site)
@@ -319,8 +310,10 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
 
 
 def _add_site(spec: mujoco.MjSpec, layout: Plan, point: MeasurementPoint) -> None:
-    """A site on the rigid body that carries a point."""
+    """A site on the rigid body that carries a point, and one for every seat of a sensor."""
     spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - layout.parts.origin_m[point.carrier])
+    for (name, _), seat in zip(point.weighted_sites, point.seats, strict=False):
+        spec.body(seat.carrier).add_site(name=name, pos=seat.position_m - layout.parts.origin_m[seat.carrier])
 
 
 def _trim(spec: mujoco.MjSpec, springs: list[str], qpos: NDArray[np.float64]) -> None:
@@ -331,8 +324,8 @@ def _trim(spec: mujoco.MjSpec, springs: list[str], qpos: NDArray[np.float64]) ->
 def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:
     site, tendon = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TENDON
     kind = mujoco.mjtSensor
-    for point in (*layout.run_points(run), *layout.drives):
-        spec.add_sensor(name=point.site, type=kind.mjSENS_ACCELEROMETER, objtype=site, objname=point.site)
+    for name in (name for point in (*layout.run_points(run), *layout.drives) for name, _ in point.weighted_sites):
+        spec.add_sensor(name=name, type=kind.mjSENS_ACCELEROMETER, objtype=site, objname=name)
     rods = [numbered(STINGER, k) for k in range(len(layout.drives))] if layout.strike is None else []
     for rod in (*rods, *(name for name, _ in layout.gauged_springs())):
         spec.add_sensor(name=f"{rod}-length", type=kind.mjSENS_TENDONPOS, objtype=tendon, objname=rod)

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Absorber, Element, GroundSpring, HingedFlap, PointMass, RotationSpring
-from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.assembly import Plan
 from vgvt.simulation.elements import sharing, turned_by
-from vgvt.simulation.reduced import Structure
-from vgvt.simulation.rig import GRAVITY_M_PER_S2
+from vgvt.simulation.reduced import Structure, felt_by
+from vgvt.simulation.seats import MeasurementPoint
 
 Array = NDArray[np.float64]
-_UP = np.array([0.0, 0.0, 1.0])
 _Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
 
 
@@ -69,13 +68,8 @@ def carried_rows(structure: Structure, layout: Plan, carrier: str, position_m: A
 
 def sensed_at(structure: Structure, layout: Plan, point: MeasurementPoint) -> tuple[Array, Array, Array]:
     """Rows of a sensor: displacement (3, n) in world axes, along its axis (n,), and the gravity that it feels (n,)."""
-    k = structure.body_names.index(point.carrier)
-    turn = structure.attitude[k]
-    arm = turn @ (point.position_m - layout.parts.origin_m[point.carrier])
-    moved = structure.bodies[k, :3] + np.cross(structure.bodies[k, 3:], arm, axis=0)
-    direction = turn @ point.axis
-    tilt = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ structure.bodies[k, 3:]
-    return moved, direction @ moved, tilt
+    moved, along, tilt = felt_by((point,), layout, structure.body_names, structure.bodies, structure.attitude)
+    return moved[0], along[0], tilt[0]
 
 
 def vanishes(joint: str) -> bool:

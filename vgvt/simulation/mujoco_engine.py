@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vgvt.simulation.assembly import Plan, Rig
 from vgvt.simulation.compiled_dampers import compiled_dampers
 from vgvt.simulation.rig import HAMMER, STINGER, numbered
+from vgvt.simulation.seats import MeasurementPoint
 from vgvt.simulation.silence import silent
 from vgvt.simulation.state_space import exciter_names, mass_above_element_kg
 
@@ -67,7 +68,7 @@ def step_runs(
 def _step_together(
     rigs: list[Rig],
     command_v: NDArray[np.float64],
-    exciters: tuple[str, ...],
+    exciters: tuple[tuple[str, ...], ...],
     steps_per_sample: int,
     sample_rate_hz: float,
     before_record_s: float,
@@ -82,9 +83,10 @@ def _step_together(
     # The actuator integrates: its control is the command's rate of change, its activation the command itself.
     rate = np.diff(command_v, append=command_v[..., -1:]) * (steps_per_sample * sample_rate_hz)
     # Effects may have actuators of their own, which start from rest: they are sent 1 while the record runs.
-    driving = [rigs[0].model.actuator(name) for name in exciters]
+    driving = [(k, rigs[0].model.actuator(name)) for k, names in enumerate(exciters) for name in names]
+    inputs = [k for k, _ in driving]
     activation = np.zeros((len(rigs), rigs[0].model.na))
-    activation[:, [actuator.actadr[0] for actuator in driving]] = command_v[..., 0]
+    activation[:, [actuator.actadr[0] for _, actuator in driving]] = command_v[:, inputs, 0]
     batch.bind("act")[:] = activation
     samples = (command_v.shape[2] - 1) // steps_per_sample + 1
     kept = np.empty((len(rigs), samples, rigs[0].model.nsensordata))
@@ -95,7 +97,7 @@ def _step_together(
         driven = rate[..., start : start + count * steps_per_sample].transpose(0, 2, 1)
         chunk = np.zeros((*driven.shape[:2], rigs[0].model.nu))
         chunk[:, max(begin - start, 0) :] = 1.0
-        chunk[..., [actuator.id for actuator in driving]] = driven
+        chunk[..., [actuator.id for _, actuator in driving]] = driven[..., inputs]
         record = batch.rollout(chunk.shape[1], control=chunk, record=("sensordata",))["sensordata"]
         kept[:, done : done + count] = record[:, ::steps_per_sample]
         done += count
@@ -120,19 +122,22 @@ def _readings(layout: Plan, rig: Rig, run: int, sensors: NDArray[np.float64]) ->
     """Turn MuJoCo's sensors (samples, nsensordata) into accelerations along the DOFs and the measured force."""
     model = rig.model
 
-    def acceleration(site: str, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-        address = model.sensor(site).adr[0]
-        return np.asarray(sensors[:, address : address + 3] @ direction)
+    def acceleration(point: MeasurementPoint) -> NDArray[np.float64]:
+        felt = np.zeros(sensors.shape[0])
+        for site, weight in point.weighted_sites:
+            address = model.sensor(site).adr[0]
+            felt += sensors[:, address : address + 3] @ (weight * point.axis)
+        return felt
 
     points = layout.run_points(run)
-    rows = [acceleration(p.site, p.axis) for p in points]
+    rows = [acceleration(p) for p in points]
     if layout.strike is not None:
         hammer = layout.scenario.hammer
         assert hammer is not None, "only a hammer strikes"
         rows.append(hammer.reading * sensors[:, model.sensor(HAMMER).adr[0]])
     for k, drive in enumerate(layout.drives if layout.strike is None else ()):
         push = _stinger_push(layout, rig, sensors, k)
-        rows.append(push - mass_above_element_kg(layout) * acceleration(drive.site, drive.axis))
+        rows.append(push - mass_above_element_kg(layout) * acceleration(drive))
     readings = np.array(rows)
     return np.asarray(readings - readings[:, :1])
 

@@ -22,12 +22,13 @@ from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
-from vgvt.simulation.assembly import MeasurementPoint, Plan, plan
+from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import TRIMMED, add_elements, turned_by
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
+from vgvt.simulation.seats import MeasurementPoint
 from vgvt.simulation.settling import settle_near
 from vgvt.simulation.silence import silent
 
@@ -178,19 +179,18 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
 
     InputError or RuntimeError where the aircraft finds no rest.
     """
-    spec, springs, damped = _hung(layout, points)
+    spec, springs, damped = _hung(layout)
     model = spec.compile()
     names = tuple(model.joint(j).name for j in range(model.njnt))
     qpos = _rest(model, springs, names, near)
     data = _trimmed(model, springs, qpos)
     linear = linearise(model, qpos)
-    jacobian, axis, tilt = _rows(model, data, points)
-    _, drive_axis, drive_tilt = _rows(model, data, (layout.drive,))
+    drive_axis, drive_tilt = _rows(model, data, layout.drive)
     scenario = layout.scenario
     above = scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
-    drive = drive_axis[0]
+    drive = drive_axis
     mass = linear.mass - above * np.outer(drive, drive) - _sensors_inertia(model, data, layout)
-    stiffness = linear.stiffness - above * np.outer(drive, drive_tilt[0])
+    stiffness = linear.stiffness - above * np.outer(drive, drive_tilt)
     damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
         for joint in map(names.index, turned_by(spring, layout.drives[spring.exciter].carrier)):
@@ -203,6 +203,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     for k, name in enumerate(body_names):
         mujoco.mj_jacBody(model, data, bodies[k, :3], bodies[k, 3:], model.body(name).id)
     attitude = np.array([data.body(name).xmat.reshape(3, 3) for name in body_names])
+    jacobian, axis, tilt = felt_by(points, layout, body_names, bodies, attitude)
     joint_structure = Structure(
         names, mass, damping, stiffness, drive, places, jacobian, axis, tilt, qpos, body_names, bodies, attitude,
         np.eye(6),
@@ -261,14 +262,11 @@ def _weight(node: int) -> str:
     return f"accelerometers-at-{node}"
 
 
-def _hung(layout: Plan, points: Sequence[MeasurementPoint]) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
+def _hung(layout: Plan) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
     """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping."""
     scenario, parts = layout.scenario, layout.parts
     spec, damped = with_damped_joints(parts)
     add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "airframe"))
-    known = {p.site for p in layout.grid}
-    for point in (*layout.grid, *(p for p in points if p.site not in known)):
-        spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - parts.origin_m[point.carrier])
     sensors = mean_sensors_kg(scenario)
     homes = {p.dof.node: p for p in layout.grid}
     for node, mass in sensors.items():
@@ -314,13 +312,39 @@ def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.M
     return data
 
 
-def _rows(model: mujoco.MjModel, data: mujoco.MjData, points: Sequence[MeasurementPoint]) -> tuple[Array, Array, Array]:
-    """Displacement in world axes (P, 3, nv), along the sensed axis (P, nv), and the felt gravity (P, nv)."""
-    shape = (len(points), 3, model.nv)
-    moved, turned, direction = np.zeros(shape), np.zeros(shape), np.zeros((len(points), 3))
-    for k, point in enumerate(points):
-        site = model.site(point.site).id
-        mujoco.mj_jacSite(model, data, moved[k], turned[k], site)
-        direction[k] = data.site_xmat[site].reshape(3, 3) @ point.axis
-    along, felt = direction[:, None], GRAVITY_M_PER_S2 * np.cross(direction, _UP)[:, None]
-    return moved, (along @ moved)[:, 0], (felt @ turned)[:, 0]
+def _rows(model: mujoco.MjModel, data: mujoco.MjData, point: MeasurementPoint) -> tuple[Array, Array]:
+    """Displacement along a point's axis (nv,) at its own site, and the gravity that is felt there (nv,)."""
+    moved, turned = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+    site = model.site(point.site).id
+    mujoco.mj_jacSite(model, data, moved, turned, site)
+    direction = data.site_xmat[site].reshape(3, 3) @ point.axis
+    return direction @ moved, GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ turned
+
+
+def felt_by(
+    points: Sequence[MeasurementPoint], layout: Plan, names: tuple[str, ...], bodies: Array, attitude: Array
+) -> tuple[Array, Array, Array]:
+    """Displacement of what carries sensors in world axes (P, 3, n), and what they feel along their axes (P, n) of
+    displacement and of gravity.
+
+    Of bodies by their names, ``bodies`` (B, 6, n) are the rows of their frames, ``attitude`` (B, 3, 3) how they stand.
+    What a sensor weighs rides on a link, what it feels is the beam between two.
+    """
+    count, origin_m = bodies.shape[-1], layout.parts.origin_m
+    index = {name: k for k, name in enumerate(names)}
+
+    def moved(carrier: str, position_m: Array) -> Array:
+        k = index[carrier]
+        return np.asarray(
+            bodies[k, :3] + np.cross(bodies[k, 3:], attitude[k] @ (position_m - origin_m[carrier]), axis=0)
+        )
+
+    along, felt = np.zeros((2, len(points), count))
+    for p, point in enumerate(points):
+        for seat in point.seated:
+            k = index[seat.carrier]
+            direction = seat.weight * (attitude[k] @ point.axis)
+            along[p] += direction @ moved(seat.carrier, seat.position_m)
+            felt[p] += GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ bodies[k, 3:]
+    rides = [moved(point.carrier, point.position_m) for point in points]
+    return np.array(rides).reshape(len(points), 3, count), along, felt

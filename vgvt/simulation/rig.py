@@ -113,18 +113,23 @@ def add_shaker(
     _add_coil(spec, shaker, push, exciter)
 
 
-def add_hammer(spec: mujoco.MjSpec, site: str, axis: NDArray[np.float64]) -> None:
+def add_hammer(spec: mujoco.MjSpec, site: str, axis: NDArray[np.float64], weight: float = 1.0, part: int = 0) -> None:
     """A force on the site along ``axis`` (3,), fixed to it: what the hammer does while it touches, and nothing else.
+
+    Where it hits a beam between two links, it is the sum of several, counted by ``part`` from 0: of its force each has
+    its ``weight``.
 
     The hammer is not a body here: its force is given, not found from its fall, so that what the
     aircraft does during the few milliseconds of contact does not act back on it.
     """
-    hammer = spec.add_actuator(name=HAMMER, trntype=mujoco.mjtTrn.mjTRN_SITE, target=site)
-    hammer.gear = [*axis, 0.0, 0.0, 0.0]
+    hammer = spec.add_actuator(name=numbered(HAMMER, part), trntype=mujoco.mjtTrn.mjTRN_SITE, target=site)
+    hammer.gear = [*(weight * axis), 0.0, 0.0, 0.0]
     # Integrated like a shaker's command: straight between time steps.
     hammer.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
     hammer.gaintype = mujoco.mjtGain.mjGAIN_FIXED
     hammer.gainprm[0] = 1.0
+    if part > 0:
+        return
     spec.add_sensor(
         name=HAMMER, type=mujoco.mjtSensor.mjSENS_ACTUATORFRC, objtype=mujoco.mjtObj.mjOBJ_ACTUATOR, objname=HAMMER
     )

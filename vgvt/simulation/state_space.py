@@ -12,11 +12,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig
-from vgvt.simulation.linear import LinearModel, linearise, site_row
-from vgvt.simulation.rig import COIL, GRAVITY_M_PER_S2, HAMMER, STINGER, numbered
-
-_UP = np.array([0.0, 0.0, 1.0])
+from vgvt.simulation.assembly import Plan, Rig
+from vgvt.simulation.linear import LinearModel, site_row
+from vgvt.simulation.rig import COIL, HAMMER, STINGER, numbered
+from vgvt.simulation.seats import MeasurementPoint
+from vgvt.simulation.sensed import at_rest, displacement_rows, linearised_at, tilt_rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,16 +58,15 @@ def mass_above_element_kg(layout: Plan) -> float:
 
 def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) -> StateSpace:
     """The linear model of a driven rig, with the accelerations of ``points`` as outputs."""
-    model = rig.model
-    linear = linearise(model, rig.qpos, tuple((p.site, p.axis) for p in points))
+    linear = linearised_at(rig, points)
     n = linear.freedoms
     inverse_mass = np.linalg.inv(linear.mass)
     a, b = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, len(layout.forces)))
     a[:n, n:] = np.eye(n)
     a[n:, :n] = -inverse_mass @ linear.stiffness
     a[n:, n:] = -inverse_mass @ linear.damping
-    for k, name in enumerate(exciter_names(layout)):
-        b[n:, k] = inverse_mass @ _pushed_by(rig, layout, name)
+    for k, names in enumerate(exciter_names(layout)):
+        b[n:, k] = inverse_mass @ _pushed_by(rig, layout, names[0])
     tilt = tilt_rows(rig, points)
     acceleration = linear.displacement @ a[n:]
     acceleration[:, :n] += tilt
@@ -83,34 +82,22 @@ def state_space(layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...]) ->
     )
 
 
-def exciter_names(layout: Plan) -> tuple[str, ...]:
-    """The names of the actuators that drive a rig: the hammer, or the coil of every shaker."""
+def exciter_names(layout: Plan) -> tuple[tuple[str, ...], ...]:
+    """The names of the actuators that each input drives: all of the hammer, or the coil of every shaker."""
     if layout.strike is not None:
-        return (HAMMER,)
-    return tuple(numbered(COIL, k) for k in range(len(layout.drives)))
+        return (tuple(numbered(HAMMER, k) for k in range(len(layout.strike.weighted_sites))),)
+    return tuple((numbered(COIL, k),) for k in range(len(layout.drives)))
 
 
 def _pushed_by(rig: Rig, layout: Plan, name: str) -> NDArray[np.float64]:
     """Generalised force (nv,) of an exciter for a unit of its input."""
     model = rig.model
     if layout.strike is not None:
-        return site_row(model, _at_rest(rig), layout.strike.site, layout.strike.axis)
+        row: NDArray[np.float64] = displacement_rows(rig, (layout.strike,))[0]
+        return row
     actuator, force = model.actuator(name).id, np.zeros(model.nv)
     force[model.jnt_dofadr[model.actuator_trnid[actuator, 0]]] = model.actuator_gainprm[actuator, 0]
     return force
-
-
-def tilt_rows(rig: Rig, points: tuple[MeasurementPoint, ...]) -> NDArray[np.float64]:
-    """What a small rotation of each sensor lets it feel of gravity, rows (points, nv)."""
-    data = _at_rest(rig)
-    rows = np.zeros((len(points), rig.model.nv))
-    for k, point in enumerate(points):
-        site = rig.model.site(point.site).id
-        rotation = np.zeros((3, rig.model.nv))
-        mujoco.mj_jacSite(rig.model, data, None, rotation, site)
-        direction = data.site_xmat[site].reshape(3, 3) @ point.axis
-        rows[k] = GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ rotation
-    return rows
 
 
 def _force_rows(
@@ -134,7 +121,7 @@ def _force_row(
     model, stinger, drive = rig.model, layout.scenario.stinger, layout.drives[exciter]
     n = model.nv
     length_row = _length_row(rig, numbered(STINGER, exciter))
-    drive_row = site_row(model, _at_rest(rig), drive.site, drive.axis)
+    drive_row = site_row(model, at_rest(rig), drive.site, drive.axis)
     inertia = mass_above_element_kg(layout)
     row = -inertia * (drive_row @ rate_rows)
     row[:n] -= stinger.axial_stiffness_n_per_m * length_row + inertia * tilt_rows(rig, (drive,))[0]
@@ -148,7 +135,7 @@ def _force_row(
 
 def _length_row(rig: Rig, tendon: str) -> NDArray[np.float64]:
     """What a unit of each coordinate does to the length of a tendon, or to the sum of joints that it is, (nv,)."""
-    data, rod = _at_rest(rig), rig.model.tendon(tendon).id
+    data, rod = at_rest(rig), rig.model.tendon(tendon).id
     row = np.zeros(rig.model.nv)
     for j in range(row.size):
         data.qvel[:] = 0.0
@@ -156,10 +143,3 @@ def _length_row(rig: Rig, tendon: str) -> NDArray[np.float64]:
         mujoco.mj_fwdVelocity(rig.model, data)
         row[j] = data.ten_velocity[rod]
     return row
-
-
-def _at_rest(rig: Rig) -> mujoco.MjData:
-    data = mujoco.MjData(rig.model)
-    data.qpos[:] = rig.qpos
-    mujoco.mj_forward(rig.model, data)
-    return data

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from vgvt.data import ModalModel, Truth
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.assembly import MeasurementPoint, Plan, Rig, bare_rig, driven_rig, gauged_rig, plans, rigid_body
+from vgvt.simulation.assembly import Plan, Rig, bare_rig, driven_rig, gauged_rig, plans, rigid_body
 from vgvt.simulation.information import least_deviations
 from vgvt.simulation.labels import mode_labels
-from vgvt.simulation.linear import LinearModel, linearise
+from vgvt.simulation.linear import LinearModel
 from vgvt.simulation.modes import eigenpairs, modal_model
-from vgvt.simulation.state_space import StateSpace, mass_above_element_kg, state_space, tilt_rows
+from vgvt.simulation.seats import MeasurementPoint
+from vgvt.simulation.sensed import linearised_at, tilt_rows
+from vgvt.simulation.state_space import StateSpace, mass_above_element_kg, state_space
 
 
 def truth_of(scenario: Scenario) -> Truth:
@@ -84,7 +86,7 @@ def _drives(layout: Plan) -> range:
 def _modes_seen(
     layout: Plan, rig: Rig, points: tuple[MeasurementPoint, ...], references: Sequence[int], above_kg: float = 0.0
 ) -> ModalModel:
-    linear = linearise(rig.model, rig.qpos, tuple((p.site, p.axis) for p in points))
+    linear = linearised_at(rig, points)
     if above_kg:
         linear = _seen_from_the_gauges(linear, tilt_rows(rig, layout.drives), len(layout.grid), above_kg)
     poles, vectors = eigenpairs(linear)

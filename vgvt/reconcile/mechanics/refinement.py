@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.assurance import modal_assurance
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile.mechanics.between_links import between_links
+from vgvt.reconcile.mechanics.drive_between_links import drive_between_links
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, Structure, structure
@@ -103,12 +103,10 @@ def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz:
     times = min(_FINER, MOST_CELLS / max(cells, 1))
     if times <= _HARDLY_FINER:
         # As many cells as are worth having, or nearly; what points on its links miss of the beam is known all the same.
-        return towards(
-            _finely_cut(scenario, layouts, max(times, 1.0) / _AS_GOOD)[0], layouts, own, limit_hz, curved=True
-        )
+        return towards(_finely_cut(scenario, layouts, max(times, 1.0) / _AS_GOOD)[0], layouts, own, limit_hz)
     finer, times = _finely_cut(scenario, layouts, times)
     # What the cells still err by at this refinement, in second order, goes along.
-    return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2), curved=True)
+    return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2))
 
 
 def _finely_cut(scenario: Scenario, layouts: Layouts, times: float) -> tuple[Scenario, float]:
@@ -140,22 +138,24 @@ def towards(
     limit_hz: float,
     share: float = 1.0,
     *,
-    curved: bool = False,
+    simulated: bool = False,
 ) -> Refinement:
     """What gives a structure the modes of the same aircraft cut into other cells, up to a limit that both chains have.
 
     Stiffness Σ M φ (ω² of the other chain - own ω²) φᵀ M, damping alike at equal modal damping, and rows
-    Σ (other chain's shape - own) φᵀ M: sensors and drive ride on straight links, and the beam between is curved.
-    ``share`` is by how much what the other chain changes is to be exceeded. ``curved`` gives rows of the other chain's
-    beam as it is between its links; what its own links are off by is known, then, and is not exceeded.
+    Σ (other chain's shape - own) φᵀ M. The drive rides on a straight link, and the beam between two is curved: the
+    row is that of the other chain's beam; what its own link is off by is known, and is not exceeded. ``simulated`` is
+    how a simulation of that chain has it: a shaker pushes a link. ``share`` is by how much what the other chain changes
+    is to be exceeded.
     """
     there = layouts.plan(other)
+    target = structure(there, there.grid)
     ride = np.vstack([own.axis, own.drive])
-    if curved:
-        (_, along), (target, rows) = between_links(layouts.first, own), between_links(there)
+    if simulated:
+        along, rows = ride, np.vstack([target.axis, target.drive])
     else:
-        along, target = ride, structure(there, there.grid, None)
-        rows = np.vstack([target.axis, target.drive])
+        along = np.vstack([own.axis, drive_between_links(own, layouts.first)])
+        rows = np.vstack([target.axis, drive_between_links(target, there)])
     squares, shapes, seen = _modes(own, along)
     squares_there, shapes_there, seen_there = _modes(target, rows)
     off_by = ((along - ride) @ shapes).T

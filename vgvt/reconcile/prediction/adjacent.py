@@ -24,10 +24,11 @@ from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Nominal, Problem
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT_JOINTS, elastic_joints
-from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.assembly import Plan
 from vgvt.simulation.attached import attach, sensed_at
 from vgvt.simulation.damping import RIGID_MODES
 from vgvt.simulation.reduced import Structure, structure
+from vgvt.simulation.seats import MeasurementPoint
 
 Array = NDArray[np.float64]
 

@@ -19,8 +19,9 @@ from vgvt.reconcile.question.hypothesis import Hypothesis, refused
 from vgvt.reconcile.question.problem import CELLS, Problem
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.model import Scenario
-from vgvt.simulation.assembly import MeasurementPoint, Plan
+from vgvt.simulation.assembly import Plan
 from vgvt.simulation.reduced import Structure, structure
+from vgvt.simulation.seats import MeasurementPoint
 
 Array = NDArray[np.float64]
 # Of all damping, what no slope changes in a step of some thousandths of a deviation.
