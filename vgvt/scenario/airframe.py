@@ -141,7 +141,7 @@ class Item(Table):
     inertia_kg_m2: tuple[NonNegative, NonNegative, NonNegative] = (0.0, 0.0, 0.0)
     """Ixx, Iyy, Izz about its own centre of gravity."""
     attached_to: str = "body"
-    """'body' or the name of a beam; on a beam it rides on the nearest link."""
+    """'body' or the name of a beam; on a beam the two links around it share it."""
     mirror: Switch = False
     """Add a second one at -y, on the mirrored beam."""
 
