@@ -185,10 +185,9 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     qpos = _rest(model, springs, names, near)
     data = _trimmed(model, springs, qpos)
     linear = linearise(model, qpos)
-    drive_axis, drive_tilt = _rows(model, data, layout.drive)
+    drive, drive_tilt = _rows(model, data, layout.drive)
     scenario = layout.scenario
     above = scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
-    drive = drive_axis
     mass = linear.mass - above * np.outer(drive, drive) - _sensors_inertia(model, data, layout)
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt)
     damping = linear.damping + damped.modal_matrix(names)

@@ -102,7 +102,7 @@ def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz:
     cells = max((b.cells for b in scenario.airframe.beam), default=0)
     times = min(_FINER, MOST_CELLS / max(cells, 1))
     if times <= _HARDLY_FINER:
-        # As many cells as are worth having, or nearly; what points on its links miss of the beam is known all the same.
+        # As many cells as are worth having, or nearly; what a drive on a link misses of the beam is known all the same.
         return towards(_finely_cut(scenario, layouts, max(times, 1.0) / _AS_GOOD)[0], layouts, own, limit_hz)
     finer, times = _finely_cut(scenario, layouts, times)
     # What the cells still err by at this refinement, in second order, goes along.
@@ -183,7 +183,7 @@ def towards(
         axis += np.outer(moved[:-1], weight)
         drive += moved[-1] * weight
     # Not exceeded: beside the drive it falls with the first power of a link's length, but where links meet there. Modes
-    # that are not matched have the rows of the links that points ride on.
+    # that are not matched have the row of the link that the drive rides on.
     lacking = _at_rest(squares_there, seen_there, high_there) - _at_rest(squares, seen - off_by, high)
     return replace(found, flexibility=lacking, furthest=furthest)
 
