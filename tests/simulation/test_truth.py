@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.linalg
 from small_rig import revised
 
 from vgvt.data import synthesise
@@ -38,21 +37,22 @@ def test_residues_synthesise_the_noise_free_response(small: Scenario) -> None:
 
 @pytest.mark.parametrize("name", ["quick", pytest.param("garteur-sm-ag19", marks=pytest.mark.slow)])
 def test_true_poles_are_those_of_acceleration_over_force(name: str) -> None:
-    """They are where the force vanishes though the rig moves: the zeros of force over command, from the pencil."""
+    """They are where the force vanishes though the rig moves: the zeros of force over command."""
     layout = plans(load_scenario(name))[0]
     model = state_space(layout, driven_rig(layout, 0), layout.points)
-    size = model.state_matrix.shape[0]
-    pencil = np.block(
-        [[model.state_matrix, model.inputs[:, :1]], [model.output_matrix[-1:], model.feedthrough_rows[-1:, :1]]]
-    )
-    zeros = scipy.linalg.eigvals(pencil, np.diag([1.0] * size + [0.0]))
-    zeros = zeros[np.isfinite(zeros)]
+    identity, force = np.eye(model.state_matrix.shape[0]), model.output_matrix[-1]
     modes = assemble_truth([layout], [model]).as_tested[0]
-    for pole in modes.band(3.0, 70.0).poles:
-        assert np.abs(zeros - pole).min() < 1e-7 * abs(pole)
+
+    def beside_a_zero(pole: complex) -> float:
+        """Newton's step to the nearest zero: of all zeros at once rounding, at a few of 2e5 rad/s, leaves 1e-5."""
+        shifted = pole * identity - model.state_matrix
+        state = np.linalg.solve(shifted, model.inputs[:, 0])
+        slope = -force @ np.linalg.solve(shifted, state)
+        return float(abs((force @ state + model.feedthrough_rows[-1, 0]) / slope / pole))
+
+    assert max(map(beside_a_zero, modes.band(3.0, 70.0).poles)) < 1e-7
     # Rigid modes: the stiffness is a difference quotient, and they have little of it.
-    for pole in modes.band(0.05, 3.0).poles:
-        assert np.abs(zeros - pole).min() < 2e-4 * abs(pole)
+    assert max(map(beside_a_zero, modes.band(0.05, 3.0).poles)) < 2e-4
 
 
 @pytest.mark.parametrize("engine", ["linear", "mujoco"])
