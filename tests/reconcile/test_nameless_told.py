@@ -89,7 +89,7 @@ def test_a_delay_of_the_force_is_told_as_one_however_far_the_tolerances_were_ben
 @pytest.mark.slow
 def test_beside_a_lead_that_stands_beside_it(cache: Path) -> None:
     """Half of two is in the catalogue and was a lead, as it took too little: both together meet the data."""
-    gain, damper = KNOWN["channel-gain"](gain_error=0.3, channels="18+Z"), KNOWN["nonproportional-damper"]
+    gain, damper = KNOWN["channel-gain"](gain_error=0.25, channels="18+Z"), KNOWN["nonproportional-damper"]
     case = case_with(cache, gain, damper(damping_n_s_per_m=2.0, **PLACE))
     lead = ("channel-gain", {"gain_error": 0.2}, {"channels": "18+Z"})
     start = unexplained(calibrate(case), lead)
@@ -128,7 +128,7 @@ def test_a_lead_has_to_gain_beside_the_thing_too(
 @pytest.mark.slow
 def test_beside_a_right_name_that_leaves_something(cache: Path) -> None:
     """The name stays, and what is left has a place and a law."""
-    gain, damper = KNOWN["channel-gain"](gain_error=0.3, channels="18+Z"), KNOWN["nonproportional-damper"]
+    gain, damper = KNOWN["channel-gain"](gain_error=0.25, channels="18+Z"), KNOWN["nonproportional-damper"]
     case = case_with(cache, gain, damper(damping_n_s_per_m=2.0, **PLACE))
     lead = unexplained(calibrate(case), ("channel-gain", {"gain_error": 0.2}, {"channels": "18+Z"}))
     assert lead.led is not None
