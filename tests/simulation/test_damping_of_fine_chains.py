@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 import pytest
+from bare_poles import poles
 from numpy.typing import NDArray
 
 from vgvt.effects.beams import with_beams
 from vgvt.scenario import load_scenario
 from vgvt.scenario.airframe import Airframe
-from vgvt.simulation.airframe import airframe_spec
-from vgvt.simulation.linear import mass_matrix
-from vgvt.simulation.once import cut_once, damping_once
+from vgvt.simulation.once import damping_once
 
 # Times the limit: as far as modes are given what their joints lack.
 NEAR = 3.0
@@ -27,16 +25,7 @@ def cut(name: str, cells: int) -> Airframe:
 
 def damped(airframe: Airframe) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Frequencies, Hz, and damping ratios of its elastic modes, from the dampers that are in the model."""
-    spec, damping = airframe_spec(cut_once(airframe)), damping_once(airframe)
-    damping.damp_joints(spec)
-    model = spec.compile()
-    mass = mass_matrix(model, mujoco.MjData(model))
-    names = [model.joint(j).name for j in range(model.njnt)]
-    damper = np.diag(model.dof_damping) + damping.modal_matrix(names)
-    by_mass = np.linalg.solve(mass, np.hstack([-np.diag(model.jnt_stiffness), -damper]))
-    poles = np.linalg.eigvals(np.vstack([np.hstack([np.zeros_like(mass), np.eye(model.nv)]), by_mass]))
-    swinging = poles[(np.abs(poles) > 1.0) & (poles.imag > 0)]
-    swinging = swinging[np.argsort(np.abs(swinging))]
+    swinging = poles(airframe)
     return np.abs(swinging) / (2 * np.pi), -swinging.real / np.abs(swinging)
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 import pytest
+from bare_poles import poles
 from numpy.typing import NDArray
 from small_rig import band_spectra
 
@@ -13,10 +13,8 @@ from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulated_campaign
-from vgvt.simulation.airframe import airframe_spec
 from vgvt.simulation.assembly import driven_rig, plan
-from vgvt.simulation.linear import mass_matrix
-from vgvt.simulation.once import cut_once, damping_once
+from vgvt.simulation.once import damping_once
 from vgvt.simulation.state_space import state_space
 from vgvt.simulation.stepping import amplification, substeps
 
@@ -30,21 +28,6 @@ def jointed(name: str, side: str, **compliance: float) -> Airframe:
     softer = available_effects()["root-compliance"](side=side, **compliance).act(load_scenario(name), 0).scenario
     assert softer is not None
     return softer.airframe
-
-
-def poles(airframe: Airframe) -> NDArray[np.complex128]:
-    """The elastic poles, rad/s, of the bare aircraft that swing, by frequency."""
-    spec = airframe_spec(cut_once(airframe))
-    damping = damping_once(airframe)
-    damping.damp_joints(spec)
-    model = spec.compile()
-    mass = mass_matrix(model, mujoco.MjData(model))
-    names = [model.joint(j).name for j in range(model.njnt)]
-    damper = np.diag(model.dof_damping) + damping.modal_matrix(names)
-    by_mass = np.linalg.solve(mass, np.hstack([-np.diag(model.jnt_stiffness), -damper]))
-    found = np.linalg.eigvals(np.vstack([np.hstack([np.zeros_like(mass), np.eye(model.nv)]), by_mass]))
-    swinging = found[(np.abs(found) > 1.0) & (found.imag > 0)]
-    return swinging[np.argsort(np.abs(swinging))]
 
 
 def ratios(found: NDArray[np.complex128]) -> NDArray[np.float64]:

@@ -312,7 +312,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
 def _add_site(spec: mujoco.MjSpec, layout: Plan, point: MeasurementPoint) -> None:
     """A site on the rigid body that carries a point, and one for every seat of a sensor."""
     spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - layout.parts.origin_m[point.carrier])
-    for (name, _), seat in zip(point.weighted_sites, point.seats, strict=False):
+    for (name, _), seat in zip(point.weighted_sites if point.seats else (), point.seats, strict=True):
         spec.body(seat.carrier).add_site(name=name, pos=seat.position_m - layout.parts.origin_m[seat.carrier])
 
 
