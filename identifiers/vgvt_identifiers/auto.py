@@ -92,7 +92,7 @@ class Auto:
             return ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
         start, candidates = self._first_guess(spectra, band_hz)
         fit = searched_fit(spectra, start, band_hz, VerdictRules(self.false_alarm, self.least_share))
-        claim = likelihood_claim(spectra, fit, self.poles, remarks)
+        claim = likelihood_claim(spectra, fit, self.poles, remarks, band_hz)
         return flag_non_modes(campaign, replace(claim, candidates=(*candidates, *claim.candidates)))
 
     def _first_guess(

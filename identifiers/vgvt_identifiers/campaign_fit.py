@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt_identifiers.common_modes import RunModes
+from vgvt_identifiers.double_poles import without_doubles
 from vgvt_identifiers.drifting_poles import RunStates, fit_runs, refined_runs
 from vgvt_identifiers.likelihood_fit import noise_after, weighted_problem
 from vgvt_identifiers.pole_covariance import parameter_covariance, pole_covariance, pole_deviations
 from vgvt_identifiers.pole_fit import PoleProblem, PoleState, evaluate, fit_poles
-from vgvt_identifiers.pole_search import search_poles
+from vgvt_identifiers.pole_search import least_fall, search_poles
 from vgvt_identifiers.pole_verdict import Verdict, VerdictRules, judge_poles
 from vgvt_identifiers.run_noise import RunNoise, first_noise
 from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
@@ -72,6 +73,8 @@ def settled_fit(
         if lower_terms > _FEWEST_LOWER_TERMS and not _asks_for_terms(problems, states):
             lower_terms = _FEWEST_LOWER_TERMS
             problems = tuple(replace(p, lower_terms=lower_terms) for p in problems)
+        states, doubles = without_doubles(problems, states, least_fall(problems, rules.false_alarm))
+        dropped += doubles
         verdicts = judge_poles(problems, states, band_hz, rules)
         gone = [i for i, v in enumerate(verdicts) if not v.kept]
         if last or not gone:

@@ -21,14 +21,22 @@ _DOUBTFUL = 0.1  # relative standard deviation of the damping ratio
 
 
 def likelihood_claim(
-    spectra: CampaignSpectra, fit: CampaignFit, poles: Literal["per-run", "common"], remarks: tuple[str, ...]
+    spectra: CampaignSpectra,
+    fit: CampaignFit,
+    poles: Literal["per-run", "common"],
+    remarks: tuple[str, ...],
+    band_hz: tuple[float, float],
 ) -> ModalModel:
-    """The claimed modes with shapes over all DOFs, standard deviations, flags, and every pole as a candidate."""
+    """The claimed modes in the band: shapes over all DOFs, standard deviations, flags, and every pole as a candidate.
+
+    A pole that hardly any run knows by itself may leave the band when the runs are put together.
+    """
     claimed = np.array([v.claimed for v in fit.verdicts], dtype=bool)
+    why = "no pole stands out of noise and background: measure longer, or raise the force"
+    nothing = ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
+    nothing = replace(nothing, candidates=_candidates(fit))
     if not claimed.any():
-        why = "no pole stands out of noise and background: measure longer, or raise the force"
-        empty = ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
-        return replace(empty, candidates=_candidates(fit))
+        return nothing
     runs = _common_poles(spectra, fit) if poles == "common" else poles_of_runs(spectra, fit)
     index = np.flatnonzero(claimed)
     flags = tuple(_flags(runs, int(i)) for i in index)
@@ -42,7 +50,8 @@ def likelihood_claim(
         claim = merged_claim(chosen, poles="common", flags=flags, advice=remarks)
     else:
         claim = merged_claim(runs, groups=np.tile(index[:, None], (1, len(runs))), flags=flags, advice=remarks)
-    return replace(claim, candidates=_candidates(fit))
+    inside = claim.band(*band_hz)
+    return replace(inside, candidates=_candidates(fit)) if len(inside) else nothing
 
 
 def _chosen(modes: RunModes, index: NDArray[np.intp]) -> RunModes:

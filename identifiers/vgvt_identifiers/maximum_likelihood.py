@@ -98,4 +98,4 @@ class MaximumLikelihood:
             return ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
         rules = VerdictRules(self.false_alarm, self.least_share, largest_damping_ratio=self.largest_damping_ratio)
         fit = searched_fit(spectra, np.empty(0, complex), band_hz, rules, self.largest_poles)
-        return flag_non_modes(campaign, likelihood_claim(spectra, fit, self.poles, remarks))
+        return flag_non_modes(campaign, likelihood_claim(spectra, fit, self.poles, remarks, band_hz))

@@ -11,7 +11,11 @@ from vgvt.data import Outcome, modal_assurance
 from vgvt.identification import run_identifier
 from vgvt.identification.example import Example
 from vgvt_identifiers.auto import Auto
+from vgvt_identifiers.campaign_fit import searched_fit
+from vgvt_identifiers.likelihood_claim import likelihood_claim
 from vgvt_identifiers.maximum_likelihood import MaximumLikelihood
+from vgvt_identifiers.pole_verdict import VerdictRules
+from vgvt_identifiers.spectra import campaign_spectra
 from vgvt_identifiers.vector_fitting import VectorFitting
 
 METHODS = (Auto(), MaximumLikelihood())
@@ -113,3 +117,18 @@ def test_pure_noise_has_no_modes(method: Auto | MaximumLikelihood | VectorFittin
 def test_settings_out_of_range_are_refused(cls: type, setting: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(setting))):
         cls(**setting)
+
+
+def test_what_the_runs_together_put_outside_the_band_is_not_claimed() -> None:
+    """As a pole that no run knows by itself can be: `auto` had claimed a mode outside its band, which is refused."""
+    campaign, band_hz = QUIET.campaign(), QUIET.campaign().band_hz
+    spectra = campaign_spectra(campaign, band_hz)
+    fit = searched_fit(spectra, np.empty(0, complex), band_hz, VerdictRules())
+    whole = likelihood_claim(spectra, fit, "per-run", (), band_hz)
+    assert len(whole) > 1
+    lowest, *others = whole.natural_frequency_hz
+    fewer = likelihood_claim(spectra, fit, "per-run", (), (lowest + 0.1, band_hz[1]))
+    np.testing.assert_array_equal(fewer.natural_frequency_hz, others)
+    assert fewer.candidates == whole.candidates
+    none = likelihood_claim(spectra, fit, "per-run", (), (band_hz[1] - 0.1, band_hz[1]))
+    assert len(none) == 0 and none.outcome is Outcome.NOTHING_FOUND and none.advice
