@@ -20,6 +20,7 @@ from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
 from vgvt.reconcile.question.kept_slopes import kept_slopes
 from vgvt.reconcile.question.structure_code import structure_code
+from vgvt.reconcile.question.suitable import check_suitable
 from vgvt.reconcile.question.uncertain import Unknown, edited, prepared, unknowns
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
@@ -127,11 +128,13 @@ def make_problem(
 ) -> Problem:
     """Line a scenario up with a campaign; derivatives are kept in ``cache`` (default: the user's temporary folder).
 
-    ``floor`` is the relative model-form error, by default that of the scenario's tolerances. InputError where the
-    scenario has no point for a measured channel, and where its own effects contradict each other.
+    ``floor`` is the relative model-form error, by default that of the scenario's tolerances. InputError where the two
+    do not speak of the same test (:func:`~vgvt.reconcile.question.suitable.check_suitable`), and where the scenario's
+    own effects contradict each other.
     """
     check_campaign(campaign)
     check_scenario(scenario)
+    check_suitable(campaign, scenario)
     measured = measured_frfs(campaign, lines=lines, floor=floor_for(scenario, floor))
     stated = aligned(scenario, measured)
     require_one_stiffness(acted(effects_of(stated), stated, 0)[1])
