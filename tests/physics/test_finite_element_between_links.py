@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,8 +35,22 @@ def without_instruments(scenario: Scenario) -> Scenario:
             "acquisition": scenario.acquisition.model_copy(update={"runs": (nodes,)}),
             "transducer": scenario.transducer.model_copy(update=gauge),
             "stinger": scenario.stinger.model_copy(update={"mass_kg": 0.0}),
+            # On the body: where a shaker pushes a beam, a cell ends.
+            "shaker": scenario.shaker.model_copy(update={"position_m": (0.0, 0.0, 0.0), "attached_to": "body"}),
         }
     )
+
+
+def driven_at(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
+    """The same with the shaker under a point of the beam."""
+    shaker = scenario.shaker.model_copy(update={"position_m": (x_m, y_m, 0.0), "attached_to": "beam"})
+    return scenario.model_copy(update={"shaker": shaker})
+
+
+def cut(scenario: Scenario, cells: int) -> Scenario:
+    """The same with so many cells a side."""
+    names = [b.name for b in scenario.airframe.beam]
+    return with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells}))
 
 
 def seen_by(found: Structure, rows: Array) -> tuple[Array, Array]:
@@ -44,7 +59,7 @@ def seen_by(found: Structure, rows: Array) -> tuple[Array, Array]:
     return np.sqrt(squares[MODES]) / (2 * np.pi), (rows @ shapes).T[MODES]
 
 
-def beam_elements(scenario: Scenario) -> tuple[Array, Array]:
+def beam_elements(scenario: Scenario, x_m: Sequence[float] = X_M, y_m: Sequence[float] = Y_M) -> tuple[Array, Array]:
     """Frequencies (modes,), Hz, and mass-normalised shapes (modes, points) of beam elements."""
     model = build(scenario.airframe, ELEMENTS)
     frequency, shapes = natural_modes(model.mass, model.stiffness)
@@ -52,7 +67,7 @@ def beam_elements(scenario: Scenario) -> tuple[Array, Array]:
         [
             np.array([0.0, 0.0, 1.0])
             @ model.motion_at(np.array([x, y, 0.0]), f"beam-{'right' if y > 0 else 'left'}")[:3]
-            for x, y in zip(X_M, Y_M, strict=True)
+            for x, y in zip(x_m, y_m, strict=True)
         ]
     )
     return frequency[MODES], (rows @ shapes).T[MODES]
@@ -65,9 +80,7 @@ def test_sensors_see_the_shapes_of_beam_elements(cells: int, within: float) -> N
     The spring and the weight that beam elements lack leave 0.4 % of the largest value, however many the cells.
     """
     scenario = without_instruments(load_scenario("teaching-beam"))
-    names = [b.name for b in scenario.airframe.beam]
-    chain = prepared(with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells})))
-    layout = Layouts.of(chain).first
+    layout = Layouts.of(prepared(cut(scenario, cells))).first
     frequency, exact = beam_elements(scenario)
     off = []
     for points in (layout.grid, [replace(p, seats=()) for p in layout.grid]):
@@ -80,12 +93,27 @@ def test_sensors_see_the_shapes_of_beam_elements(cells: int, within: float) -> N
     assert off[0] < off[1] / 6
 
 
+@pytest.mark.parametrize(("cells", "within"), [(12, 0.015), (24, 0.006)])
+def test_a_shaker_under_a_beam_pushes_the_shapes_of_beam_elements(cells: int, within: float) -> None:
+    """At any of five points: a link that is not cut for it is off by six times as much somewhere."""
+    scenario = without_instruments(load_scenario("teaching-beam"))
+    _, exact = beam_elements(scenario)
+    off = np.zeros((2, len(X_M)))
+    for k, (x_m, y_m) in enumerate(zip(X_M, Y_M, strict=True)):
+        driven = prepared(cut(driven_at(scenario, x_m, y_m), cells))
+        for r, layout in enumerate((plan(driven), plan(driven, ()))):
+            found = structure(layout, layout.grid)
+            _, seen = seen_by(found, found.drive[None])
+            off[r, k] = np.abs(np.abs(seen[:, 0]) - np.abs(exact[:, k])).max() / np.abs(exact).max()
+    assert off[0].max() < within
+    assert off[0].max() < off[1].max() / 6
+
+
 @pytest.mark.parametrize(("cells", "within"), [(12, 0.025), (24, 0.012)])
 def test_a_simulated_campaign_s_truth_has_the_shapes_of_beam_elements(cells: int, within: float) -> None:
     """The bare airframe's, each of largest value one: what the sealed truth holds and sensors of a simulation feel."""
     scenario = without_instruments(load_scenario("teaching-beam"))
-    names = [b.name for b in scenario.airframe.beam]
-    layout = plan(with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells})))
+    layout = plan(cut(scenario, cells))
     bare = bare_modes(layout, bare_rig(layout))
     frequency, exact = beam_elements(scenario)
     elastic = slice(MODES.start - 6, MODES.stop - 6)

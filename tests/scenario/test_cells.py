@@ -53,6 +53,21 @@ def test_a_bend_that_is_one_cell_from_the_tip_lies_between_two() -> None:
         assert cells_of(bent).bent_rad.max() == 0
 
 
+def test_cells_end_where_a_shaker_pushes() -> None:
+    straight = beam([(0.0, 0.0, 0.0), (0.0, 1.0, 0.0)], 5)
+    np.testing.assert_allclose(cells_of(straight, (0.5,)).edges_m, [0.0, 1 / 6, 1 / 3, 0.5, 0.75, 1.0])
+    assert cells_of(straight, (0.4,)).edges_m == pytest.approx(np.linspace(0.0, 1.0, 6))
+    assert 0.1 in cells_of(straight, (0.1,)).edges_m
+    for near_an_end in (0.0, 0.09, 0.95, 1.0):
+        assert np.array_equal(cells_of(straight, (near_an_end,)).edges_m, cells_of(straight).edges_m)
+
+
+def test_of_a_bend_and_a_shaker_that_are_close_the_bend_lies_between_two_cells() -> None:
+    cranked = beam([(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.36, 0.98, 0.0)], 5)
+    assert np.array_equal(cells_of(cranked, (0.55,)).edges_m, cells_of(cranked).edges_m)
+    assert {0.5, 0.7} <= set(cells_of(cranked, (0.7,)).edges_m)
+
+
 def test_a_bend_in_the_only_cell_is_told() -> None:
     only = beam([(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 0.0)], 1)
     assert bent_within_a_cell(only) == (
@@ -65,18 +80,20 @@ def test_a_bend_in_the_only_cell_is_told() -> None:
 @given(
     st.lists(st.tuples(*[st.integers(-9, 9)] * 2, st.integers(1, 9)), min_size=1, max_size=30),
     st.integers(1, 60),
+    st.lists(st.floats(0.0, 1.0), max_size=4),
 )
 def test_there_are_as_many_cells_as_stated_and_none_is_far_from_even(
-    steps: list[tuple[int, int, int]], cells: int
+    steps: list[tuple[int, int, int]], cells: int, pushed: list[float]
 ) -> None:
-    """However many bends there are: between half and twice the even length."""
+    """However many bends and shakers there are: between half and twice the even length."""
     points = np.cumsum([(0, 0, 0), *((x, y, z) for x, z, y in steps)], axis=0) / 10
     zigzag = beam([(float(x), float(y), float(z)) for x, y, z in points], cells)
-    edges = cells_of(zigzag).edges_m
+    cut = cells_of(zigzag, tuple(share * float(beam_axis(zigzag).arc_length_m[-1]) for share in pushed))
+    edges = cut.edges_m
     even = edges[-1] / cells
     assert edges.size == cells + 1
     assert np.diff(edges).min() > 0.5 * even * (1 - 1e-6)
     assert np.diff(edges).max() < 2 * even * (1 + 1e-6)
     # Every bend lies on an edge or counts in its cell.
     within = ~np.isin(beam_axis(zigzag).arc_length_m, edges)
-    assert (cells_of(zigzag).bent_rad > 0).any() <= within.any()
+    assert (cut.bent_rad > 0).any() <= within.any()

@@ -12,6 +12,7 @@ from vgvt.effects import make_effect
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import reduced, settling
+from vgvt.simulation.airframe import Pushed
 from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.reduced import Layouts, structure
 
@@ -38,9 +39,9 @@ def springs(layout: Plan) -> list[tuple[str, float]]:
 def test_softer_and_softer_roots_are_placed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     scenario, made = load_scenario("quick"), list[Scenario]()
 
-    def counted(edited: Scenario) -> Plan:
+    def counted(edited: Scenario, *pushed: Pushed) -> Plan:
         made.append(edited)
-        return plan(edited)
+        return plan(edited, *pushed)
 
     monkeypatch.setattr(reduced, "plan", counted)
     layouts = Layouts.of(scenario)

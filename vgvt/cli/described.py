@@ -38,10 +38,12 @@ def say_what_is_not_as_described(scenario: Scenario) -> None:
     """A line on stderr where damping ratios reach no mode, and one for each beam whose cells hold a sharp bend."""
     from vgvt.scenario.cells import bent_within_a_cell
     from vgvt.simulation.once import damping_once
+    from vgvt.simulation.pushed import pushed_beams
 
     airframe = scenario.airframe
     bent = (bent_within_a_cell(beam) for beam in airframe.beam)
-    for words in (damping_once(airframe).without_effect(airframe.damping), *bent):
+    damping = damping_once(airframe, pushed_beams(scenario))
+    for words in (damping.without_effect(airframe.damping), *bent):
         if words is not None:
             log(f"vgvt: warning: {words}")
 

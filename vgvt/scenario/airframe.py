@@ -92,8 +92,8 @@ class Beam(Table):
     parent: str = "body"
     """What the root is fixed to: 'body' or the name of a beam (then at the nearest point of its axis)."""
     cells: Whole = Field(default=12, ge=1, le=MOST_CELLS)
-    """Rigid links with a bending and a torsion spring between them, cut where the axis bends; more cells, more exact
-    and slower."""
+    """Rigid links with a bending and a torsion spring between them, cut where the axis bends and a shaker pushes; more
+    cells, more exact and slower."""
     normal: Point = (0.0, 0.0, 1.0)
     """Normal of the surface: the direction of bending."""
     root_bending_stiffness_n_m_per_rad: Positive | None = None

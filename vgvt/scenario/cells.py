@@ -1,12 +1,14 @@
-"""Where a beam is cut into cells: evenly, but that its axis bends between two of them and not within one.
+"""Where a beam is cut into cells: evenly, but that its axis bends, and a shaker pushes, between two and not within one.
 
 A cell gives way about one axis. What it held of the other side of a bend would give way about a wrong one, which is an
-error of first order in its length.
+error of first order in its length. A chain twists in steps, one a cell, and has its beam's twist only where cells meet:
+what pushed elsewhere would work on another twist, an error of first order, too.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -32,13 +34,14 @@ class Cells:
     bent_rad: NDArray[np.float64]
 
 
-def cells_of(beam: Beam) -> Cells:
-    """The cells of a beam; its mirror image has the same.
+def cells_of(beam: Beam, pushed_m: tuple[float, ...] = ()) -> Cells:
+    """The cells of a beam that is pushed at some arc lengths; its mirror image has the same.
 
     Bends of less than half a degree are let be. No cell is shorter than half or longer than twice the even one: of
-    bends that are nearer than that one to each other, or to an end of the beam, the sharpest lies between two cells.
+    bends that are nearer than that one to each other, or to an end of the beam, the sharpest lies between two cells;
+    and so does every pushed point that is not nearer than half of it to an end, such a bend or one before it.
     """
-    return _cells(beam_axis(beam), beam.cells)
+    return _cells(beam_axis(beam), beam.cells, pushed_m)
 
 
 def bent_within_a_cell(beam: Beam) -> str | None:
@@ -57,11 +60,11 @@ def bent_within_a_cell(beam: Beam) -> str | None:
 
 # Thousands of variants of one aircraft differ in stiffness and mass, not in where their beams lie.
 @lru_cache(maxsize=128)
-def _cells(axis: Axis, cells: int) -> Cells:
+def _cells(axis: Axis, cells: int, pushed_m: tuple[float, ...] = ()) -> Cells:
     frames = np.stack([axis.tangent, axis.normal, np.cross(axis.tangent, axis.normal)], axis=1)
     turned = np.linalg.matrix_norm(frames[1:] - frames[:-1]) / math.sqrt(8)
     bends, arcs = 2 * np.arcsin(np.minimum(turned, 1.0)), axis.arc_length_m
-    edges = _edges(arcs[1:-1], np.round(np.degrees(bends)), float(arcs[-1]), cells)
+    edges = _edges(arcs[1:-1], np.round(np.degrees(bends)), float(arcs[-1]), cells, pushed_m)
     within = ~np.isin(arcs[1:-1], edges)
     bent = np.zeros(cells)
     np.add.at(bent, np.searchsorted(edges, arcs[1:-1][within]) - 1, bends[within])
@@ -69,15 +72,30 @@ def _cells(axis: Axis, cells: int) -> Cells:
 
 
 def _edges(
-    arcs_m: NDArray[np.float64], bends_deg: NDArray[np.float64], length_m: float, cells: int
+    arcs_m: NDArray[np.float64],
+    bends_deg: NDArray[np.float64],
+    length_m: float,
+    cells: int,
+    pushed_m: Sequence[float],
 ) -> NDArray[np.float64]:
-    """Arc lengths (cells + 1,) of the edges, given the bends and where they are, (B,) each."""
-    ends = [0.0, length_m]
+    """Arc lengths (cells + 1,) of the edges, given the bends and where they are, (B,) each, and where it is pushed."""
+    ends, even = [0.0, length_m], length_m / cells
     # The sharpest first; of equal ones, as they are on an arc, those next to the root.
     for k in np.argsort(-bends_deg, kind="stable")[: np.count_nonzero(bends_deg)]:
-        if np.abs(np.array(ends) - arcs_m[k]).min() >= (1 - _ROUNDING) * length_m / cells:
+        if np.abs(np.array(ends) - arcs_m[k]).min() >= (1 - _ROUNDING) * even:
             ends.append(float(arcs_m[k]))
-    ends.sort()
+    edges = _divided(ends, cells)
+    for arc in pushed_m:
+        if len(ends) <= cells and np.abs(np.array(ends) - arc).min() >= (1 - _ROUNDING) * 0.5 * even:
+            tried = _divided([*ends, arc], cells)
+            if np.diff(tried).max() <= (1 + _ROUNDING) * 2 * even:
+                ends, edges = [*ends, arc], tried
+    return edges
+
+
+def _divided(ends_m: Sequence[float], cells: int) -> NDArray[np.float64]:
+    """Arc lengths (cells + 1,) of edges that hold all of some ends, as evenly as these let them be."""
+    ends = sorted(ends_m)
     pieces = np.diff(ends)
     counts = np.ones(pieces.size, dtype=int)
     while counts.sum() < cells:

@@ -42,7 +42,7 @@ class Shaker(Table):
     position_m: Point
     """Drive point on the aircraft, aircraft axes; the shaker stands below it and pushes along +z."""
     attached_to: str = "body"
-    """'body' or the name of a beam (then on the nearest link)."""
+    """'body' or the name of a beam; one of its cells then ends where it is pushed."""
     drive: Literal["voltage", "current"] = "voltage"
     """What the amplifier controls. Voltage drive damps the coupled system by Bl^2/R, current drive does not."""
     amplifier_gain: Positive = 1.0

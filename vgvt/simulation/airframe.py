@@ -36,6 +36,8 @@ from vgvt.simulation.halves import (
 )
 from vgvt.simulation.inertia import NOTHING, MassMoments, lump
 
+Pushed = tuple[tuple[str, float], ...]
+"""Where shakers push beams, by the name of a beam as built and the arc length, m."""
 ROOT = "body"
 _AIR = "air-"
 ROOT_JOINTS = ("slide-x", "slide-y", "slide-z", "yaw", "pitch", "roll")
@@ -49,12 +51,13 @@ _ROOT_AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0))
 class AirframeParts:
     """Where things are on the airframe: chains by beam name and the origin (3,) of every body frame.
 
-    Body frames are parallel to the aircraft axes in the unloaded shape.
+    Body frames are parallel to the aircraft axes in the unloaded shape. ``pushed`` is where cells had to end.
     """
 
     airframe: Airframe
     chains: dict[str, Chain]
     origin_m: dict[str, NDArray[np.float64]]
+    pushed: Pushed = ()
 
     @property
     def halved(self) -> bool:
@@ -110,15 +113,16 @@ class AirframeParts:
         return ROOT if in_the_plane else self.holder(chain)
 
 
-def cut_airframe(airframe: Airframe) -> AirframeParts:
-    """Cut all beams into chains and lay down the body frames."""
-    chains = {beam.name: cut(beam) for beam in expanded_beams(airframe)}
+def cut_airframe(airframe: Airframe, pushed: Pushed = ()) -> AirframeParts:
+    """Cut all beams into chains, so that cells end where they are ``pushed``, and lay down the body frames."""
+    arcs = {name: tuple(arc for part, arc in pushed if part == name) for name, _ in pushed}
+    chains = {beam.name: cut(beam, arcs.get(beam.name, ())) for beam in expanded_beams(airframe)}
     origin = {ROOT: np.array(airframe.body.centre_of_gravity_m)}
     roots = [chain.table.point_m(0.0) for chain in chains.values() if chain.parent == ROOT] or [origin[ROOT]]
     origin[RIGHT_HALF] = origin[LEFT_HALF] = np.mean(roots, axis=0) * np.array([1.0, 0.0, 1.0])
     for chain in chains.values():
         origin |= {link.name: link.position_m for link in chain.links}
-    return AirframeParts(airframe, chains, origin)
+    return AirframeParts(airframe, chains, origin, pushed)
 
 
 def elastic_joints(parts: AirframeParts) -> tuple[str, ...]:

@@ -19,12 +19,13 @@ from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
-from vgvt.simulation.airframe import ROOT, AirframeParts
+from vgvt.simulation.airframe import ROOT, AirframeParts, Pushed
 from vgvt.simulation.elements import TRIMMED, add_elements, trim_ground_springs
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
 from vgvt.simulation.no_rest import no_rest
 from vgvt.simulation.once import cut_once, damped_airframe
+from vgvt.simulation.pushed import pushed_beams
 from vgvt.simulation.rig import (
     DRIVE_SITE,
     STINGER,
@@ -157,9 +158,12 @@ def _with_actions(ideal: Plan, actions: tuple[Action, ...]) -> Plan:
     return replace(ideal, actions=actions, drive=first, further_drives=tuple(further))
 
 
-def plan(scenario: Scenario) -> Plan:
-    """Cut the airframe and place every point of the scenario on it, effects left out."""
-    parts = cut_once(scenario.airframe)
+def plan(scenario: Scenario, pushed: Pushed | None = None) -> Plan:
+    """Cut the airframe and place every point of the scenario on it, effects left out.
+
+    A cell ends where a shaker pushes, unless it is told where else cells are to end.
+    """
+    parts = cut_once(scenario.airframe, pushed_beams(scenario) if pushed is None else pushed)
 
     def point(dof: Dof, site: str, part: str, position_m: Sequence[float]) -> MeasurementPoint:
         place = np.array(position_m)
@@ -280,7 +284,7 @@ def _settle(layout: Plan, spec: mujoco.MjSpec, springs: list[str]) -> NDArray[np
 
 def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
     """Airframe with its damping, the elements that effects add to it, and a site at every grid point."""
-    spec = damped_airframe(layout.scenario.airframe).copy()
+    spec = damped_airframe(layout.scenario.airframe, layout.parts.pushed).copy()
     add_elements(spec, layout.parts, ((n, e) for n, e in layout.elements if e.owner == "airframe"))
     for point in layout.grid:
         _add_site(spec, layout, point)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from vgvt.effects.elements import Absorber, Element, GroundSpring, HingedFlap, PointMass, RotationSpring
 from vgvt.simulation.assembly import Plan
 from vgvt.simulation.elements import sharing, turned_by
-from vgvt.simulation.reduced import Structure, felt_by
+from vgvt.simulation.felt import felt_by
+from vgvt.simulation.reduced import Structure
 from vgvt.simulation.seats import MeasurementPoint
 
 Array = NDArray[np.float64]
@@ -68,7 +69,9 @@ def carried_rows(structure: Structure, layout: Plan, carrier: str, position_m: A
 
 def sensed_at(structure: Structure, layout: Plan, point: MeasurementPoint) -> tuple[Array, Array, Array]:
     """Rows of a sensor: displacement (3, n) in world axes, along its axis (n,), and the gravity that it feels (n,)."""
-    moved, along, tilt = felt_by((point,), layout, structure.body_names, structure.bodies, structure.attitude)
+    moved, along, tilt = felt_by(
+        (point,), layout.parts.origin_m, structure.body_names, structure.bodies, structure.attitude
+    )
     return moved[0], along[0], tilt[0]
 
 

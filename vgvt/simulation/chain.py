@@ -4,8 +4,8 @@ The compliance of a cell, the integral of ds/EI, sits at the centroid of that
 compliance; the mass between two such hinges moves as one rigid link. Inside a
 uniform beam the errors of bending stiffness and of inertia cancel to fourth
 order; the ends and torsion leave an error of second order in the cell length.
-Where the axis bends, one cell ends and another begins; within a cell that is too
-long for that, hinges turn about the mean of its directions.
+Where the axis bends, and where a shaker pushes, one cell ends and another begins; within
+a cell that is too long for that, hinges turn about the mean of its directions.
 """
 
 from __future__ import annotations
@@ -79,10 +79,10 @@ class Chain:
         return tuple((known[i + k], share) for k, share in enumerate((1 - outer, outer)) if share > 0)
 
 
-def cut(beam: Beam) -> Chain:
-    """Cut a beam (mirror image already written out) into its chain."""
+def cut(beam: Beam, pushed_m: tuple[float, ...] = ()) -> Chain:
+    """Cut a beam (mirror image already written out) that is pushed at some arc lengths into its chain."""
     table = StationTable.of(beam)
-    cells = cells_of(beam)
+    cells = cells_of(beam, pushed_m)
     edges = cells.edges_m
     arcs = table.compliances("bending_stiffness_n_m2", edges)[1]
     ends = np.array([0.0, *arcs, table.length_m])

@@ -6,36 +6,36 @@ the same object, as telling that two of its size are equal takes longer than a c
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import mujoco
 
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.recent import Recent
-from vgvt.simulation.airframe import AirframeParts, airframe_spec, cut_airframe, hinge_name
+from vgvt.simulation.airframe import AirframeParts, Pushed, airframe_spec, cut_airframe, hinge_name
 from vgvt.simulation.damping import StructuralDamping, add_structural_damping
 from vgvt.simulation.halves import CARRY_THROUGH
 
 
 @lru_cache(maxsize=4)
-def cut_once(airframe: Airframe) -> AirframeParts:
-    """The airframe cut into chains. To be read, not changed."""
-    return cut_airframe(airframe)
+def cut_once(airframe: Airframe, pushed: Pushed = ()) -> AirframeParts:
+    """The airframe cut into chains, whose cells end where they are ``pushed``. To be read, not changed."""
+    return cut_airframe(airframe, pushed)
 
 
-def damped_airframe(airframe: Airframe) -> mujoco.MjSpec:
+def damped_airframe(airframe: Airframe, pushed: Pushed = ()) -> mujoco.MjSpec:
     """Airframe and structural damping, dear to find. To be copied, not changed."""
-    return _damped_once(airframe)[0]
+    return _damped_once(airframe, pushed)[0]
 
 
-def damping_once(airframe: Airframe) -> StructuralDamping:
+def damping_once(airframe: Airframe, pushed: Pushed = ()) -> StructuralDamping:
     """The structural damping of :func:`damped_airframe`."""
-    return _damped_once(airframe)[1]
+    return _damped_once(airframe, pushed)[1]
 
 
 @lru_cache(maxsize=4)
-def _damped_once(airframe: Airframe) -> tuple[mujoco.MjSpec, StructuralDamping]:
-    parts = cut_once(airframe)
+def _damped_once(airframe: Airframe, pushed: Pushed) -> tuple[mujoco.MjSpec, StructuralDamping]:
+    parts = cut_once(airframe, pushed)
     spec = airframe_spec(parts)
     damping = structural_damping(parts, spec)
     add_structural_damping(spec, damping)
@@ -49,8 +49,12 @@ def _with_dampers(parts: AirframeParts) -> tuple[mujoco.MjSpec, StructuralDampin
     return spec, damped
 
 
-cut_recently: Recent[Airframe, AirframeParts] = Recent(cut_airframe)
-"""The airframe cut into chains, once for the same object."""
+@lru_cache(maxsize=8)
+def cut_recently(pushed: Pushed) -> Recent[Airframe, AirframeParts]:
+    """What cuts an airframe into chains, once for the same object, so that cells end where they are ``pushed``."""
+    return Recent(partial(cut_airframe, pushed=pushed))
+
+
 _damped_recently: Recent[AirframeParts, tuple[mujoco.MjSpec, StructuralDamping]] = Recent(_with_dampers)
 
 

@@ -25,6 +25,7 @@ from vgvt.simulation.airframe import ROOT
 from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import TRIMMED, add_elements, turned_by
+from vgvt.simulation.felt import felt_by
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
@@ -130,7 +131,7 @@ class Layouts:
         else:
             # Where nothing of the airframe changed, its cut is as good.
             same = scenario.airframe is like.scenario.airframe
-            parts = like.parts if same else cut_recently(scenario.airframe)
+            parts = like.parts if same else cut_recently(self.first.parts.pushed)(scenario.airframe)
             x, y, z = scenario.shaker.position_m
             place = np.array([x, y, z])
             drive = replace(
@@ -154,7 +155,8 @@ class Layouts:
         if key not in self._known:
             if len(self._known) >= _PLANS:
                 del self._known[next(iter(self._known))]
-            self._known[key] = plan(scenario)
+            # A fit that moves the drive does not cut its beams anew for that.
+            self._known[key] = plan(scenario, self.first.parts.pushed)
         return self._known[key]
 
 
@@ -202,7 +204,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     for k, name in enumerate(body_names):
         mujoco.mj_jacBody(model, data, bodies[k, :3], bodies[k, 3:], model.body(name).id)
     attitude = np.array([data.body(name).xmat.reshape(3, 3) for name in body_names])
-    jacobian, axis, tilt = felt_by(points, layout, body_names, bodies, attitude)
+    jacobian, axis, tilt = felt_by(points, layout.parts.origin_m, body_names, bodies, attitude)
     joint_structure = Structure(
         names, mass, damping, stiffness, drive, places, jacobian, axis, tilt, qpos, body_names, bodies, attitude,
         np.eye(6),
@@ -318,32 +320,3 @@ def _rows(model: mujoco.MjModel, data: mujoco.MjData, point: MeasurementPoint) -
     mujoco.mj_jacSite(model, data, moved, turned, site)
     direction = data.site_xmat[site].reshape(3, 3) @ point.axis
     return direction @ moved, GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ turned
-
-
-def felt_by(
-    points: Sequence[MeasurementPoint], layout: Plan, names: tuple[str, ...], bodies: Array, attitude: Array
-) -> tuple[Array, Array, Array]:
-    """Displacement of what carries sensors in world axes (P, 3, n), and what they feel along their axes (P, n) of
-    displacement and of gravity.
-
-    Of bodies by their names, ``bodies`` (B, 6, n) are the rows of their frames, ``attitude`` (B, 3, 3) how they stand.
-    What a sensor weighs rides on a link, what it feels is the beam between two.
-    """
-    count, origin_m = bodies.shape[-1], layout.parts.origin_m
-    index = {name: k for k, name in enumerate(names)}
-
-    def moved(carrier: str, position_m: Array) -> Array:
-        k = index[carrier]
-        return np.asarray(
-            bodies[k, :3] + np.cross(bodies[k, 3:], attitude[k] @ (position_m - origin_m[carrier]), axis=0)
-        )
-
-    along, felt = np.zeros((2, len(points), count))
-    for p, point in enumerate(points):
-        for seat in point.seated:
-            k = index[seat.carrier]
-            direction = seat.weight * (attitude[k] @ point.axis)
-            along[p] += direction @ moved(seat.carrier, seat.position_m)
-            felt[p] += GRAVITY_M_PER_S2 * np.cross(direction, _UP) @ bodies[k, 3:]
-    rides = [moved(point.carrier, point.position_m) for point in points]
-    return np.array(rides).reshape(len(points), 3, count), along, felt

@@ -1,4 +1,7 @@
-"""The drive of a beam as it moves between the links of its chain: sensors sit there, a simulated shaker on a link."""
+"""The drive of a beam as it moves between the links of its chain: sensors sit there, a simulated shaker on a link.
+
+The two are one where a cell ends at the drive, as it does unless the beam ends or bends next to it.
+"""
 
 from __future__ import annotations
 

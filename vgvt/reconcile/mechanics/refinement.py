@@ -26,8 +26,7 @@ MOST_CELLS = 60
 """On the finest beam: more are not worth their time."""
 _LONG = 0.5
 _HARDLY_FINER = 1.5
-# So much fewer cells do as well, where links then meet at the drive.
-_AS_GOOD = 0.8
+_A_FEW_MORE = 1.25
 _SAME_SHAPE = 0.8
 # Of a mode's frequency, more than what few cells cost: seen at five points one torsion mode looks like another.
 _NEAR = 0.25
@@ -102,28 +101,11 @@ def to_continuum(scenario: Scenario, layouts: Layouts, own: Structure, limit_hz:
     cells = max((b.cells for b in scenario.airframe.beam), default=0)
     times = min(_FINER, MOST_CELLS / max(cells, 1))
     if times <= _HARDLY_FINER:
-        # As many cells as are worth having, or nearly; what a drive on a link misses of the beam is known all the same.
-        return towards(_finely_cut(scenario, layouts, max(times, 1.0) / _AS_GOOD)[0], layouts, own, limit_hz)
-    finer, times = _finely_cut(scenario, layouts, times)
+        # As many cells as are worth having, or nearly.
+        return towards(_times_as_fine(scenario, _A_FEW_MORE * max(times, 1.0)), layouts, own, limit_hz)
+    finer = _times_as_fine(scenario, times)
     # What the cells still err by at this refinement, in second order, goes along.
     return towards(finer, layouts, own, limit_hz, 1 / (1 - 1 / times**2))
-
-
-def _finely_cut(scenario: Scenario, layouts: Layouts, times: float) -> tuple[Scenario, float]:
-    """The scenario with up to so many ``times`` its cells, and how many times: as many as let links meet at the drive.
-
-    Where it is pushed a beam's twist has a bend. A chain has one only between links: what sits beside the drive would
-    twist too little, by up to a quarter of what a link does.
-    """
-    finest, drive = max(b.cells for b in scenario.airframe.beam), layouts.first.drive
-    most = round(times * finest)
-    apart: dict[int, float] = {}
-    for cells in range(most, round(_AS_GOOD * most) - 1, -1):
-        parts = layouts.plan(_times_as_fine(scenario, cells / finest)).parts
-        apart[cells] = round(1.0 - max(share for _, share in parts.shares(drive.part, drive.position_m)), 2)
-    # Of those that do equally well the most.
-    chosen = min(apart, key=lambda cells: apart[cells])
-    return _times_as_fine(scenario, chosen / finest), chosen / finest
 
 
 def _times_as_fine(scenario: Scenario, times: float) -> Scenario:

@@ -1,0 +1,49 @@
+"""Where shakers push beams, cells end: on both sides of a mirrored beam, each side's own shaker first."""
+
+from __future__ import annotations
+
+import pytest
+
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation.assembly import plan
+from vgvt.simulation.pushed import pushed_beams
+
+
+def pushed_at(name: str, *places_m: tuple[float, float], part: str = "beam") -> Scenario:
+    """A bundled scenario with a shaker at every place (x, y) of a part."""
+    scenario = load_scenario(name)
+    first, *further = (
+        scenario.shaker.model_copy(update={"position_m": (x, y, 0.0), "attached_to": part, "node": 100 + k})
+        for k, (x, y) in enumerate(places_m)
+    )
+    return scenario.model_copy(update={"shaker": first, "further_shaker": tuple(further)})
+
+
+def edges(scenario: Scenario, beam: str) -> list[float]:
+    """Where the cells of a beam as built end, arc lengths in m."""
+    return [link.twist_arc_m for link in plan(scenario).parts.chains[beam].links]
+
+
+def test_a_shaker_on_the_body_pushes_no_beam() -> None:
+    assert pushed_beams(load_scenario("hati-unsymmetric")) == ()
+
+
+@pytest.mark.parametrize("y_m", [0.537, -0.537])
+def test_both_sides_of_a_mirrored_beam_are_cut_alike(y_m: float) -> None:
+    one = pushed_at("teaching-beam", (0.08, y_m))
+    assert edges(one, "beam-right") == edges(one, "beam-left")
+    assert any(arc == pytest.approx(0.537, abs=1e-12) for arc in edges(one, "beam-left"))
+
+
+def test_a_side_with_a_shaker_of_its_own_is_cut_for_that() -> None:
+    """Nearer to each other than half a cell, and each under its own side."""
+    two = pushed_at("teaching-beam", (0.08, 0.537), (0.08, -0.549))
+    assert any(arc == pytest.approx(0.537, abs=1e-12) for arc in edges(two, "beam-right"))
+    assert any(arc == pytest.approx(0.549, abs=1e-12) for arc in edges(two, "beam-left"))
+
+
+def test_a_hammer_s_beam_is_cut_as_the_shaker_s() -> None:
+    """One aircraft, one truth, whatever excites it."""
+    assert edges(load_scenario("teaching-beam-hammer"), "beam-right") == edges(
+        load_scenario("teaching-beam"), "beam-right"
+    )
