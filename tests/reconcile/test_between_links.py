@@ -9,12 +9,12 @@ import pytest
 import scipy.linalg
 
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile.mechanics.drive_between_links import drive_between_links
 from vgvt.reconcile.mechanics.refinement import meshed, to_continuum
 from vgvt.reconcile.question.problem import _fine_enough
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation.assembly import Plan
+from vgvt.simulation.attached import carried_rows
 from vgvt.simulation.reduced import Layouts, Structure, structure
 
 # At places that are no edges of cells, on and off the axis, and one at a tip.
@@ -43,7 +43,7 @@ def beam() -> Scenario:
         update={
             "accelerometers": scenario.accelerometers.model_copy(update={"grid": grid}),
             "acquisition": scenario.acquisition.model_copy(update={"runs": (tuple(range(1, len(PLACES_M) + 1)),)}),
-            "shaker": scenario.shaker.model_copy(update={"position_m": (0.08, 0.79, 0.0)}),
+            "shaker": driven_at(scenario, 0.79).shaker,
         }
     )
 
@@ -51,6 +51,11 @@ def beam() -> Scenario:
 def cut(scenario: Scenario, cells: int) -> Layouts:
     names = [b.name for b in scenario.airframe.beam]
     return Layouts.of(prepared(with_beams(scenario, names, lambda b: b.model_copy(update={"cells": cells}))))
+
+
+def driven_at(scenario: Scenario, y_m: float) -> Scenario:
+    """The same with the shaker farther in or out."""
+    return scenario.model_copy(update={"shaker": scenario.shaker.model_copy(update={"position_m": (0.08, y_m, 0.0)})})
 
 
 def shapes(found: Structure, rows: np.ndarray, count: int) -> np.ndarray:
@@ -62,11 +67,11 @@ def shapes(found: Structure, rows: np.ndarray, count: int) -> np.ndarray:
 
 def between_links(layout: Plan) -> tuple[Structure, np.ndarray]:
     found = structure(layout, layout.grid)
-    return found, np.vstack([found.axis, drive_between_links(found, layout)])
+    return found, np.vstack([found.axis, found.drive])
 
 
 def riding(layouts: Layouts) -> tuple[Structure, np.ndarray]:
-    """Sensors, too, where their links are."""
+    """Sensors where their links are, and the drive under an edge of a cell."""
     found = structure(layouts.first, [replace(p, seats=()) for p in layouts.first.grid])
     return found, np.vstack([found.axis, found.drive])
 
@@ -111,7 +116,7 @@ def test_a_fit_that_moves_the_drive_does_not_cut_the_beam_anew(beam: Scenario) -
     """Nor one that asks for other cells, or roots with joints: what it differs by is to be the drive's place alone."""
     layouts = cut(beam, 24)
     stated = layouts.first.scenario
-    moved = stated.model_copy(update={"shaker": stated.shaker.model_copy(update={"position_m": (0.08, 0.78, 0.0)})})
+    moved = driven_at(stated, 0.78)
     names = [b.name for b in moved.airframe.beam]
     softer = with_beams(moved, names, lambda b: b.model_copy(update={"root_bending_stiffness_n_m_per_rad": 1e4}))
     for scenario in (moved, softer):
@@ -120,6 +125,35 @@ def test_a_fit_that_moves_the_drive_does_not_cut_the_beam_anew(beam: Scenario) -
         for name, chain in parts.chains.items():
             stations = [link.twist_arc_m for link in chain.links if link.twist_arc_m > 0]
             assert stations == [link.twist_arc_m for link in layouts.first.parts.chains[name].links]
+
+
+@pytest.mark.parametrize("y_m", [0.775, 0.78, 0.8])
+def test_a_drive_that_a_fit_moves_goes_along_the_beam(beam: Scenario, y_m: float) -> None:
+    """Not on the link that it had its place on, which twists as a whole: by a fifth of what that errs, at most."""
+    modes, layouts = slice(6, 14), cut(beam, 24)
+    exact = shapes(*between_links(cut(driven_at(beam, y_m), 192).first), modes.stop)[modes]
+    layout = layouts.plan(driven_at(layouts.first.scenario, y_m))
+    found, rows = between_links(layout)
+    moved = np.abs(shapes(found, rows, modes.stop)[modes] - exact)[:, -1].max()
+    link, _ = carried_rows(found, layout, layout.drive.carrier, layout.drive.position_m)
+    rows[-1] = link[2]
+    assert moved < 0.2 * np.abs(shapes(found, rows, modes.stop)[modes] - exact)[:, -1].max()
+
+
+def test_what_the_transducer_weighs_moves_with_the_drive(beam: Scenario) -> None:
+    """Of a kilogram below the gauge the inertia is that of the beam's point, of one above it none is left."""
+    layouts = cut(beam, 24)
+
+    def weighing(mass_kg: float, end_mass_kg: float) -> Structure:
+        scenario = driven_at(layouts.first.scenario, 0.775)
+        gauge = scenario.transducer.model_copy(update={"mass_kg": mass_kg, "end_mass_kg": end_mass_kg})
+        layout = layouts.plan(scenario.model_copy(update={"transducer": gauge}))
+        return structure(layout, layout.grid)
+
+    none, below, above = weighing(1e-6, 1e-7), weighing(1.0, 1.0 - 1e-7), weighing(1.0, 1e-7)
+    # Along the push; across it the gauge is carried all the same.
+    push = none.drive / np.linalg.norm(none.drive)
+    assert push @ (below.mass - above.mass) @ push == pytest.approx((none.drive @ push) ** 2, rel=1e-3)
 
 
 def test_the_error_falls_with_the_square_of_the_links(beam: Scenario) -> None:

@@ -29,7 +29,7 @@ from vgvt.simulation.felt import felt_by
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
 from vgvt.simulation.rig import DRIVE_SITE, GRAVITY_M_PER_S2, TRANSDUCER, add_point_mass, hang
-from vgvt.simulation.seats import MeasurementPoint
+from vgvt.simulation.seats import MeasurementPoint, seats_at
 from vgvt.simulation.settling import settle_near
 from vgvt.simulation.silence import silent
 
@@ -187,10 +187,20 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     qpos = _rest(model, springs, names, near)
     data = _trimmed(model, springs, qpos)
     linear = linearise(model, qpos)
-    drive, drive_tilt = _rows(model, data, layout.drive)
+    built = {model.body(k).name for k in range(model.nbody)}
+    body_names = tuple(name for name in layout.parts.origin_m if name in built)
+    bodies = np.zeros((len(body_names), 6, model.nv))
+    for k, name in enumerate(body_names):
+        mujoco.mj_jacBody(model, data, bodies[k, :3], bodies[k, 3:], model.body(name).id)
+    attitude = np.array([data.body(name).xmat.reshape(3, 3) for name in body_names])
+    rides, tilts = _rows(model, data, layout.drive)
+    beside, leans = _beside_its_link(layout, body_names, bodies, attitude)
+    drive, drive_tilt = rides + beside, tilts + leans
     scenario = layout.scenario
     above = scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
-    mass = linear.mass - above * np.outer(drive, drive) - _sensors_inertia(model, data, layout)
+    end = scenario.transducer.end_mass_kg
+    mass = linear.mass - (above + end) * np.outer(rides, rides) + end * np.outer(drive, drive)
+    mass -= _sensors_inertia(model, data, layout)
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt)
     damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
@@ -198,12 +208,6 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
             stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
             damping[:, joint] -= drive * spring.gauge_per_m * spring.damping_n_m_s_per_rad
     places = tuple(p.site for p in points)
-    built = {model.body(k).name for k in range(model.nbody)}
-    body_names = tuple(name for name in layout.parts.origin_m if name in built)
-    bodies = np.zeros((len(body_names), 6, model.nv))
-    for k, name in enumerate(body_names):
-        mujoco.mj_jacBody(model, data, bodies[k, :3], bodies[k, 3:], model.body(name).id)
-    attitude = np.array([data.body(name).xmat.reshape(3, 3) for name in body_names])
     jacobian, axis, tilt = felt_by(points, layout.parts.origin_m, body_names, bodies, attitude)
     joint_structure = Structure(
         names, mass, damping, stiffness, drive, places, jacobian, axis, tilt, qpos, body_names, bodies, attitude,
@@ -311,6 +315,22 @@ def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.M
         rod = model.tendon(name).id
         model.tendon_lengthspring[rod] = data.ten_length[rod]
     return data
+
+
+def _beside_its_link(
+    layout: Plan, names: tuple[str, ...], bodies: Array, attitude: Array
+) -> tuple[Array | float, Array | float]:
+    """What the beam under the drive does beyond the link that the transducer rides on (n,), in motion and tilt.
+
+    Nothing where a cell ends at the drive, as a simulation has it. A fit moves the drive along the beam that it has.
+    """
+    parts, drive = layout.parts, layout.drive
+    seats = seats_at(parts, drive.part, drive.position_m)
+    if len(seats) == 1:
+        return 0.0, 0.0
+    both = (replace(drive, seats=seats), replace(drive, seats=()))
+    _, along, tilt = felt_by(both, parts.origin_m, names, bodies, attitude)
+    return along[0] - along[1], tilt[0] - tilt[1]
 
 
 def _rows(model: mujoco.MjModel, data: mujoco.MjData, point: MeasurementPoint) -> tuple[Array, Array]:

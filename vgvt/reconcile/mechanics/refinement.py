@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from vgvt.data.assurance import modal_assurance
 from vgvt.effects.beams import with_beams
-from vgvt.reconcile.mechanics.drive_between_links import drive_between_links
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, Structure, structure
@@ -113,34 +112,16 @@ def _times_as_fine(scenario: Scenario, times: float) -> Scenario:
     return with_beams(scenario, names, lambda b: b.model_copy(update={"cells": round(times * b.cells)}))
 
 
-def towards(
-    other: Scenario,
-    layouts: Layouts,
-    own: Structure,
-    limit_hz: float,
-    share: float = 1.0,
-    *,
-    simulated: bool = False,
-) -> Refinement:
+def towards(other: Scenario, layouts: Layouts, own: Structure, limit_hz: float, share: float = 1.0) -> Refinement:
     """What gives a structure the modes of the same aircraft cut into other cells, up to a limit that both chains have.
 
     Stiffness Σ M φ (ω² of the other chain - own ω²) φᵀ M, damping alike at equal modal damping, and rows
-    Σ (other chain's shape - own) φᵀ M. The drive rides on a straight link, and the beam between two is curved: the
-    row is that of the other chain's beam; what its own link is off by is known, and is not exceeded. ``simulated`` is
-    how a simulation of that chain has it: a shaker pushes a link. ``share`` is by how much what the other chain changes
-    is to be exceeded.
+    Σ (other chain's shape - own) φᵀ M. ``share`` is by how much what the other chain changes is to be exceeded.
     """
     there = layouts.plan(other)
     target = structure(there, there.grid)
-    ride = np.vstack([own.axis, own.drive])
-    if simulated:
-        along, rows = ride, np.vstack([target.axis, target.drive])
-    else:
-        along = np.vstack([own.axis, drive_between_links(own, layouts.first)])
-        rows = np.vstack([target.axis, drive_between_links(target, there)])
-    squares, shapes, seen = _modes(own, along)
-    squares_there, shapes_there, seen_there = _modes(target, rows)
-    off_by = ((along - ride) @ shapes).T
+    squares, shapes, seen = _modes(own)
+    squares_there, shapes_there, seen_there = _modes(target)
     within = int(np.searchsorted(squares, (2 * np.pi * limit_hz) ** 2))
     within_there = int(np.searchsorted(squares_there, (2 * np.pi * 1.5 * limit_hz) ** 2))
     likeness = modal_assurance(seen[:within], seen_there[:within_there])
@@ -159,14 +140,13 @@ def towards(
         shape, shape_there = shapes[:, k], shapes_there[:, match]
         weight = own.mass @ shape
         lost = float(shape_there @ target.damping @ shape_there - shape @ own.damping @ shape)
-        moved = share * (np.sign(seen[k] @ seen_there[match]) * seen_there[match] - seen[k]) + off_by[k]
+        moved = share * (np.sign(seen[k] @ seen_there[match]) * seen_there[match] - seen[k])
         stiffness += share * (squares_there[match] - square) * np.outer(weight, weight)
         damping += share * lost * np.outer(weight, weight)
         axis += np.outer(moved[:-1], weight)
         drive += moved[-1] * weight
-    # Not exceeded: beside the drive it falls with the first power of a link's length, but where links meet there. Modes
-    # that are not matched have the row of the link that the drive rides on.
-    lacking = _at_rest(squares_there, seen_there, high_there) - _at_rest(squares, seen - off_by, high)
+    # Not exceeded: next to the drive it falls with the first power of a cell's length.
+    lacking = _at_rest(squares_there, seen_there, high_there) - _at_rest(squares, seen, high)
     return replace(found, flexibility=lacking, furthest=furthest)
 
 
@@ -175,7 +155,7 @@ def _at_rest(squares: Array, seen: Array, chosen: NDArray[np.bool_]) -> Array:
     return np.asarray((seen[chosen, -1] / squares[chosen]) @ seen[chosen, :-1])
 
 
-def _modes(s: Structure, rows: Array) -> tuple[Array, Array, Array]:
-    """Squared frequencies (n,), mass-normalised shapes (n, n), and what ``rows`` (places + 1, n) see of them."""
+def _modes(s: Structure) -> tuple[Array, Array, Array]:
+    """Squared frequencies (n,), mass-normalised shapes (n, n), and what places and drive see (n, places + 1)."""
     squares, shapes = scipy.linalg.eigh((s.stiffness + s.stiffness.T) / 2, (s.mass + s.mass.T) / 2)
-    return squares, shapes, (rows @ shapes).T
+    return squares, shapes, (np.vstack([s.axis, s.drive]) @ shapes).T

@@ -256,7 +256,7 @@ def _hung(lined_up: Scenario, as_stated: Scenario, limit_hz: float) -> tuple[Nom
     layout = layouts.plan(start)
     nominal = structure(layout, layout.grid)
     finer = to_continuum(start, layouts, nominal, limit_hz)
-    span = finer.less(towards(stated, layouts, nominal, limit_hz, simulated=True))
+    span = finer.less(towards(stated, layouts, nominal, limit_hz))
     return Nominal(start, layouts, nominal), finer, span
 
 
