@@ -17,6 +17,7 @@ from vgvt.reconcile.question.data import measured_frfs
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.suitable import FEWEST_LINES
 from vgvt.reconcile.search.candidates import candidates, cannot_have
+from vgvt.scenario import load_scenario
 
 MASS = available_effects()["added-mass"]
 
@@ -38,6 +39,21 @@ def test_lines_are_a_whole_number_that_is_enough(campaign: Campaign, lines: Any)
         measured_frfs(campaign, lines=lines)
     with pytest.raises(InputError, match=said):
         make_problem(campaign, small_scenario(), lines=lines)
+
+
+def test_what_the_command_does_not_take_python_does_not_take(campaign: Campaign) -> None:
+    """Nothing is computed: the drive point of another aircraft had been taken for one that is badly known."""
+    scenario = small_scenario()
+    elsewhere = scenario.model_copy(
+        update={"shaker": scenario.shaker.model_copy(update={"position_m": (0.2, 0.3, 0.0)})}
+    )
+    for refused in (
+        lambda: make_problem(campaign, elsewhere),
+        lambda: reconcile(campaign, elsewhere),
+        lambda: make_problem(campaign, load_scenario("hati-two-shakers")),
+    ):
+        with pytest.raises(InputError, match=r"shaker\.position_m: is 0\.\d+ m from|reconcile takes one shaker"):
+            refused()
 
 
 def test_as_few_lines_as_are_allowed_do(campaign: Campaign) -> None:
