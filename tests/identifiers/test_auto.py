@@ -10,6 +10,7 @@ import pytest
 from vgvt.data import Outcome, modal_assurance
 from vgvt.identification import run_identifier
 from vgvt.identification.example import Example
+from vgvt_identifiers import campaign_fit
 from vgvt_identifiers.auto import Auto
 from vgvt_identifiers.campaign_fit import searched_fit
 from vgvt_identifiers.likelihood_claim import likelihood_claim
@@ -132,3 +133,11 @@ def test_what_the_runs_together_put_outside_the_band_is_not_claimed() -> None:
     assert fewer.candidates == whole.candidates
     none = likelihood_claim(spectra, fit, "per-run", (), (band_hz[1] - 0.1, band_hz[1]))
     assert len(none) == 0 and none.outcome is Outcome.NOTHING_FOUND and none.advice
+
+
+def test_a_pole_that_a_neighbour_makes_up_for_is_told_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = (complex(-1.0, 80.0), "a neighbour makes up for it: one mode")
+    monkeypatch.setattr(campaign_fit, "without_doubles", lambda problems, states, needed: (states, (told,)))
+    claim = run_identifier(Auto(), QUIET.campaign())
+    reasons = [c.reason for c in claim.candidates if not c.kept]
+    assert told[1] in reasons

@@ -62,6 +62,18 @@ def test_cells_end_where_a_shaker_pushes() -> None:
         assert np.array_equal(cells_of(straight, (near_an_end,)).edges_m, cells_of(straight).edges_m)
 
 
+def test_shakers_between_bends_leave_no_cell_too_long_and_no_cell_too_many() -> None:
+    """Of two that are half a cell from bends one has its edge; where bends are at all edges, none."""
+    steps = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.2), (0.8, 0.2)]
+    bent = beam([(x, y, 0.0) for x, y in steps], 5)
+    edges = cells_of(bent, (0.1, 0.3)).edges_m
+    assert edges.size == 6
+    assert 0.1 in edges and 0.3 not in edges
+    assert np.diff(edges).max() <= 0.4 * (1 + 1e-9)
+    full = beam([(0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.2, 0.2, 0.0), (0.4, 0.2, 0.0)], 3)
+    assert np.array_equal(cells_of(full, (0.1,)).edges_m, cells_of(full).edges_m)
+
+
 def test_of_a_bend_and_a_shaker_that_are_close_the_bend_lies_between_two_cells() -> None:
     cranked = beam([(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.36, 0.98, 0.0)], 5)
     assert np.array_equal(cells_of(cranked, (0.55,)).edges_m, cells_of(cranked).edges_m)

@@ -193,14 +193,11 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     for k, name in enumerate(body_names):
         mujoco.mj_jacBody(model, data, bodies[k, :3], bodies[k, 3:], model.body(name).id)
     attitude = np.array([data.body(name).xmat.reshape(3, 3) for name in body_names])
-    rides, tilts = _rows(model, data, layout.drive)
-    beside, leans = _beside_its_link(layout, body_names, bodies, attitude)
-    drive, drive_tilt = rides + beside, tilts + leans
+    drive, drive_tilt = _rows(model, data, layout.drive)
+    drive = drive + _beside_its_link(layout, body_names, bodies, attitude)
     scenario = layout.scenario
     above = scenario.transducer.mass_kg - scenario.transducer.end_mass_kg + 0.5 * scenario.stinger.mass_kg
-    end = scenario.transducer.end_mass_kg
-    mass = linear.mass - (above + end) * np.outer(rides, rides) + end * np.outer(drive, drive)
-    mass -= _sensors_inertia(model, data, layout)
+    mass = linear.mass - above * np.outer(drive, drive) - _sensors_inertia(model, data, layout)
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt)
     damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
@@ -317,20 +314,18 @@ def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.M
     return data
 
 
-def _beside_its_link(
-    layout: Plan, names: tuple[str, ...], bodies: Array, attitude: Array
-) -> tuple[Array | float, Array | float]:
-    """What the beam under the drive does beyond the link that the transducer rides on (n,), in motion and tilt.
+def _beside_its_link(layout: Plan, names: tuple[str, ...], bodies: Array, attitude: Array) -> Array | float:
+    """How the beam under the drive moves along the push (n,) beyond the link that the transducer rides on.
 
     Nothing where a cell ends at the drive, as a simulation has it. A fit moves the drive along the beam that it has.
     """
     parts, drive = layout.parts, layout.drive
     seats = seats_at(parts, drive.part, drive.position_m)
     if len(seats) == 1:
-        return 0.0, 0.0
+        return 0.0
     both = (replace(drive, seats=seats), replace(drive, seats=()))
-    _, along, tilt = felt_by(both, parts.origin_m, names, bodies, attitude)
-    return along[0] - along[1], tilt[0] - tilt[1]
+    _, along, _ = felt_by(both, parts.origin_m, names, bodies, attitude)
+    return np.asarray(along[0] - along[1])
 
 
 def _rows(model: mujoco.MjModel, data: mujoco.MjData, point: MeasurementPoint) -> tuple[Array, Array]:
