@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -60,7 +59,7 @@ def seen_by(found: Structure | LinearModel, rows: Array) -> tuple[Array, Array]:
     return np.sqrt(squares[MODES]) / (2 * np.pi), (rows @ shapes).T[MODES]
 
 
-def beam_elements(scenario: Scenario, x_m: Sequence[float] = X_M, y_m: Sequence[float] = Y_M) -> tuple[Array, Array]:
+def beam_elements(scenario: Scenario) -> tuple[Array, Array]:
     """Frequencies (modes,), Hz, and mass-normalised shapes (modes, points) of beam elements."""
     model = build(scenario.airframe, ELEMENTS)
     frequency, shapes = natural_modes(model.mass, model.stiffness)
@@ -68,7 +67,7 @@ def beam_elements(scenario: Scenario, x_m: Sequence[float] = X_M, y_m: Sequence[
         [
             np.array([0.0, 0.0, 1.0])
             @ model.motion_at(np.array([x, y, 0.0]), f"beam-{'right' if y > 0 else 'left'}")[:3]
-            for x, y in zip(x_m, y_m, strict=True)
+            for x, y in zip(X_M, Y_M, strict=True)
         ]
     )
     return frequency[MODES], (rows @ shapes).T[MODES]

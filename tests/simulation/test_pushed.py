@@ -9,11 +9,11 @@ from vgvt.simulation.assembly import plan
 from vgvt.simulation.pushed import pushed_beams
 
 
-def pushed_at(name: str, *places_m: tuple[float, float], part: str = "beam") -> Scenario:
-    """A bundled scenario with a shaker at every place (x, y) of a part."""
-    scenario = load_scenario(name)
+def pushed_at(*places_m: tuple[float, float]) -> Scenario:
+    """The teaching beam with a shaker at every place (x, y)."""
+    scenario = load_scenario("teaching-beam")
     first, *further = (
-        scenario.shaker.model_copy(update={"position_m": (x, y, 0.0), "attached_to": part, "node": 100 + k})
+        scenario.shaker.model_copy(update={"position_m": (x, y, 0.0), "node": 100 + k})
         for k, (x, y) in enumerate(places_m)
     )
     return scenario.model_copy(update={"shaker": first, "further_shaker": tuple(further)})
@@ -30,14 +30,14 @@ def test_a_shaker_on_the_body_pushes_no_beam() -> None:
 
 @pytest.mark.parametrize("y_m", [0.537, -0.537])
 def test_both_sides_of_a_mirrored_beam_are_cut_alike(y_m: float) -> None:
-    one = pushed_at("teaching-beam", (0.08, y_m))
+    one = pushed_at((0.08, y_m))
     assert edges(one, "beam-right") == edges(one, "beam-left")
     assert any(arc == pytest.approx(0.537, abs=1e-12) for arc in edges(one, "beam-left"))
 
 
 def test_a_side_with_a_shaker_of_its_own_is_cut_for_that() -> None:
     """Nearer to each other than half a cell, and each under its own side."""
-    two = pushed_at("teaching-beam", (0.08, 0.537), (0.08, -0.549))
+    two = pushed_at((0.08, 0.537), (0.08, -0.549))
     assert any(arc == pytest.approx(0.537, abs=1e-12) for arc in edges(two, "beam-right"))
     assert any(arc == pytest.approx(0.549, abs=1e-12) for arc in edges(two, "beam-left"))
 

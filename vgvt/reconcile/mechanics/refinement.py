@@ -24,8 +24,8 @@ _FINER, _FEWEST_CELLS = 4, 12
 MOST_CELLS = 60
 """On the finest beam: more are not worth their time."""
 _LONG = 0.5
-_HARDLY_FINER = 1.5
-_A_FEW_MORE = 1.25
+# Where no more than so many times its cells are worth having, a chain is compared with one of a few more than those.
+_HARDLY_FINER, _A_FEW_MORE = 1.5, 1.25
 _SAME_SHAPE = 0.8
 # Of a mode's frequency, more than what few cells cost: seen at five points one torsion mode looks like another.
 _NEAR = 0.25
