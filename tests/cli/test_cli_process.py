@@ -39,22 +39,27 @@ def test_help_loads_nothing_heavy(arguments: tuple[str, ...]) -> None:
 def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, str, str, float]:
     """Start a long run, signal it once ``seen`` is on stderr; exit status, streams, seconds until the end."""
     environment = {**os.environ, "VGVT_TRACEBACK": ""}
+    # Under nohup a child inherits that it is to ignore a hang-up, and rightly goes on.
     process = subprocess.Popen(
         [*VGVT, "run", "hati-unsymmetric", "--json", "--out", str(folder)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
     )
-    assert process.stderr is not None
-    said = ""
-    while seen not in said:
-        line = process.stderr.readline()
-        assert line, f"ended early: {said}"
-        said += line
-    begin = time.perf_counter()
-    process.send_signal(number)
-    out, err = process.communicate(timeout=60)
+    try:
+        assert process.stderr is not None
+        said = ""
+        while seen not in said:
+            line = process.stderr.readline()
+            assert line, f"ended early: {said}"
+            said += line
+        begin = time.perf_counter()
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
     return process.returncode, out, said + err, time.perf_counter() - begin
 
 
