@@ -36,17 +36,21 @@ def test_help_loads_nothing_heavy(arguments: tuple[str, ...]) -> None:
     assert done.stderr.strip().splitlines()[-1] == "[]"
 
 
-def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, str, str, float]:
-    """Start a long run, signal it once ``seen`` is on stderr; exit status, streams, seconds until the end."""
+def interrupted(folder: Path, number: signal.Signals, seen: str, nohup: bool = False) -> tuple[int, str, str, float]:
+    """Start a long run, signal it once ``seen`` is on stderr; exit status, streams, seconds until the end.
+
+    ``nohup``: as that command starts it, and its terminal is closed three lines of progress before the signal.
+    """
     environment = {**os.environ, "VGVT_TRACEBACK": ""}
-    # Under nohup a child inherits that it is to ignore a hang-up, and rightly goes on.
+    # A child inherits whether it is to ignore a hang-up: from nohup, which these tests may be run by, too.
+    hang_up = signal.SIG_IGN if nohup else signal.SIG_DFL
     process = subprocess.Popen(
         [*VGVT, "run", "hati-unsymmetric", "--json", "--out", str(folder)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
-        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, hang_up) and None,
     )
     try:
         assert process.stderr is not None
@@ -55,6 +59,10 @@ def interrupted(folder: Path, number: signal.Signals, seen: str) -> tuple[int, s
             line = process.stderr.readline()
             assert line, f"ended early: {said}"
             said += line
+        if nohup:
+            process.send_signal(signal.SIGHUP)
+            goes_on = [process.stderr.readline() for _ in range(3)]
+            assert all(seen in line for line in goes_on), goes_on
         begin = time.perf_counter()
         process.send_signal(number)
         out, err = process.communicate(timeout=60)
@@ -75,6 +83,12 @@ def test_a_signal_in_a_long_run(tmp_path: Path, number: signal.Signals, status: 
     assert list(tmp_path.iterdir()) == []
     if number is signal.SIGINT:
         assert json.loads(out)["error"]["kind"] == "interrupted"
+
+
+@pytest.mark.slow
+def test_a_run_under_nohup_goes_on_when_its_terminal_is_closed(tmp_path: Path) -> None:
+    returned, _, err, _ = interrupted(tmp_path / "long", signal.SIGTERM, "s left", nohup=True)
+    assert returned == 143, err
 
 
 def test_ctrl_c_right_after_the_start(tmp_path: Path) -> None:
