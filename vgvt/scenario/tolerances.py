@@ -6,6 +6,9 @@ from pydantic import Field
 
 from vgvt.scenario.base import NonNegative, Table, Whole
 
+LEAST_SEGMENTS, MOST_SEGMENTS = 4, 12
+"""Bounds of how many ``segments`` the band may ask for; a file may say fewer."""
+
 
 class Tolerances(Table):
     """Standard deviations of what the scenario states; reconcile calibrates within them.
@@ -20,8 +23,9 @@ class Tolerances(Table):
     """EI and GJ along each side of a beam around that scale, relative."""
     mass_segment: NonNegative = 0.01
     """Mass per length along each side of a beam, relative."""
-    segments: Whole = Field(default=4, ge=0, le=12)
-    """Number of stretches of a beam that vary on their own."""
+    segments: Whole | None = Field(default=None, ge=0, le=MOST_SEGMENTS)
+    """Stations of a long beam's side at which its stiffness and mass vary on their own; left out, two for each
+    half-wave of the shortest wave in the band and one, 4 at least."""
     body_mass: NonNegative = 0.01
     """Mass of the centre body, relative."""
     body_centre_of_gravity_m: NonNegative = 0.003
@@ -52,3 +56,8 @@ class Tolerances(Table):
     """Corner frequencies of AC coupling, relative."""
     model_form: NonNegative = 0.004
     """What discretisation leaves of each response function, relative; judged with the noise, not calibrated."""
+
+    @property
+    def stations(self) -> int:
+        """The segments as stated; where nothing is, and no band is known, the fewest that a band may ask for."""
+        return LEAST_SEGMENTS if self.segments is None else self.segments

@@ -32,7 +32,9 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
     final = at_whole_cells(found.final)
     problem = final.problem
     known = problem.unknowns
-    calibrated = edited(scenario, known, final.u[: len(known)])
+    # Its stretches are those that were fitted, which a band asked for; those of what is written are left to the next.
+    fitted = scenario.model_copy(update={"tolerances": problem.scenario.tolerances})
+    calibrated = edited(fitted, known, final.u[: len(known)])
     tables = list(scenario.effect)
     for k, hypothesis in enumerate(final.hypotheses):
         values = {name: value for name, (value, _, _) in final.values(k).items()}
@@ -44,7 +46,12 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
         tables += [EffectTable(name=hypothesis.name, **stated) for stated in agreed(final, k, values)]
     summary = f"{scenario.summary.rstrip('.')}; reconciled with a measured campaign."
     named = calibrated.model_copy(
-        update={"name": f"{scenario.name}-reconciled"[:60], "effect": tuple(tables), "summary": summary}
+        update={
+            "name": f"{scenario.name}-reconciled"[:60],
+            "effect": tuple(tables),
+            "summary": summary,
+            "tolerances": scenario.tolerances,
+        }
     )
     return with_instruments(with_cells(named, final), final)
 

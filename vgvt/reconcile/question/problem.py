@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from vgvt.reconcile.question.arguments import check_campaign, check_scenario, fl
 from vgvt.reconcile.question.data import Measured, measured_frfs
 from vgvt.reconcile.question.holdout import Split, split
 from vgvt.reconcile.question.kept_slopes import kept_slopes
+from vgvt.reconcile.question.stretches import with_stretches
 from vgvt.reconcile.question.structure_code import structure_code
 from vgvt.reconcile.question.suitable import check_suitable
 from vgvt.reconcile.question.uncertain import Unknown, edited, prepared, unknowns
@@ -261,7 +263,7 @@ def _hung(lined_up: Scenario, as_stated: Scenario, limit_hz: float) -> tuple[Nom
 
 
 def aligned(scenario: Scenario, measured: Measured) -> Scenario:
-    """The scenario with the campaign's runs; InputError for a channel that it has no point for."""
+    """The scenario with the campaign's runs and stretches; InputError for a channel that it has no point for."""
     nodes = scenario.accelerometers.grid.node
     for channel in measured.channels:
         if channel.dof.node not in nodes:
@@ -271,7 +273,10 @@ def aligned(scenario: Scenario, measured: Measured) -> Scenario:
                 "Give the scenario a point for every channel of the campaign.",
             )
     acquisition = scenario.acquisition.model_copy(update={"runs": measured.runs, "repeats": 1})
-    return scenario.model_copy(update={"acquisition": acquisition})
+    # Rounded up: campaigns of one scenario then share what is assembled, wherever their last line is.
+    return with_stretches(scenario, math.ceil(measured.frequency_hz[-1])).model_copy(
+        update={"acquisition": acquisition}
+    )
 
 
 def nuisances_of(scenario: Scenario, measured: Measured) -> tuple[Nuisance, ...]:

@@ -111,8 +111,8 @@ def edited(scenario: Scenario, known: tuple[Unknown, ...], scores: np.ndarray) -
 def prepared(scenario: Scenario) -> Scenario:
     """The same aircraft with both sides written out and stations where segments meet."""
     split = written_out(scenario)
-    names = _segmented(split)
-    count = scenario.tolerances.segments
+    names = long_beams(split)
+    count = scenario.tolerances.stations
     return with_beams(split, names, lambda beam: _with_stations(beam, count)) if count else split
 
 
@@ -125,9 +125,9 @@ def between_stations(scenario: Scenario) -> tuple[Scenario, tuple[Scenario, ...]
     What a wing's stiffness and mass do between two of the analysis' stations, no unknown says.
     """
     t, split = scenario.tolerances, prepared(scenario)
-    if t.segments < 2:
+    if t.stations < 2:
         return split, ()
-    names, count = _segmented(split), 2 * t.segments - 1
+    names, count = long_beams(split), 2 * t.stations - 1
     base = with_beams(split, names, lambda beam: _with_stations(beam, count))
     columns = (
         ("bending_stiffness_n_m2", t.stiffness_segment),
@@ -141,8 +141,8 @@ def between_stations(scenario: Scenario) -> tuple[Scenario, tuple[Scenario, ...]
     return base, tuple(stretch(base, 1 + sd) for stretch, sd in stretches)
 
 
-def _segmented(scenario: Scenario) -> tuple[str, ...]:
-    """Names of the beams long enough to have segments of their own, in a scenario written out."""
+def long_beams(scenario: Scenario) -> tuple[str, ...]:
+    """Names of the beams long enough to have segments of their own."""
     length = {b.name: float(beam_axis(b).arc_length_m[-1]) for b in scenario.airframe.beam}
     return tuple(n for n in length if length[n] >= _LONG * max(length.values()))
 
@@ -165,7 +165,7 @@ def _with_stations(beam: Beam, count: int) -> Beam:
 def _beams(scenario: Scenario) -> list[Unknown]:
     t = scenario.tolerances
     split = prepared(scenario)
-    long = _segmented(split)
+    long = long_beams(split)
     found: list[Unknown] = []
     for plain in dict.fromkeys(plain_name(b.name) for b in split.airframe.beam):
         names = tuple(b.name for b in split.airframe.beam if plain_name(b.name) == plain)
@@ -180,9 +180,9 @@ def _beams(scenario: Scenario) -> list[Unknown]:
             ("torsional_stiffness_n_m2", "GJ", t.stiffness_segment),
             ("mass_kg_per_m", "mass", t.mass_segment),
         ):
-            for k in range(t.segments):
-                words = f"{what} of the {name}, around station {k + 1} of {t.segments} from the root"
-                edit = _Stretch((name,), column, (k, t.segments))
+            for k in range(t.stations):
+                words = f"{what} of the {name}, around station {k + 1} of {t.stations} from the root"
+                edit = _Stretch((name,), column, (k, t.stations))
                 found.append(_log(f"{what} {name} {k + 1}", words, sd, edit))
     return found
 

@@ -1,0 +1,118 @@
+"""How many stretches of a beam vary on their own: by the shortest wave within the band, and what fewer leave."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from vgvt.reconcile import Fit, augment, calibrate, make_problem, residual, thresholds_for
+from vgvt.reconcile.outcome.cells import at_whole_cells
+from vgvt.reconcile.question.stretches import half_waves, with_stretches
+from vgvt.reconcile.question.uncertain import edited
+from vgvt.reconcile.rehearsal import placebo_campaign
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.scenario.airframe import Beam
+
+# Of a cantilever's first modes in bending, roots of cos x cosh x = -1 (Blevins, 1979, table 8-1).
+CANTILEVER = (1.87510407, 4.69409113, 7.85475744, 10.99554073)
+EI, GJ, MASS, INERTIA, LENGTH = 40.0, 20.0, 1.0, 0.01, 1.0
+
+
+@pytest.fixture(scope="module")
+def teaching() -> Scenario:
+    return load_scenario("teaching-beam")
+
+
+def beam(**columns: float) -> Beam:
+    stations = {
+        "position_m": [[0.0, 0.0, 0.0], [0.0, LENGTH, 0.0]],
+        "bending_stiffness_n_m2": [EI, EI],
+        "torsional_stiffness_n_m2": [GJ, GJ],
+        "mass_kg_per_m": [MASS, MASS],
+        "pitch_inertia_kg_m": [INERTIA, INERTIA],
+        "forward_edge_m": [0.1, 0.1],
+        "aft_edge_m": [0.1, 0.1],
+    }
+    stations |= {name: [value, value] for name, value in columns.items()}
+    return Beam.model_validate({"name": "wing", "stations": stations})
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4])
+def test_a_cantilever_has_half_a_half_wave_less_than_modes(n: int) -> None:
+    bending_hz = CANTILEVER[n - 1] ** 2 / (2 * np.pi * LENGTH**2) * np.sqrt(EI / MASS)
+    # Its first mode is shorter than a wave that goes along it; all others are what they are called.
+    expected = CANTILEVER[n - 1] / np.pi
+    assert half_waves(beam(torsional_stiffness_n_m2=1e6), bending_hz) == pytest.approx(expected, rel=1e-6)
+    assert expected == pytest.approx(n - 0.5, abs=0.1 if n == 1 else 0.01)
+    torsion_hz = (2 * n - 1) / (4 * LENGTH) * np.sqrt(GJ / INERTIA)
+    assert half_waves(beam(bending_stiffness_n_m2=1e9), torsion_hz) == pytest.approx(n - 0.5, rel=1e-6)
+
+
+def test_waves_are_counted_where_they_are_short() -> None:
+    """A wing that tapers: as many as its halves have, each with what it is there, in a fine cut of it."""
+    frequency_hz, cuts = 30.0, 400
+    tapered = beam().model_copy(
+        update={
+            "stations": beam().stations.model_copy(
+                update={"bending_stiffness_n_m2": (EI, EI / 16), "torsional_stiffness_n_m2": (1e6, 1e6)}
+            )
+        }
+    )
+    middle = (np.arange(cuts) + 0.5) / cuts
+    each = [
+        half_waves(
+            beam(bending_stiffness_n_m2=float(EI * (1 - 15 / 16 * x)), torsional_stiffness_n_m2=1e6), frequency_hz
+        )
+        for x in middle
+    ]
+    assert half_waves(tapered, frequency_hz) == pytest.approx(float(np.mean(each)), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "stations"),
+    [("quick", 4), ("hati-unsymmetric", 4), ("bff", 5), ("garteur-sm-ag19", 5), ("teaching-beam", 6)],
+)
+def test_stations_that_the_band_asks_for(name: str, stations: int) -> None:
+    scenario = load_scenario(name)
+    assert scenario.tolerances.segments is None
+    found = with_stretches(scenario, np.ceil(scenario.excitation.band_hz[1]))
+    assert found.tolerances.segments == stations
+    assert found == scenario.model_copy(update={"tolerances": found.tolerances})
+
+
+def test_what_a_file_says_counts_and_there_are_bounds(teaching: Scenario) -> None:
+    for stated in (0, 3, 12):
+        said = teaching.model_copy(update={"tolerances": teaching.tolerances.model_copy(update={"segments": stated})})
+        assert with_stretches(said, 1e4) is said
+    assert with_stretches(teaching, 0.1).tolerances.segments == 4
+    assert with_stretches(teaching, 1e4).tolerances.segments == 12
+
+
+def test_four_stretches_leave_what_those_that_the_band_asks_for_do_not(
+    teaching: Scenario, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """A placebo of a uniform beam with ideal sensors: with fewer it would be called unknown."""
+    cache, campaign = tmp_path_factory.mktemp("cache"), placebo_campaign(teaching, 1)
+    left = []
+    for segments in (None, 4):
+        tolerances = teaching.tolerances.model_copy(update={"segments": segments})
+        problem = make_problem(campaign, teaching.model_copy(update={"tolerances": tolerances}), lines=100, cache=cache)
+        count = sum(u.name.startswith("EI beam-right") for u in problem.unknowns)
+        assert count == (segments or 6)
+        found = calibrate(problem)
+        left.append(residual(found, thresholds_for(problem)).train_chi2_per_dof)
+        _is_written(found, problem.stated.model_copy(update={"tolerances": tolerances}))
+    assert left[0] < 0.4 * left[1]
+
+
+def _is_written(found: Fit, scenario: Scenario) -> None:
+    """What is written holds the stretches that were fitted, and leaves it to the next band how many there are."""
+    written = augment(scenario, SimpleNamespace(final=found))  # type: ignore[arg-type]
+    assert written.tolerances == scenario.tolerances
+    final = at_whole_cells(found)
+    expected = edited(final.problem.scenario, final.problem.unknowns, final.u[: len(final.problem.unknowns)])
+    for column in ("bending_stiffness_n_m2", "torsional_stiffness_n_m2", "mass_kg_per_m"):
+        for one, other in zip(written.airframe.beam, expected.airframe.beam, strict=True):
+            assert getattr(one.stations, column) == getattr(other.stations, column)

@@ -1,0 +1,48 @@
+"""How finely stiffness and mass may vary along a beam: as finely as its shortest wave within the band feels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vgvt.reconcile.question.uncertain import long_beams
+from vgvt.scenario.airframe import Beam
+from vgvt.scenario.axis import beam_axis
+from vgvt.scenario.model import Scenario
+from vgvt.scenario.tolerances import LEAST_SEGMENTS, MOST_SEGMENTS
+
+_POINTS = 200
+
+
+def with_stretches(scenario: Scenario, highest_hz: float) -> Scenario:
+    """The scenario with the ``segments`` of its tolerances stated; where they are, as it is.
+
+    A mode's strain and kinetic energy come and go along a beam once in half a wave, so that two stretches in each
+    half-wave tell what it can feel of a scatter, and fewer leave of it what looks like an effect: on a uniform beam
+    with six modes in the band and no noise, four stations a side leave up to ten times of what six do.
+    """
+    if scenario.tolerances.segments is not None:
+        return scenario
+    beams = [beam for beam in scenario.airframe.beam if beam.name in long_beams(scenario)]
+    shortest = max((half_waves(beam, highest_hz) for beam in beams), default=0.0)
+    count = min(max(LEAST_SEGMENTS, 1 + math.ceil(2 * shortest)), MOST_SEGMENTS)
+    tolerances = scenario.tolerances.model_copy(update={"segments": count})
+    return scenario.model_copy(update={"tolerances": tolerances})
+
+
+def half_waves(beam: Beam, frequency_hz: float) -> float:
+    """Half-waves on one side of a beam at a frequency, of bending or of torsion, whichever are more.
+
+    Phase of a wave that travels along it (WKB): the integral of (m omega^2 / EI)^(1/4) or omega (I / GJ)^(1/2) over pi.
+    A cantilever's nth bending mode has n - 1/2 of them.
+    """
+    axis, stations, omega = beam_axis(beam), beam.stations, 2 * np.pi * frequency_hz
+    arc = np.linspace(0.0, axis.arc_length_m[-1], _POINTS)
+
+    def along(name: str) -> np.ndarray:
+        return np.asarray(np.interp(arc, axis.arc_length_m, np.asarray(getattr(stations, name), float)))
+
+    bending = (along("mass_kg_per_m") * omega**2 / along("bending_stiffness_n_m2")) ** 0.25
+    torsion = omega * np.sqrt(along("pitch_inertia_kg_m") / along("torsional_stiffness_n_m2"))
+    return max(float(np.trapezoid(number, arc)) for number in (bending, torsion)) / math.pi
