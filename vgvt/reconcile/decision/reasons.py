@@ -34,7 +34,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     problem = found.null.problem
     said = _of_an_adequate_model(found, limits) if kind is Kind.ADEQUATE else _of_what_is_left(found)
     for addition in found.rounds:
-        said += _of_a_name(addition, limits)
+        swallowed = addition is found.rounds[0] and strained_too_much(found.null)
+        said += _of_a_name(addition, limits, swallowed)
     if kind is not Kind.EXPLAINED and found.rounds:
         said += [f"With it {text}" for text in found.final_residual.reasons]
     said += [
@@ -87,13 +88,15 @@ def _of_what_is_left(found: Attribution) -> list[str]:
     return [f"Without another effect {text}" for text in found.null_residual.reasons]
 
 
-def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
-    """What a name gains, what explains the data as well as it does, and where its place is open."""
+def _of_a_name(addition: Addition, limits: Thresholds, swallowed: bool = False) -> list[str]:
+    """What a name gains, what explains the data as well as it does, and where its place is open.
+
+    ``swallowed`` says that the model without it left its tolerances.
+    """
     winner, within = addition.winner, limits.set_nats
     said = [
         f"Adding {winner.hypothesis.label} gains {winner.gain_nats:.0f} nats, {winner.lasting_nats:.0f} where "
-        f"errors of the model last (a name needs {limits.evidence_nats:.0f} by both); held-out error goes "
-        f"from {addition.held_out_before:.2f} to {winner.held_out:.2f}"
+        f"errors of the model last (a name needs {limits.evidence_nats:.0f} by both); {_held_out(addition, swallowed)}"
     ]
     # Of all that held-out data confirm the winner gains most: what gains more is not confirmed by them.
     others = [r for r in addition.equivalent if r.name != winner.name]
@@ -143,6 +146,15 @@ def _of_a_name(addition: Addition, limits: Thresholds) -> list[str]:
     if untold:
         said.append(f"No record told {listed(untold)} of {winner.name}: nothing that is foretold depends on it")
     return said + _of_the_ratio((winner, *addition.equivalent))
+
+
+def _held_out(addition: Addition, swallowed: bool) -> str:
+    """What a name does to the held-out error; where that is nothing, that it is tolerances that are met again."""
+    before, after = f"{addition.held_out_before:.2f}", f"{addition.winner.held_out:.2f}"
+    if before != after:
+        return f"held-out error goes from {before} to {after}"
+    met = ": it is the tolerances that are met again, which had been left to meet the data" if swallowed else ""
+    return f"held-out error stays at {after}{met}"
 
 
 def _of_the_ratio(rivals: tuple[Rival, ...]) -> list[str]:
