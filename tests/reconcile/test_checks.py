@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from reconciled_case import campaign_of, check, claimed, roving_problem, roving_scenario
+from reconciled_case import campaign_of, check, claimed, roving_problem, roving_scenario, small_scenario
 
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import switched_on
@@ -115,10 +116,25 @@ def test_a_split_signal_shows_converters_and_a_reference_sensor_shows_all(case: 
     filtered = check(case, split).read(seen(case.scenario, [available_effects()["anti-alias-delay"](delay_s=1e-3)]))
     size = np.hypot(*np.moveaxis(filtered.reshape(-1, 2, 10), 1, 0))
     assert size[0] == pytest.approx(1.0)
-    # The force's channel comes first in every run.
-    assert len(size) == sum(1 + len(nodes) for nodes in case.measured.runs)
+    # The force's input comes first, and each other one is there once, in however many runs it was used.
+    assert len(size) == 1 + max(len(nodes) for nodes in case.measured.runs)
     # The fourth order falls by 80 dB in a decade.
     assert size[1, 0] == pytest.approx(1.0, abs=1e-3) and size[1, -1] < 1e-3
+
+
+def test_more_runs_do_not_make_more_of_one_calibration() -> None:
+    """It takes a quarter of an hour, and tells what one does; it had been counted once a run."""
+    scenario = small_scenario()
+    nodes, told = scenario.acquisition.run_nodes[0], []
+    delay = available_effects()["channel-delay"](delay_s=1e-6, channels="force")
+    for count in (1, 4):
+        acquisition = scenario.acquisition.model_copy(update={"runs": (nodes,) * count, "repeats": 1})
+        asked = scenario.model_copy(update={"acquisition": acquisition})
+        measured = SimpleNamespace(runs=(nodes,) * count, channels=nodes * count, frequency_hz=np.array([1.0, 40.0]))
+        split = check(SimpleNamespace(scenario=asked, measured=measured), "split one noise")  # type: ignore[arg-type]
+        moved = split.read(seen(asked, (delay,))) - split.read(seen(asked, ()))
+        told.append(0.5 * float(moved @ np.linalg.solve(split.covariance(moved.size), moved)))
+    assert told[0] > 10 and told[1] == pytest.approx(told[0], rel=1e-9)
 
 
 @pytest.mark.parametrize(

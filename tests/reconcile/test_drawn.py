@@ -7,9 +7,13 @@ import pytest
 import scipy.stats
 
 from vgvt.data import ChannelRole
+from vgvt.effects.beams import plain_name, written_out
 from vgvt.reconcile.question.drawn import drawn_gains, drawn_lab
+from vgvt.reconcile.question.stretches import with_stretches
+from vgvt.reconcile.question.uncertain import long_beams, prepared
 from vgvt.reconcile.rehearsal import placebo_campaign
 from vgvt.scenario import Scenario, load_scenario
+from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.library import bundled_scenarios
 from vgvt.scenario.tolerances import Tolerances
 
@@ -75,6 +79,50 @@ def test_what_is_known_exactly_stays(quick: Scenario) -> None:
         assert np.interp(0.5, [0, 1], side.stations.bending_stiffness_n_m2[:2]) == pytest.approx(
             np.interp(0.5, [0, 1], whole.bending_stiffness_n_m2[:2]), rel=1e-9
         )
+
+
+@pytest.mark.parametrize("name", ["quick", "bff", "garteur-sm-ag19", "teaching-beam"])
+def test_it_scatters_at_other_stations_than_the_analysis(name: str) -> None:
+    """One more on a side of a long beam, and none of them within it the same."""
+    scenario = load_scenario(name)
+    analysis = prepared(with_stretches(scenario, np.ceil(scenario.excitation.band_hz[1])))
+    lab, long = drawn_lab(scenario, np.random.default_rng(1)), long_beams(analysis)
+    stated = {b.name: beam_axis(b).arc_length_m for b in written_out(scenario).airframe.beam}
+    for one, other in zip(analysis.airframe.beam, lab.airframe.beam, strict=True):
+        if one.name in long:
+            mine, theirs = (
+                [s for s in beam_axis(b).arc_length_m if np.abs(stated[one.name] - s).min() > 1e-6]
+                for b in (one, other)
+            )
+            assert theirs and np.abs(np.subtract.outer(mine, theirs)).min(initial=1.0) > 1e-3
+
+
+def test_nothing_scatters_along_a_beam_that_has_no_stretches() -> None:
+    """The analysis has none then, and would miss them in every placebo: a hundred times its limit."""
+    scenario = load_scenario("teaching-beam")
+    none = scenario.model_copy(update={"tolerances": scenario.tolerances.model_copy(update={"segments": 0})})
+    for lab, scatters in (
+        (drawn_lab(none, np.random.default_rng(1)), False),
+        (drawn_lab(scenario, np.random.default_rng(1)), True),
+    ):
+        stations = lab.airframe.beam[0].stations
+        for column in ("bending_stiffness_n_m2", "torsional_stiffness_n_m2", "mass_kg_per_m"):
+            assert (np.ptp(getattr(stations, column)) > 1e-9) == scatters
+    assert drawn_lab(none, np.random.default_rng(1)).airframe.beam[0].stations.bending_stiffness_n_m2[0] != 40.0
+
+
+def test_each_beam_is_off_by_itself_and_its_sides_alike() -> None:
+    """A wing's EI says nothing of a fuselage's, in a lab as in the analysis."""
+    stated = load_scenario("garteur-sm-ag19")
+    even = stated.model_copy(update={"tolerances": stated.tolerances.model_copy(update={"stiffness_segment": 0.0})})
+    factors: dict[str, set[float]] = {}
+    for beam in drawn_lab(even, np.random.default_rng(0)).airframe.beam:
+        own = next(b for b in stated.airframe.beam if b.name == plain_name(beam.name))
+        for column in ("bending_stiffness_n_m2", "torsional_stiffness_n_m2", "pitch_inertia_kg_m"):
+            factor = getattr(beam.stations, column)[0] / getattr(own.stations, column)[0]
+            factors.setdefault(f"{own.name} {column}", set()).add(round(factor, 9))
+    assert {len(found) for found in factors.values()} == {1}
+    assert len(set.union(*factors.values())) == len(factors)
 
 
 def test_it_has_more_cells_than_the_analysis_unless_that_has_many(quick: Scenario) -> None:

@@ -167,7 +167,7 @@ def test_a_joint_that_stays_shut_rings_on_at_the_end_of_a_record(tmp_path: Path)
 @pytest.fixture
 def weightless(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Structures that hang without sensors: of two runs the mean is not what either has alone."""
-    remembered = (problem._hung, problem._assembled_once)
+    remembered = (problem._hung, problem.assembled_once)
     for module in (reduced, joints):
         monkeypatch.setattr(module, "mean_sensors_kg", lambda scenario: {})
     for function in remembered:

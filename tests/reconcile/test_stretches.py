@@ -50,6 +50,24 @@ def test_a_cantilever_has_half_a_half_wave_less_than_modes(n: int) -> None:
     assert half_waves(beam(bending_stiffness_n_m2=1e9), torsion_hz) == pytest.approx(n - 0.5, rel=1e-6)
 
 
+def test_air_and_offsets_make_waves_shorter() -> None:
+    """Inertia about the axis is what torsion turns; air is carried along in bending and in torsion."""
+    frequency_hz = 30.0
+    whole = half_waves(beam(torsional_stiffness_n_m2=1e6), frequency_hz)
+    air = half_waves(beam(torsional_stiffness_n_m2=1e6, air_kg_per_m=3 * MASS), frequency_hz)
+    assert air == pytest.approx(4**0.25 * whole, rel=1e-9)
+    still = half_waves(beam(bending_stiffness_n_m2=1e9), frequency_hz)
+    offset = half_waves(beam(bending_stiffness_n_m2=1e9, cg_offset_m=np.sqrt(3 * INERTIA / MASS)), frequency_hz)
+    assert offset == pytest.approx(2 * still, rel=1e-9)
+    moved = half_waves(
+        beam(
+            bending_stiffness_n_m2=1e9, air_kg_per_m=0.1, air_offset_m=0.2, air_pitch_inertia_kg_m=3 * INERTIA - 0.004
+        ),
+        frequency_hz,
+    )
+    assert moved == pytest.approx(2 * still, rel=1e-9)
+
+
 def test_waves_are_counted_where_they_are_short() -> None:
     """A wing that tapers: as many as its halves have, each with what it is there, in a fine cut of it."""
     frequency_hz, cuts = 30.0, 400

@@ -99,9 +99,9 @@ def checks(problem: Problem) -> tuple[Check, ...]:
         Check("weigh an accelerometer with what moves of its cable", 10.0,
               lambda r: np.array([r[-1].scenario.accelerometers.mass_kg]), _alike(_BALANCE_KG)),
         Check("split one noise signal between all channels, up to 5 kHz", 15.0,
-              lambda r: _filters(r, wide, (Family.ACQUISITION,), force=True), _calibrated(_SPLIT, gains)),
+              lambda r: _inputs(r, wide), _calibrated(_SPLIT, gains)),
         Check("put a reference accelerometer beside every sensor and compare the two in the band", 2.0 * points,
-              lambda r: _filters(r, band, tuple(Family), force=False), _beside(_REFERENCE), of_gains=True),
+              lambda r: _beside_all(r, band), _beside(_REFERENCE), of_gains=True),
     ]  # fmt: skip
     if runs > 1:
         words = "log the temperature of the structure beside the runs, with a thermistor"
@@ -231,28 +231,45 @@ def _beside(relative: float) -> Callable[[int], Array]:
     return covariance
 
 
-def _filters(runs: Sequence[Seen], frequency_hz: Array, families: tuple[Family, ...], *, force: bool) -> Array:
-    """What filters of some families do to every response of every run, over one, as real numbers.
+def _inputs(runs: Sequence[Seen], frequency_hz: Array) -> Array:
+    """What acquisition does to the force's input, then to that of each sensor, over one, as real numbers.
 
-    With ``force`` to that channel too, first in every run: no accelerometer shows what the force gauge says.
+    One measurement, however many runs an input was used in: the mean over these.
+    """
+    found = [_filters(one, frequency_hz, (Family.ACQUISITION,), force=True) for one in runs]
+    each = range(max(len(rows) for rows in found))
+    return np.concatenate([np.mean([rows[k] for rows in found if k < len(rows)], axis=0) for k in each])
+
+
+def _beside_all(runs: Sequence[Seen], frequency_hz: Array) -> Array:
+    """What all filters do to every response of every run, over one, as real numbers.
+
+    No accelerometer shows what the force gauge says.
+    """
+    return np.concatenate([_filters(one, frequency_hz, tuple(Family), force=False).ravel() for one in runs])
+
+
+def _filters(one: Seen, frequency_hz: Array, families: tuple[Family, ...], *, force: bool) -> Array:
+    """What filters of some families do to every response of a run, (C, 2 F): real, then imaginary parts.
+
+    With ``force`` to that channel too, first.
     """
     found = []
-    for one in runs:
-        points = {p.dof.node: p for p in sensor_points(one.scenario)}
-        gauge = Channel("force", Quantity.EXCITATION_FORCE, ChannelRole.REFERENCE, Dof(0, _UP))
-        responses = [
-            Channel("response", Quantity.ACCELERATION, ChannelRole.RESPONSE, points[node].dof)
-            for node in one.scenario.acquisition.run_nodes[one.run]
-        ]
-        for channel in (gauge, *responses) if force else responses:
-            gain = 1.0 if channel is gauge or channel.dof is None else one.gains.get(channel.dof.node, 1.0)
-            factor = np.full(frequency_hz.size, gain, dtype=complex)
-            for action, family in zip(one.actions, one.families, strict=True):
-                for change in action.channels if family in families else ():
-                    if isinstance(change, ChannelFilter) and selects(change.channels, channel):
-                        factor = factor * change.response(frequency_hz)
-            found += [factor.real, factor.imag]
-    return np.concatenate(found)
+    points = {p.dof.node: p for p in sensor_points(one.scenario)}
+    gauge = Channel("force", Quantity.EXCITATION_FORCE, ChannelRole.REFERENCE, Dof(0, _UP))
+    responses = [
+        Channel("response", Quantity.ACCELERATION, ChannelRole.RESPONSE, points[node].dof)
+        for node in one.scenario.acquisition.run_nodes[one.run]
+    ]
+    for channel in (gauge, *responses) if force else responses:
+        gain = 1.0 if channel is gauge or channel.dof is None else one.gains.get(channel.dof.node, 1.0)
+        factor = np.full(frequency_hz.size, gain, dtype=complex)
+        for action, family in zip(one.actions, one.families, strict=True):
+            for change in action.channels if family in families else ():
+                if isinstance(change, ChannelFilter) and selects(change.channels, channel):
+                    factor = factor * change.response(frequency_hz)
+        found.append(np.concatenate([factor.real, factor.imag]))
+    return np.array(found)
 
 
 def _sensor_places(runs: Sequence[Seen]) -> Array:

@@ -13,7 +13,14 @@ from vgvt.effects.added_mass import with_lump
 from vgvt.effects.beams import plain_name
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.holdout import Split
-from vgvt.reconcile.question.problem import Nominal, Problem, nuisances_of, slopes_in
+from vgvt.reconcile.question.problem import (
+    Nominal,
+    Problem,
+    assembled_once,
+    limit_hz,
+    nuisances_of,
+    slopes_in,
+)
 from vgvt.reconcile.question.uncertain import prepared, unknowns_of_the_rig
 from vgvt.reconcile.search.candidates import places
 from vgvt.scenario.airframe import Airframe
@@ -22,6 +29,7 @@ from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.placement import EDGE_TOLERANCE_M, placement_problems
 from vgvt.scenario.planform import distance_off_m, part_at
+from vgvt.simulation.pushed import pushed_beams
 from vgvt.simulation.reduced import Layouts, structure
 
 _DUMMY_KG = 0.05
@@ -180,10 +188,19 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
     runs, scenario = len(problem.measured.runs), procedure.edit(problem.scenario)
     made = (runs,) * runs if procedure.again is None else (*range(1, runs + 1), runs)
     scenario = scenario.model_copy(update={"acquisition": scenario.acquisition.counted_as(made)})
-    start = prepared(scenario)
-    layouts = Layouts.of(start)
-    layout = layouts.plan(start)
-    nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
+    moved = scenario.shakers != problem.scenario.shakers
+    if not (moved and {*pushed_beams(scenario), *pushed_beams(problem.scenario)}):
+        start = prepared(scenario)
+        layouts = Layouts.of(start)
+        layout = layouts.plan(start)
+        nominal = Nominal(start, layouts, structure(layout, layout.grid, problem.nominal))
+        slopes = _slopes_of_another_rig(problem, start, nominal)
+    else:
+        # A beam's cells end where it is pushed, and it bends with the push: nothing that is known of another is of use.
+        stated = procedure.edit(problem.stated)
+        stated = stated.model_copy(update={"acquisition": scenario.acquisition})
+        _, nominal, slopes, finer, span = assembled_once(scenario, stated, limit_hz(problem.measured), None)
+        problem = replace(problem, stated=stated, refinement=finer, coarseness=span, centre=None)
     if scenario.acquisition.runs != problem.scenario.acquisition.runs:
         problem = _rearranged(problem, scenario, procedure.again)
     measured = problem.measured
@@ -194,7 +211,6 @@ def changed(problem: Problem, procedure: Procedure) -> Problem:
     # averaged. The model's own error does neither.
     noise = measured.noise / (procedure.force**2 * procedure.sweeps)
     measured = replace(measured, noise=noise, sigma=np.sqrt(measured.sigma**2 - measured.noise + noise))
-    slopes = _slopes_of_another_rig(problem, start, nominal)
     return replace(problem, scenario=scenario, measured=measured, start=nominal, slopes=slopes)
 
 

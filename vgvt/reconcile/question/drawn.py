@@ -1,24 +1,24 @@
 """A lab that differs from its scenario as far as the tolerances allow, and no further: what a placebo is made of.
 
-Its parametrisation is not the analysis': piecewise-linear factors along each side of every beam, at other stations than
-those of the unknowns, and many more cells, as no aircraft has any.
+Its parametrisation is not the analysis': piecewise-linear factors along each side of every beam, at one station more
+than the unknowns have, and so at other ones, and many more cells, as no aircraft has any.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from vgvt.data import Campaign, ChannelRole
-from vgvt.effects.beams import with_airframe, written_out
+from vgvt.effects.beams import plain_name, with_airframe, written_out
+from vgvt.reconcile.question.stretches import with_stretches
 from vgvt.scenario.airframe import Beam, Body, Damping, Item
 from vgvt.scenario.axis import beam_axis
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.tolerances import Tolerances
 
-STRETCHES = 5
-"""Stations of a side's factors."""
 # Five times as many as the analysis has as far as that is many; twice as many where it has many itself.
 _FINER, _MANY, _AT_LEAST = 5, 60, 2
 
@@ -31,14 +31,21 @@ def drawn_lab(scenario: Scenario, generator: np.random.Generator, cells: int | N
     """
     t, g = scenario.tolerances, generator
     split = written_out(scenario)
+    whole = {"bending_stiffness_n_m2": t.stiffness_scale, "torsional_stiffness_n_m2": t.stiffness_scale}
+    whole["pitch_inertia_kg_m"] = t.inertia
+    # Both sides alike, and each beam by itself.
     common = {
-        "bending_stiffness_n_m2": _factor(g, t.stiffness_scale),
-        "torsional_stiffness_n_m2": _factor(g, t.stiffness_scale),
+        beam: {column: _factor(g, sd) for column, sd in whole.items()}
+        for beam in dict.fromkeys(plain_name(b.name) for b in split.airframe.beam)
     }
-    common["pitch_inertia_kg_m"] = _factor(g, t.inertia)
-    scatter = {"bending_stiffness_n_m2": t.stiffness_segment, "torsional_stiffness_n_m2": t.stiffness_segment}
-    scatter["mass_kg_per_m"] = t.mass_segment
-    beams = tuple(_with_cells(_scattered(b, common, scatter, g), cells) for b in split.airframe.beam)
+    along = {"bending_stiffness_n_m2": t.stiffness_segment, "torsional_stiffness_n_m2": t.stiffness_segment}
+    along["mass_kg_per_m"] = t.mass_segment
+    count = with_stretches(scenario, math.ceil(scenario.excitation.band_hz[1])).tolerances.stations
+    # Where nothing varies along a beam, nothing does.
+    stations, along = count + 1, along if count else {}
+    beams = tuple(
+        _with_cells(_scattered(b, common[plain_name(b.name)], along, stations, g), cells) for b in split.airframe.beam
+    )
     items = _items(split.airframe.item, t, g)
     body = _body(split.airframe.body, t, g)
     damping = _damping(split.airframe.damping, t, g)
@@ -76,10 +83,12 @@ def _with_cells(beam: Beam, cells: int | None) -> Beam:
     return beam.model_copy(update={"cells": fine if cells is None else cells})
 
 
-def _scattered(beam: Beam, common: dict[str, float], scatter: dict[str, float], g: np.random.Generator) -> Beam:
-    """A side with its stiffness and mass scattered along it around a common factor."""
+def _scattered(
+    beam: Beam, common: dict[str, float], scatter: dict[str, float], stations: int, g: np.random.Generator
+) -> Beam:
+    """A side with its stiffness and mass scattered along it, at so many stations, around a common factor."""
     axis = beam_axis(beam)
-    knots = np.linspace(0, axis.arc_length_m[-1], STRETCHES)
+    knots = np.linspace(0, axis.arc_length_m[-1], stations)
     arcs = np.union1d(axis.arc_length_m, knots)
     arcs = arcs[np.concatenate([[True], np.diff(arcs) > 1e-6])]
     columns: dict[str, object] = {}
@@ -91,7 +100,7 @@ def _scattered(beam: Beam, common: dict[str, float], scatter: dict[str, float], 
         elif values is not None:
             here = np.interp(arcs, axis.arc_length_m, values) * common.get(name, 1.0)
             if name in scatter:
-                here *= np.interp(arcs, knots, np.exp(scatter[name] * g.standard_normal(STRETCHES)))
+                here *= np.interp(arcs, knots, np.exp(scatter[name] * g.standard_normal(stations)))
             columns[name] = tuple(float(v) for v in here)
     return beam.model_copy(update={"stations": beam.stations.model_copy(update=columns)})
 

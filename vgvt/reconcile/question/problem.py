@@ -146,9 +146,9 @@ def make_problem(
 def problem_of(measured: Measured, scenario: Scenario, *, cache: Path | str | None = None) -> Problem:
     """The problem for data that are there already."""
     stated = aligned(scenario, measured)
-    lined_up = _fine_enough(stated, _limit_hz(measured))
-    known, start, slopes, finer, span = _assembled_once(
-        lined_up, stated, _limit_hz(measured), None if cache is None else Path(cache)
+    lined_up = _fine_enough(stated, limit_hz(measured))
+    known, start, slopes, finer, span = assembled_once(
+        lined_up, stated, limit_hz(measured), None if cache is None else Path(cache)
     )
     return Problem(
         lined_up,
@@ -194,11 +194,11 @@ def with_more_cells(problem: Problem) -> Problem | None:
     finer = twice_as_fine(problem.scenario)
     if finer is None:
         return None
-    start, lacking, span = _hung(finer, problem.stated, _limit_hz(problem.measured))
+    start, lacking, span = _hung(finer, problem.stated, limit_hz(problem.measured))
     return replace(problem, scenario=finer, start=start, refinement=lacking, coarseness=span)
 
 
-def _limit_hz(measured: Measured) -> float:
+def limit_hz(measured: Measured) -> float:
     """Up to where modes are made up for; rounded up: many campaigns of one scenario then share what is assembled."""
     return float(np.ceil(3 * measured.frequency_hz[-1]))
 
@@ -236,10 +236,13 @@ def recentred(problem: Problem, u: Array) -> Problem:
 
 
 @lru_cache(maxsize=4)
-def _assembled_once(
+def assembled_once(
     lined_up: Scenario, as_stated: Scenario, limit_hz: float, cache: Path | None
 ) -> tuple[tuple[Unknown, ...], Nominal, dict[str, Array], Refinement, Refinement]:
-    """What does not depend on the campaign's records: unknowns, nominal aircraft, derivatives and refinement."""
+    """What does not depend on the campaign's records: unknowns, nominal aircraft, derivatives and refinement.
+
+    The last are what its cells lack of a continuum, and the way from the cells ``as_stated`` to that.
+    """
     start, finer, span = _hung(lined_up, as_stated, limit_hz)
     known = unknowns(lined_up)
     slopes = _slopes(start.scenario, known, start.layouts, start.structure, cache)

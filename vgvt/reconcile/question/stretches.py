@@ -35,14 +35,18 @@ def half_waves(beam: Beam, frequency_hz: float) -> float:
     """Half-waves on one side of a beam at a frequency, of bending or of torsion, whichever are more.
 
     Phase of a wave that travels along it (WKB): the integral of (m omega^2 / EI)^(1/4) or omega (I / GJ)^(1/2) over pi.
-    A cantilever's nth bending mode has n - 1/2 of them.
+    A cantilever's nth bending mode has n - 1/2 of them. Air moves with a section, and offsets turn about the axis.
     """
     axis, stations, omega = beam_axis(beam), beam.stations, 2 * np.pi * frequency_hz
     arc = np.linspace(0.0, axis.arc_length_m[-1], _POINTS)
 
     def along(name: str) -> np.ndarray:
-        return np.asarray(np.interp(arc, axis.arc_length_m, np.asarray(getattr(stations, name), float)))
+        column = getattr(stations, name)
+        return np.zeros(_POINTS) if column is None else np.asarray(np.interp(arc, axis.arc_length_m, column))
 
-    bending = (along("mass_kg_per_m") * omega**2 / along("bending_stiffness_n_m2")) ** 0.25
-    torsion = omega * np.sqrt(along("pitch_inertia_kg_m") / along("torsional_stiffness_n_m2"))
+    mass, air = along("mass_kg_per_m"), along("air_kg_per_m")
+    turned = along("pitch_inertia_kg_m") + mass * along("cg_offset_m") ** 2
+    turned += along("air_pitch_inertia_kg_m") + air * along("air_offset_m") ** 2
+    bending = ((mass + air) * omega**2 / along("bending_stiffness_n_m2")) ** 0.25
+    torsion = omega * np.sqrt(turned / along("torsional_stiffness_n_m2"))
     return max(float(np.trapezoid(number, arc)) for number in (bending, torsion)) / math.pi
