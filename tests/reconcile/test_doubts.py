@@ -23,8 +23,9 @@ NAMES = tuple(f"unknown {k}" for k in range(30))
 
 @pytest.fixture(autouse=True)
 def every_parameter_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fits here are made up, and have no tangent that could say otherwise."""
+    """Fits here are made up, and have no tangent that could say otherwise, and no beams."""
     monkeypatch.setattr(reasons, "untold_parameters", lambda fit, index: ())
+    monkeypatch.setattr(reasons, "_of_few_stretches", lambda problem: [])
 
 
 def fitted(*far: float, converged: bool = True) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from vgvt.reconcile import Fit, augment, calibrate, make_problem, residual, thresholds_for
+from vgvt.reconcile.decision import reasons
 from vgvt.reconcile.outcome.cells import at_whole_cells
 from vgvt.reconcile.question.stretches import half_waves, with_stretches
 from vgvt.reconcile.question.uncertain import edited
@@ -106,6 +107,18 @@ def test_what_a_file_says_counts_and_there_are_bounds(teaching: Scenario) -> Non
         assert with_stretches(said, 1e4) is said
     assert with_stretches(teaching, 0.1).tolerances.segments == 4
     assert with_stretches(teaching, 1e4).tolerances.segments == 12
+
+
+@pytest.mark.parametrize(("stated", "told"), [(None, False), (6, False), (12, False), (4, True), (0, True)])
+def test_fewer_than_the_band_asks_for_are_told_beside_what_is_left(
+    teaching: Scenario, stated: int | None, told: bool
+) -> None:
+    tolerances = teaching.tolerances.model_copy(update={"segments": stated})
+    scenario = with_stretches(teaching.model_copy(update={"tolerances": tolerances}), 40.0)
+    measured = SimpleNamespace(frequency_hz=np.array([2.0, 39.6]))
+    said = reasons._of_few_stretches(SimpleNamespace(scenario=scenario, measured=measured))  # type: ignore[arg-type]
+    assert bool(said) == told
+    assert all(f"segments = {stated}," in words and "asks for 6" in words for words in said)
 
 
 def test_four_stretches_leave_what_those_that_the_band_asks_for_do_not(

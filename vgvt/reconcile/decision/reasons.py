@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from vgvt.data.shown import listed
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
@@ -17,6 +19,8 @@ from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.evidence.untold import untold_parameters
 from vgvt.reconcile.question.harmonics import words_of
 from vgvt.reconcile.question.level_grid import several_levels
+from vgvt.reconcile.question.problem import Problem
+from vgvt.reconcile.question.stretches import stations_for
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.reconcile.search.shortlist import BIASED
 from vgvt.view.reconcile_wording import in_the_ratio, ratio_words
@@ -54,6 +58,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
         said.append(
             "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
         )
+    if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN):
+        said += _of_few_stretches(problem)
     bent = words_of(problem.measured.harmonics)
     if bent is not None:
         said.append(bent)
@@ -146,6 +152,18 @@ def _of_a_name(addition: Addition, limits: Thresholds, swallowed: bool = False) 
     if untold:
         said.append(f"No record told {listed(untold)} of {winner.name}: nothing that is foretold depends on it")
     return said + _of_the_ratio((winner, *addition.equivalent))
+
+
+def _of_few_stretches(problem: Problem) -> list[str]:
+    """That a scenario may let less vary along its beams than its band can feel."""
+    stated = problem.scenario.tolerances.stations
+    asked = stations_for(problem.scenario, math.ceil(problem.measured.frequency_hz[-1]))
+    if stated >= asked:
+        return []
+    return [
+        f"[tolerances] of the scenario has segments = {stated}, where the shortest wave of the band asks for {asked}: "
+        "stiffness may scatter more finely along a beam than any calibration could follow"
+    ]
 
 
 def _held_out(addition: Addition, swallowed: bool) -> str:

@@ -16,19 +16,23 @@ _POINTS = 200
 
 
 def with_stretches(scenario: Scenario, highest_hz: float) -> Scenario:
-    """The scenario with the ``segments`` of its tolerances stated; where they are, as it is.
+    """The scenario with the ``segments`` of its tolerances stated; where they are, as it is."""
+    if scenario.tolerances.segments is not None:
+        return scenario
+    tolerances = scenario.tolerances.model_copy(update={"segments": stations_for(scenario, highest_hz)})
+    return scenario.model_copy(update={"tolerances": tolerances})
+
+
+def stations_for(scenario: Scenario, highest_hz: float) -> int:
+    """How many stations a band up to some frequency asks for, whatever the scenario states.
 
     A mode's strain and kinetic energy come and go along a beam once in half a wave, so that two stretches in each
     half-wave tell what it can feel of a scatter, and fewer leave of it what looks like an effect: on a uniform beam
     with six modes in the band and no noise, four stations a side leave up to ten times of what six do.
     """
-    if scenario.tolerances.segments is not None:
-        return scenario
     beams = [beam for beam in scenario.airframe.beam if beam.name in long_beams(scenario)]
     shortest = max((half_waves(beam, highest_hz) for beam in beams), default=0.0)
-    count = min(max(LEAST_SEGMENTS, 1 + math.ceil(2 * shortest)), MOST_SEGMENTS)
-    tolerances = scenario.tolerances.model_copy(update={"segments": count})
-    return scenario.model_copy(update={"tolerances": tolerances})
+    return min(max(LEAST_SEGMENTS, 1 + math.ceil(2 * shortest)), MOST_SEGMENTS)
 
 
 def half_waves(beam: Beam, frequency_hz: float) -> float:
