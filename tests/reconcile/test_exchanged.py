@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -204,6 +205,30 @@ def test_only_what_came_near_is_asked(monkeypatch: pytest.MonkeyPatch, asked: li
     judged_by(monkeypatch, of(absorber_mount=160.0, mount_strain=0.0, mount_a=0.0))
     assert exchanged(case, LIMITS) == ()
     assert asked == [("mount", "strain"), ("mount", "a")]
+
+
+def test_what_was_found_in_its_place_is_asked_before_the_rivals_of_its_round(
+    monkeypatch: pytest.MonkeyPatch, asked: list[tuple[str, ...]]
+) -> None:
+    """No round had tried it; and a name that is alone may give way to it, too."""
+    case = absorber_and_mount(rival("a", nats=50.0), rival("b", nats=40.0))
+    found = replace(
+        case.rounds[0], in_its_place=(rival("mount", "absorber", nats=100.0), rival("mount", "strain", nats=99.0))
+    )
+    case.rounds = (found, case.rounds[1])
+    judged_by(
+        monkeypatch, of(absorber_mount=160.0, mount_strain=200.0, mount=90.0, strain=80.0, mount_a=0.0, mount_b=0.0)
+    )
+    assert [a.winner.name for a in exchanged(case, LIMITS)] == ["mount", "strain"]
+    assert asked[:3] == [("mount", "strain"), ("mount", "a"), ("mount", "b")]
+    asked.clear()
+    alone = search((rival("absorber", nats=100.0), [rival("a", nats=90.0)]))
+    alone.rounds = (
+        replace(alone.rounds[0], in_its_place=(rival("absorber", nats=100.0), rival("strain", nats=130.0))),
+    )
+    judged_by(monkeypatch, of(absorber=100.0, strain=130.0))
+    assert [a.winner.name for a in exchanged(alone, LIMITS)] == ["strain"]
+    assert ("a",) not in asked
 
 
 def test_what_did_not_convince_or_could_not_be_is_not_asked(

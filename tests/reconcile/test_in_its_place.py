@@ -127,6 +127,18 @@ def test_what_is_known_to_do_as_well_is_asked_whatever_it_promises(
     assert reconsidered(rounds, mounted, offered, SETTLED.set_nats)[0].in_its_place == ()
 
 
+@pytest.mark.parametrize("met", [True, False])
+def test_beside_names_that_leave_something_whatever_promises_most_is_fitted(
+    mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch, met: bool
+) -> None:
+    """Strain of a gauge's base promised 16 % of what an absorber had bought, and was 400 nats ahead once fitted."""
+    least = list[float]()
+    monkeypatch.setattr(asked_again, "_promising", lambda start, asked, at_least, tell: least.append(at_least) or [])
+    reconsidered(rounds_of(mounted), mounted, offered, SETTLED.set_nats, met=met)
+    assert len(least) == 2
+    assert all((value > 0) is met for value in least)
+
+
 def test_what_does_better_is_said_to(mounted: Fit, offered: Sequence[Hypothesis]) -> None:
     """A mount that does not quite do what the data show."""
     stiffer = {**SOFT, "compliance_m_per_n": 0.9 * mounted.values(0)["compliance_m_per_n"][0]}

@@ -169,10 +169,11 @@ def _selected(
     while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
         rounds, current, refused = without_last(rounds, start)
         vetoed += refused
-    rounds = reconsidered(rounds, current, hypotheses, thresholds.set_nats, part(tell, _CHOSEN, 1.0), team)
-    return Attribution(
-        start, residual(start, thresholds), tuple(rounds), current, residual(current, thresholds), rivals, tuple(vetoed)
+    after = residual(current, thresholds)
+    rounds = reconsidered(
+        rounds, current, hypotheses, thresholds.set_nats, part(tell, _CHOSEN, 1.0), team, met=after.adequate
     )
+    return Attribution(start, residual(start, thresholds), tuple(rounds), current, after, rivals, tuple(vetoed))
 
 
 def _worked_off(number: int, most: int) -> float:

@@ -43,17 +43,19 @@ def exchanged(
 ) -> tuple[Addition, ...]:
     """Rounds of the names ``found`` with one exchanged for another that does better beside the rest; none without any.
 
-    Asked where several names leave something, and none of them depends on level: that waits for a second level.
+    Asked where names leave something, and none of them depends on level: that waits for a second level.
     ``thresholds`` are those of the campaign. The rounds are those of a search that had begun with what does best alone;
     every one of them convinces. Held-out data may not prefer the names that were ``found``. What does as well as the
     new name beside all the others stands in its place (:class:`~vgvt.reconcile.decision.addition.Addition`).
     """
     final, named = found.final, [a.winner.name for a in found.rounds]
-    if len(named) < 2 or found.final_residual.adequate or named != [h.name for h in final.hypotheses]:
+    if found.final_residual.adequate or named != [h.name for h in final.hypotheses]:
         return ()
     if not all(h.linear for h in final.hypotheses):
         return ()
     asked = [(k, r) for k, addition in enumerate(found.rounds) for r in _others(addition, named, thresholds)]
+    if not asked:
+        return ()
     with Team(workers, (final.problem,)) as team:
         tasks: list[Task] = [(_in_place_of, (final, k, r.hypothesis, _own_scores(r.fit))) for k, r in asked]
         fitted = team.work_off(tasks, part(tell, 0.0, 0.7))
@@ -82,13 +84,19 @@ def ahead_of(null: Fit, final: Fit, fits: Sequence[Fit], set_nats: float) -> Fit
 
 
 def _others(addition: Addition, named: Sequence[str], thresholds: Thresholds) -> list[Rival]:
-    """The best of each other effect that convinced in a round, best first: two at most, linear and plausible ones."""
-    best: dict[str, Rival] = {}
-    for r in sorted(addition.rivals, key=lambda r: -r.gain_nats):
+    """The best of each other effect that convinced in a round, best first: two at most, linear and plausible ones.
+
+    Before them what was found to do as well, or better, beside all the others: no round may have tried it. A name that
+    is alone has none beside it, and the rivals of its round have been fitted as they would be in its place.
+    """
+    best = {r.name: r for r in addition.in_its_place[1:] if r.name not in named}
+    there = len(best)
+    rivals = addition.rivals if len(named) > 1 else ()
+    for r in sorted(rivals, key=lambda r: -r.gain_nats):
         enough = r.convinces(thresholds) and r.gain_nats >= _NEAR * addition.winner.gain_nats
         if enough and r.name not in named and r.hypothesis.linear and not implausible(r.fit):
             best.setdefault(r.name, r)
-    return list(best.values())[:_OTHERS]
+    return list(best.values())[: there + _OTHERS]
 
 
 def _own_scores(found: Fit) -> Array:

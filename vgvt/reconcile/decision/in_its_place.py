@@ -31,7 +31,9 @@ from vgvt.reconcile.work.progress import Progress, part, silent
 from vgvt.reconcile.work.team import ALONE, Task, Team
 
 # Of what a named effect buys where unknowns follow linearly, what another one must seem to buy to be fitted there. The
-# closed form sees a resonance between the steps of its scan, and a place between its stations, only roughly.
+# closed form sees a resonance between the steps of its scan, and a place between its stations, only roughly. Beside
+# names that leave something it sees less: the unknowns are bent towards what is not there, and whatever promises most
+# is fitted.
 _PROMISED = 0.5
 _FITTED = 4
 # What the order of effects may cost where they are the same model.
@@ -45,10 +47,13 @@ def reconsidered(
     set_nats: float,
     tell: Progress = silent,
     team: Team = ALONE,
+    *,
+    met: bool = True,
 ) -> list[Addition]:
     """The rounds of a fit, each with what does as well as its winner, within ``set_nats``, or better in its place.
 
-    What had been found to do so before is asked again: later rounds may have told the two.
+    ``met`` says that nothing but noise is left. What had been found to do so before is asked again: later rounds may
+    have told the two.
     Nothing is asked of a model that still misses much: what would do better there is what imitates the rest.
     """
     if current.chi2_per_dof >= BIASED:
@@ -58,7 +63,7 @@ def reconsidered(
     for k, addition in enumerate(rounds):
         here = part(tell, k / len(rounds), (k + 1) / len(rounds))
         known = [r for r in addition.in_its_place[1:] if r.name not in named]
-        own, rivals = in_its_place(current, k, others, set_nats, here, team, known)
+        own, rivals = in_its_place(current, k, others, set_nats, here, team, known, _PROMISED if met else 0.0)
         addition = replace(addition, in_its_place=())
         if own is not None and rivals:
             winner = addition.winner
@@ -84,12 +89,14 @@ def in_its_place(
     tell: Progress = silent,
     team: Team = ALONE,
     known: Sequence[Rival] = (),
+    share: float = _PROMISED,
 ) -> tuple[Rival | None, list[Rival]]:
     """The effect of that index of a model as a rival, and what of ``others`` does as well or better, best first.
 
-    ``known`` are effects, each last in a fit, that are asked whatever the closed form makes of them, one variant each.
-    All are judged against the model that is left without it, and have it, or what is in its place, last. None, and
-    nothing, where that order makes another model, or there is nothing to ask.
+    Asked is what promises more than a ``share`` of what that effect buys; ``known`` are effects, each last in a fit,
+    that are asked whatever the closed form makes of them, one variant each. All are judged against the model that is
+    left without it, and have it, or what is in its place, last. None, and nothing, where that order makes another
+    model, or there is nothing to ask.
     """
     problem = current.problem
     kept, e, own = without(current, index)
@@ -110,7 +117,7 @@ def in_its_place(
         return None, []
     tries: list[Task] = [
         (fitted_from, (stand, s, NEAR))
-        for s in (*_promising(start, asked, bought, part(tell, 0.0, 0.7)), *map(_arrived, known))
+        for s in (*_promising(start, asked, share * bought, part(tell, 0.0, 0.7)), *map(_arrived, known))
     ]
     fits = team.work_off(tries, part(tell, 0.7, 1.0))
     last = replace(last, converged=current.converged)
@@ -130,8 +137,8 @@ def _arrived(rival: Rival) -> Screened:
     return Screened(rival.hypothesis, values, rival.gain_nats, arrived=True)
 
 
-def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: Progress) -> list[Screened]:
-    """The best variant of each of the few effects that could buy most of what was ``bought``, by the closed form.
+def _promising(start: Stand, asked: Sequence[Hypothesis], least: float, tell: Progress) -> list[Screened]:
+    """The best variant of each of the few effects that could buy most, and more than the ``least``, by the closed form.
 
     At a part of its size, where a screen looks first, nothing could: it is all of it, or nothing, that is missing.
     """
@@ -141,6 +148,6 @@ def _promising(start: Stand, asked: Sequence[Hypothesis], bought: float, tell: P
         sized += at_sizes(start, hypothesis)
     best: dict[str, Screened] = {}
     for s in sorted(sized, key=lambda s: -s.gain_nats):
-        if s.visible and s.gain_nats > _PROMISED * bought:
+        if s.visible and s.gain_nats > least:
             best.setdefault(s.hypothesis.name, s)
     return [replace(s, start=start.fit.scores) for s in list(best.values())[:_FITTED]]
