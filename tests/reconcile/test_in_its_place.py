@@ -82,6 +82,10 @@ def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offer
     assert found[1].alike == rounds[1].alike
     own, late = found[0].in_its_place
     assert own.name == MOUNT.name
+    # Both are judged by slopes that were taken where they are: evidence hangs on them.
+    for r in (own, late):
+        assert r.fit.origin is not None
+        assert np.array_equal(r.fit.origin.u, r.fit.u) and np.array_equal(r.fit.origin.e, r.fit.e)
     assert own.gain_nats == pytest.approx(found[0].winner.gain_nats)
     assert own.lasting_nats == pytest.approx(found[0].winner.lasting_nats)
     assert abs(late.gain_nats - own.gain_nats) < SETTLED.set_nats

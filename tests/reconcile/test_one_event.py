@@ -72,11 +72,19 @@ def test_beginnings_that_no_fitted_run_lies_between_are_one(seen: tuple[int, ...
 
 def test_a_fit_knows_which_runs_it_was_made_to() -> None:
     remount = thing("drive-remount", from_run=4)
-    channels = [SimpleNamespace(run=run) for run in (0, 1, 2, 2, 3)]
+    channels = [SimpleNamespace(run=run, run_number=run + 1) for run in (0, 1, 2, 2, 3)]
     for train, told in (([True, True, False, False, True], True), ([True, True, False, True, True], False)):
         problem = SimpleNamespace(measured=SimpleNamespace(channels=channels), split=SimpleNamespace(train=train))
         fit: Any = SimpleNamespace(hypotheses=(PAYLOAD, remount), problem=problem)
         assert bool(together_in(fit)[0]) is told
+
+
+def test_the_run_is_told_as_the_log_of_the_test_has_it() -> None:
+    """Runs 3 and 4 were left out of the campaign: what begins with the third that is there begins with run 5."""
+    channels = [SimpleNamespace(run=k, run_number=number) for k, number in enumerate((1, 2, 5, 6))]
+    problem = SimpleNamespace(measured=SimpleNamespace(channels=channels), split=SimpleNamespace(train=[True] * 4))
+    fit: Any = SimpleNamespace(hypotheses=(PAYLOAD, thing("drive-remount", from_run=3)), problem=problem)
+    assert together_in(fit) == (("payload-change", "drive-remount"), 5)
 
 
 def kind_with(monkeypatch: pytest.MonkeyPatch, *hypotheses: Hypothesis) -> tuple[Kind, tuple[str, ...]]:
@@ -85,7 +93,7 @@ def kind_with(monkeypatch: pytest.MonkeyPatch, *hypotheses: Hypothesis) -> tuple
     winner: Any = SimpleNamespace(name="one", hypothesis=SimpleNamespace(linear=True))
     addition: Any = SimpleNamespace(winner=winner, alike=(winner,), equivalent=(winner,))
     final = fitted(700.0, hypotheses=hypotheses)
-    final.problem.measured = SimpleNamespace(channels=[SimpleNamespace(run=run) for run in range(5)])
+    final.problem.measured = SimpleNamespace(channels=[SimpleNamespace(run=k, run_number=k + 1) for k in range(5)])
     final.problem.split = SimpleNamespace(train=[True] * 5)
     case = replace(case, rounds=(addition,) * 2, final=final)
     monkeypatch.setattr(kinds, "rests_on_one_level", lambda case: ())

@@ -28,8 +28,9 @@ def told(
     offered: set[str] = KNOWN,
     tried: set[str] = KNOWN,
     vetoed: tuple[Any, ...] = (),
+    exchanged: bool = False,
 ) -> Any:
-    addition = Addition(DRIFT, (DRIFT, *equivalent), (DRIFT, *rivals), None)
+    addition = Addition(DRIFT, (DRIFT, *equivalent), (DRIFT, *rivals), None, exchanged=exchanged)
     return words_of_relatives(SimpleNamespace(rounds=(addition,), vetoed=vetoed), offered, tried)  # type: ignore[arg-type]
 
 
@@ -82,4 +83,12 @@ def test_what_was_refused_is_told_as_such_and_what_an_exchange_had_compared_is_n
     creep, warming = rival("creep", 20.0), rival("warming", 90.0)
     (said,) = told(creep, vetoed=(warming,))
     assert said == "Of what drift could be taken for, roving was not fitted in its round"
-    assert told() == ()
+    assert told(exchanged=True) == told(creep, exchanged=True) == ()
+    # A round in which nothing but the name was fitted compared it with no relative.
+    assert told() == ("Of what drift could be taken for, warming, roving were not fitted in its round",)
+
+
+def test_what_gave_way_to_a_name_was_not_refused() -> None:
+    """It had gained most while it was alone: that is when names are exchanged."""
+    (said,) = told(rival("warming", 61.0), exchanged=True)
+    assert said == "Of what drift could be taken for, warming, 11 nats ahead, gave way beside the others"

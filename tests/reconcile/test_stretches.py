@@ -118,7 +118,10 @@ def test_fewer_than_the_band_asks_for_are_told_beside_what_is_left(
     measured = SimpleNamespace(frequency_hz=np.array([2.0, 39.6]))
     said = reasons._of_few_stretches(SimpleNamespace(scenario=scenario, measured=measured))  # type: ignore[arg-type]
     assert bool(said) == told
-    assert all(f"segments = {stated}," in words and "asks for 6" in words for words in said)
+    assert all(f"segments = {stated}," in words and "would have 6" in words for words in said)
+    known = scenario.tolerances.model_copy(update={"stiffness_segment": 0.0, "mass_segment": 0.0})
+    even = SimpleNamespace(scenario=scenario.model_copy(update={"tolerances": known}), measured=measured)
+    assert reasons._of_few_stretches(even) == []  # type: ignore[arg-type]
 
 
 def test_four_stretches_leave_what_those_that_the_band_asks_for_do_not(

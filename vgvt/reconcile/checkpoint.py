@@ -28,7 +28,7 @@ from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
 
 # What is kept under another one has not all that is asked for.
-_FORMAT = 6
+_FORMAT = 7
 
 
 class Begun(NamedTuple):
@@ -117,6 +117,7 @@ def _round(addition: Addition) -> dict[str, Any]:
         "winner": addition.rivals.index(addition.winner),
         "equivalent": [addition.rivals.index(r) for r in addition.equivalent],
         "held_out_before": addition.held_out_before,
+        "exchanged": addition.exchanged,
         "in_its_place": [_rival(r) for r in addition.in_its_place],
     }
 
@@ -137,7 +138,8 @@ def _addition(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any
         tuple(_as_rival(problem, known, r) for r in row[kept]) for kept in ("rivals", "in_its_place")
     )
     equivalent = tuple(rivals[k] for k in row["equivalent"])
-    return Addition(rivals[row["winner"]], equivalent, rivals, row["held_out_before"], in_its_place)
+    winner = rivals[row["winner"]]
+    return Addition(winner, equivalent, rivals, row["held_out_before"], in_its_place, row["exchanged"])
 
 
 def _as_rival(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any]) -> Rival:

@@ -14,7 +14,8 @@ class Addition:
 
     Of a lead, within reach is what comes nearly as near (:mod:`vgvt.reconcile.decision.near_leads`), too.
     ``in_its_place`` is what was found to do as well beside all that later rounds added: the winner itself first, then
-    these, each the last effect of a fit with the others; empty where nothing was.
+    these, each the last effect of a fit with the others; empty where nothing was. ``exchanged`` rounds are those of
+    names of which one took another's place (:mod:`vgvt.reconcile.decision.exchanged`): compared before, and elsewhere.
     """
 
     winner: Rival
@@ -22,6 +23,7 @@ class Addition:
     rivals: tuple[Rival, ...]
     held_out_before: float | None
     in_its_place: tuple[Rival, ...] = ()
+    exchanged: bool = False
 
     def __repr__(self) -> str:
         return headed(f"Addition of {self.in_words}")

@@ -146,7 +146,7 @@ def _rounds(
         others = [r for r in found.rounds[0].rivals if n == 1 and len(r.fit.hypotheses) == 1 and r.name != winner.name]
         rivals = tuple(sorted((winner, *others), key=lambda r: -r.gain_nats))
         in_its_place = alike if len(alike) > 1 and order[n - 1] == count - 1 else ()
-        addition = Addition(winner, (winner,), rivals, before.held_out_chi2_per_dof, in_its_place)
+        addition = Addition(winner, (winner,), rivals, before.held_out_chi2_per_dof, in_its_place, exchanged=True)
         rounds.append(controlled(addition, partial(_judged, before), thresholds.set_nats, here, team))
         before = winner.fit
     return tuple(rounds)

@@ -20,6 +20,7 @@ from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.rivals import Rival, against
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.prediction.local_slopes import Origin
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.candidate_fits import fitted_from
 from vgvt.reconcile.search.courses import best_course
@@ -120,8 +121,9 @@ def in_its_place(
         for s in (*_promising(start, asked, share * bought, part(tell, 0.0, 0.7)), *map(_arrived, known))
     ]
     fits = team.work_off(tries, part(tell, 0.7, 1.0))
-    last = replace(last, converged=current.converged)
-    judged = against(stand, [last, *(best_course(f, others) for f in fits if f is not None)])
+    there = [_at_its_end(best_course(f, others)) for f in fits if f is not None]
+    last = replace(_at_its_end(last), converged=current.converged)
+    judged = against(stand, [last, *there])
     mine = next(r for r in judged if r.fit is last)
     rivals = dict[str, Rival]()
     for r in judged:
@@ -129,6 +131,13 @@ def in_its_place(
         if near and as_good(r.fit, last, set_nats) and not implausible(r.fit):
             rivals.setdefault(r.name, r)
     return mine, list(rivals.values())
+
+
+def _at_its_end(found: Fit) -> Fit:
+    """The same fit judged by slopes that are taken where it ended: by those of its way down, up to 4 nats otherwise."""
+    origin = Origin(found.u.copy(), found.e.copy())
+    there = fit(found.problem, found.hypotheses, found.u, found.e, (), origin=origin, follow=found.followed)
+    return replace(there, converged=found.converged)
 
 
 def _arrived(rival: Rival) -> Screened:

@@ -37,12 +37,15 @@ def begin_together(hypotheses: Sequence[Hypothesis], seen: Collection[int]) -> t
 
 
 def together_in(found: Fit) -> tuple[tuple[str, ...], int]:
-    """:func:`begin_together` of a fit's hypotheses, by the runs that it was made to."""
+    """:func:`begin_together` of a fit's hypotheses, by the runs that it was made to; the run as the campaign has it."""
     if len(found.hypotheses) < 2:
         return (), 0
     problem = found.problem
     fitted = zip(problem.measured.channels, problem.split.train, strict=True)
-    return begin_together(found.hypotheses, {channel.run + 1 for channel, train in fitted if train})
+    names, run = begin_together(found.hypotheses, {channel.run + 1 for channel, train in fitted if train})
+    # Hypotheses count the runs that are there, the log of the test those that were made.
+    numbers = {channel.run + 1: channel.run_number for channel in problem.measured.channels}
+    return names, numbers.get(run, run)
 
 
 def beginning_of(hypothesis: Hypothesis) -> int | None:

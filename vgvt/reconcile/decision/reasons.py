@@ -156,13 +156,13 @@ def _of_a_name(addition: Addition, limits: Thresholds, swallowed: bool = False) 
 
 def _of_few_stretches(problem: Problem) -> list[str]:
     """That a scenario may let less vary along its beams than its band can feel."""
-    stated = problem.scenario.tolerances.stations
+    known = problem.scenario.tolerances
     asked = stations_for(problem.scenario, math.ceil(problem.measured.frequency_hz[-1]))
-    if stated >= asked:
+    if known.stations >= asked or not (known.stiffness_segment or known.mass_segment):
         return []
     return [
-        f"[tolerances] of the scenario has segments = {stated}, where the shortest wave of the band asks for {asked}: "
-        "stiffness may scatter more finely along a beam than any calibration could follow"
+        f"[tolerances] of the scenario has segments = {known.stations}, where this band would have {asked} with none "
+        "stated: stiffness and mass may scatter more finely along a beam than the calibration could follow"
     ]
 
 

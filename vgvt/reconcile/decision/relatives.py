@@ -35,19 +35,19 @@ def _of_a_name(addition: Addition, elsewhere: set[str], offered: Collection[str]
     best: dict[str, float] = {}
     for r in addition.rivals:
         best[r.name] = max(r.gain_nats, best.get(r.name, r.gain_nats))
-    parts = [_behind(name, winner.gain_nats - best[name]) for name in asked if name in best]
+    refused = "gave way beside the others" if addition.exchanged else "was refused"
+    parts = [_behind(name, winner.gain_nats - best[name], refused) for name in asked if name in best]
     # A name that took another one's place was compared before it was in its round.
-    alone = all(r.name == winner.name for r in addition.rivals)
-    never = [name for name in asked if name not in best and not alone]
+    never = [name for name in asked if name not in best and not addition.exchanged]
     parts += [
         f"{listed(names, _MOST)} {_was(names)} {what}" for names, what in ((never, _NEVER), (absent, _ABSENT)) if names
     ]
     return f"Of what {winner.name} could be taken for, {'; '.join(parts)}" if parts else ""
 
 
-def _behind(name: str, nats: float) -> str:
-    """How far a relative is behind a name; one that is ahead had been refused."""
-    return f"{name} is {nats:.0f} nats behind" if nats >= 0 else f"{name}, {-nats:.0f} nats ahead, was refused"
+def _behind(name: str, nats: float, refused: str) -> str:
+    """How far a relative is behind a name; one that is ahead had been ``refused``, in words."""
+    return f"{name} is {nats:.0f} nats behind" if nats >= 0 else f"{name}, {-nats:.0f} nats ahead, {refused}"
 
 
 def _was(names: Collection[str]) -> str:
