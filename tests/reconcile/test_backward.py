@@ -55,7 +55,7 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     asked = list[tuple[Any, ...]]()
 
-    def asked_again(*given: Any) -> Any:
+    def asked_again(*given: Any, met: bool) -> Any:
         asked.append(given[:3])
         return given[0]
 

@@ -250,7 +250,7 @@ def test_a_plausible_rival_goes_first_where_it_does_as_well(
     monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
     monkeypatch.setattr(rounds, "plain_likenesses", lambda *given: ())
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
-    monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked: found)
+    monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked, met: found)
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     null: Any = SimpleNamespace(problem=None, chi2_per_dof=30.0)
     found = rounds.attribute(null, (), limits, most=1)

@@ -99,7 +99,7 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     monkeypatch.setattr(rounds, "ended", lambda *given: (rival(ended),))
     monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
     monkeypatch.setattr(rounds, "likelier", lambda confirmed, equal: list(confirmed))
-    monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked: found)
+    monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked, met: found)
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     monkeypatch.setattr(
