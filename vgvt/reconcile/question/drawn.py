@@ -1,7 +1,7 @@
 """A lab that differs from its scenario as far as the tolerances allow, and no further: what a placebo is made of.
 
 Its parametrisation is not the analysis': piecewise-linear factors along each side of every beam, at one station more
-than the unknowns have, and so at other ones, and many more cells, as no aircraft has any.
+than the unknowns of the whole band have, and so at other ones, and many more cells, as no aircraft has any.
 """
 
 from __future__ import annotations
