@@ -35,7 +35,8 @@ from vgvt.files.atomically import replacing
 from vgvt.reconcile.evidence.localise import localise
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import Rival
-from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.loop import reconcile
 from vgvt.reconcile.outcome.augment import posterior_of
 from vgvt.reconcile.outcome.mode_errors import model_modes

@@ -40,7 +40,8 @@ from vgvt.data import Campaign, InputError
 from vgvt.effects import available_effects
 from vgvt.effects.registry import effects_of
 from vgvt.reconcile.evidence.rivals import Rival, against
-from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.next_test.checks import Check, checks, seen
 from vgvt.reconcile.next_test.power import power
 from vgvt.reconcile.next_test.procedures import Procedure, procedures

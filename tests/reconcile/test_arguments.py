@@ -12,7 +12,8 @@ from reconciled_case import campaign_of, problem, small_scenario
 from vgvt.data import Campaign, InputError
 from vgvt.effects import available_effects
 from vgvt.reconcile import Kind, reconcile
-from vgvt.reconcile.fitting.fit import NEAR, calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import NEAR
 from vgvt.reconcile.question.data import measured_frfs
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.suitable import FEWEST_LINES

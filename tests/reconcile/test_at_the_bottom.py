@@ -10,7 +10,8 @@ from added_noise import Noise
 from reconciled_case import roving_scenario, without_instrument_noise
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.question.data import measured_frfs
 from vgvt.reconcile.question.hypothesis import Hypothesis

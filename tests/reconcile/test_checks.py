@@ -12,7 +12,8 @@ from reconciled_case import campaign_of, check, claimed, roving_problem, roving_
 from vgvt.effects import available_effects
 from vgvt.effects.conformance import switched_on
 from vgvt.effects.registry import effects_of
-from vgvt.reconcile.fitting.fit import TO_THE_END, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import TO_THE_END, fit
 from vgvt.reconcile.next_test import suggest as suggesting
 from vgvt.reconcile.next_test.checks import _aircraft_kg, checks, foretold, log_density, reading_nats, seen
 from vgvt.reconcile.next_test.with_reading import reading_density

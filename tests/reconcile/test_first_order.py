@@ -10,7 +10,8 @@ import pytest
 from reconciled_case import campaign_of, problem, small_scenario
 
 from vgvt.effects import available_effects, parameters_of
-from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.prediction.first_order import FirstOrder
 from vgvt.reconcile.prediction.surrogate import anchor

@@ -11,7 +11,7 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.data import Campaign
 from vgvt.effects import available_effects
-from vgvt.reconcile.fitting.fit import calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.next_test.procedures import changed, procedures
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.holdout import split

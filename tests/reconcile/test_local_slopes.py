@@ -12,7 +12,8 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.reconcile.fitting import descent
 from vgvt.reconcile.fitting import fit as fitting
-from vgvt.reconcile.fitting.fit import STAGES, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import STAGES, fit
 from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.local_slopes import Origin, from_elsewhere, origin_at
 from vgvt.reconcile.prediction.surrogate import anchor

@@ -19,7 +19,8 @@ from vgvt.reconcile.decision.nameless_instead import set_against_nameless
 from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import against
-from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share, stored_thresholds

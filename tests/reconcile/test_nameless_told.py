@@ -22,7 +22,8 @@ from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.evidence.confirmation import share_taken
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import against
-from vgvt.reconcile.fitting.fit import FAR, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import FAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem

@@ -13,7 +13,8 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.effects.added_mass import AddedMass
 from vgvt.reconcile.evidence.lasting import Imitated, lasting, lasting_nats
-from vgvt.reconcile.fitting.fit import NEAR, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import NEAR, fit
 from vgvt.reconcile.next_test.nameable import nameable_ratio
 from vgvt.reconcile.next_test.power import power
 from vgvt.reconcile.question.hypothesis import Hypothesis

@@ -9,7 +9,8 @@ import pytest
 from reconciled_case import campaign_of, check, claimed, roving_problem, roving_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
 from vgvt.reconcile.next_test.checks import read_by, reading_nats, seen
 from vgvt.reconcile.next_test.with_reading import followed_nats
 from vgvt.reconcile.question.hypothesis import Hypothesis

@@ -14,7 +14,8 @@ from reconciled_case import campaign_of, drawn_scores, roving_scenario, small_sc
 from vgvt.effects import available_effects
 from vgvt.effects.beams import with_beams
 from vgvt.reconcile.evidence.residual import residual
-from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.mechanics.refinement import meshed
 from vgvt.reconcile.outcome.augment import augment, posterior_of
 from vgvt.reconcile.outcome.cells import at_whole_cells, with_cells

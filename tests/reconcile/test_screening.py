@@ -17,7 +17,8 @@ from vgvt.effects.added_inertia import AddedInertia
 from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.loose_sensor_mount import LooseSensorMount
 from vgvt.effects.suspension_surge import SuspensionSurge
-from vgvt.reconcile.fitting.fit import Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import Fit, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search import candidate_fits, shortlist
 from vgvt.reconcile.search.candidate_fits import FINALISTS, finalists

@@ -7,7 +7,8 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.prediction.surrogate import Anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.candidates import candidates

@@ -15,7 +15,8 @@ from vgvt.effects.local_absorber import LocalAbsorber
 from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.evidence import rivals
 from vgvt.reconcile.evidence.rivals import against
-from vgvt.reconcile.fitting.fit import NEAR, Fit, calibrate, cost_at, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import NEAR, Fit, cost_at, fit
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.thresholds import SMOOTHED, stored_thresholds
 from vgvt.reconcile.search import candidate_fits

@@ -28,7 +28,8 @@ from vgvt.reconcile.evidence.still_explained import (
     still_explained,
     surprise,
 )
-from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import FAR, NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis

@@ -13,7 +13,8 @@ from reconciled_case import campaign_of, small_scenario
 from vgvt.effects import available_effects
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.strain import strain_sd
-from vgvt.reconcile.fitting.fit import Fit, calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.question.problem import CELLS, make_problem
 from vgvt.reconcile.question.thresholds import NoiseShare, stored_thresholds
 

@@ -13,8 +13,9 @@ from reconciled_case import problem
 from vgvt.effects import available_effects
 from vgvt.effects.added_inertia import AddedInertia
 from vgvt.reconcile.fitting import fit as fits
+from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.descent import Step
-from vgvt.reconcile.fitting.fit import NEAR, calibrate, fit
+from vgvt.reconcile.fitting.fit import NEAR, fit
 from vgvt.reconcile.prediction.surrogate import Anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis, prior
 from vgvt.reconcile.question.uncertain import Unknown

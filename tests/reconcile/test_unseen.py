@@ -14,7 +14,8 @@ from vgvt.effects.beams import with_beams
 from vgvt.reconcile.evidence import unseen
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.unseen import with_unseen
-from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, calibrate, fit
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError, assembled
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, Problem, make_problem, with_more_cells

@@ -12,7 +12,8 @@ from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects, make_effect
 from vgvt.reconcile.decision import attribute as rounds
-from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.problem import CELLS, make_problem

@@ -21,7 +21,8 @@ from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
 from vgvt.reconcile.decision.undecided import next_best, undecided
 from vgvt.reconcile.decision.verdict import Verdict, leads_of, named_effects
 from vgvt.reconcile.evidence.localise import localise
-from vgvt.reconcile.fitting.fit import FAR, calibrate
+from vgvt.reconcile.fitting.calibration import calibrate
+from vgvt.reconcile.fitting.fit import FAR
 from vgvt.reconcile.next_test.suggest import Suggestion, suggest, words_of_none
 from vgvt.reconcile.outcome.augment import augment, write_reconciled
 from vgvt.reconcile.outcome.resimulate import resimulated

@@ -17,16 +17,14 @@ from vgvt.reconcile.fitting.descent import NOTHING, arrived, taken
 from vgvt.reconcile.fitting.followed_descent import followed_down
 from vgvt.reconcile.fitting.foretold import foretold, held_out_chi2
 from vgvt.reconcile.fitting.misfit import coarse_sigma, data_misfit, jacobian
-from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.carried import Structures
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.level_following import Following
-from vgvt.reconcile.prediction.local_slopes import SERVE, Origin, origin_at
+from vgvt.reconcile.prediction.local_slopes import Origin, origin_at
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
 from vgvt.reconcile.prediction.unheard import unheard
-from vgvt.reconcile.question.arguments import starting_scores
 from vgvt.reconcile.question.hypothesis import Hypothesis
-from vgvt.reconcile.question.problem import CELLS, Problem, at_rest, recentred
+from vgvt.reconcile.question.problem import CELLS, Problem, at_rest
 from vgvt.reconcile.work.one_thread import one_thread
 
 Array = NDArray[np.float64]
@@ -44,8 +42,6 @@ TO_THE_END = ((0.0, 60),)
 """For a fit that was stopped on its way down."""
 FOLLOWED = 60
 """Most steps beside a joint whose stiffness depends on level, with slopes that follow what it shows."""
-# Standard deviations from where slopes were taken that change nothing.
-_THERE = 0.3
 # Of the normal distribution's middle 95 %.
 _CONFIDENCE_Z = 1.959963984540054
 
@@ -151,31 +147,6 @@ class Fit:
 def _in_units(values: dict[str, tuple[float, float, str]]) -> str:
     """Fitted values; how well they are known is not a fit's alone to say (:mod:`vgvt.reconcile.evidence.posterior`)."""
     return ", ".join(f"{name} = {value:.4g} {unit}".rstrip() for name, (value, _, unit) in values.items())
-
-
-@one_thread
-def calibrate(
-    problem: Problem,
-    start: Array | None = None,
-    *,
-    stages: tuple[tuple[float, int], ...] = STAGES,
-    progress: Callable[[float, str], None] | None = None,
-) -> Fit:
-    """Fit what the scenario declares uncertain, and nothing else: the null model. ``start`` (scores,);
-    ValueError for one of another length.
-
-    Its problem has the slopes of where the fit ended, for all that is fitted next to it, unless that is so far from the
-    stated values that something is imitated: then these are what others start from.
-    """
-    at = rough_start(problem)[0] if start is None else starting_scores(start, problem.size)
-    found = fit(problem, (), at, np.zeros(0), stages, progress, exact=True)
-    # How coarse a chain the data come from has no bottom where these tell nothing of it, and a slope of its own.
-    known = slice(0, len(problem.unknowns) - 1)
-    moved = np.abs(found.u[known] - problem.at[known]).max(initial=0.0)
-    if moved < _THERE or np.abs(found.u[known]).max(initial=0.0) > SERVE:
-        return found
-    problem = recentred(problem, found.u)
-    return fit(problem, (), found.u, np.zeros(0), TO_THE_END, progress, exact=True)
 
 
 @one_thread
