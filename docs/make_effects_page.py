@@ -93,7 +93,7 @@ _ELSEWHERE = (
 _TAIL = """
 The structure is a chain of rigid links with large rotations, hung in gravity, and the truth as tested is linear about
 the shape in which it hangs. Gravity's follower forces and the droop are therefore in every scenario. Hati's wing droops
-by 0.9 % of its semi-span, which alone moves none of its modes below 50 Hz by more than 0.03 %; with an eighth of its
+by 0.9 % of its semi-span, which alone moves none of its modes below 50 Hz by more than 0.04 %; with an eighth of its
 stiffness it would droop by 7 % and lose 1.3 % of its first bending frequency. What the model leaves out is the stretch
 of the axis: its beams do not get longer, and a beam held at both ends would not stiffen as it bends.
 """

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from vgvt.effects.beams import with_airframe, written_out
 from vgvt.scenario import Scenario, load_scenario
+from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.mirror import expanded_beams
 from vgvt.simulation.assembly import plan
 from vgvt.simulation.pushed import pushed_beams
+from vgvt.simulation.truth import truth_of
 
 
 def pushed_at(*places_m: tuple[float, float]) -> Scenario:
@@ -40,6 +45,35 @@ def test_a_side_with_a_shaker_of_its_own_is_cut_for_that() -> None:
     two = pushed_at((0.08, 0.537), (0.08, -0.549))
     assert any(arc == pytest.approx(0.537, abs=1e-12) for arc in edges(two, "beam-right"))
     assert any(arc == pytest.approx(0.549, abs=1e-12) for arc in edges(two, "beam-left"))
+
+
+def test_sides_written_out_are_cut_alike_too() -> None:
+    """An effect on one side has a mirrored table written out: that is the same aircraft."""
+    one = pushed_at((0.08, 0.537))
+    written = written_out(one)
+    assert [beam.mirror for beam in written.airframe.beam] == [False, False]
+    assert pushed_beams(written) == pushed_beams(one)
+    for side in ("beam-right", "beam-left"):
+        assert edges(written, side) == edges(one, side)
+
+
+def test_sides_that_are_not_mirrored_are_cut_each_for_itself() -> None:
+    """A left beam that is longer has no place for the right one's shaker."""
+    one = pushed_at((0.08, 0.537))
+    right, left = expanded_beams(one.airframe)
+    *inner, (x, y, z) = left.stations.position_m
+    stations = left.stations.model_copy(update={"position_m": (*inner, (x, 1.1 * y, z))})
+    beams = (right, left.model_copy(update={"stations": stations}))
+    uneven = with_airframe(written_out(one), beam=beams)
+    assert [part for part, _ in pushed_beams(uneven)] == ["beam-right"]
+
+
+def test_an_effect_of_size_nothing_on_one_side_changes_nothing() -> None:
+    """It had left the other side's cells uncut: 2.5 % of A/F where the shaker is half a cell off an edge."""
+    one = pushed_at((0.08, 0.537))
+    soft = EffectTable(name="root-compliance", beam="beam", side="right", bending=1e-9, torsion=0.0)
+    modes = [truth_of(s).bare.natural_frequency_hz for s in (one, one.model_copy(update={"effect": (soft,)}))]
+    assert np.allclose(modes[0], modes[1], rtol=1e-6)
 
 
 def test_a_hammer_s_beam_is_cut_as_the_shaker_s() -> None:

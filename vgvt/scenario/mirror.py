@@ -28,6 +28,14 @@ def part_name(airframe: Airframe, name: str, y_m: float) -> str:
     return name
 
 
+def other_side(name: str) -> str | None:
+    """The name of the other copy of a mirrored table, from that of one; None for a name that is neither's."""
+    for side, other in (("-right", "-left"), ("-left", "-right")):
+        if name.endswith(side):
+            return name.removesuffix(side) + other
+    return None
+
+
 def mirrored_point(point: Point) -> Point:
     """The point on the other side of the plane y = 0."""
     return (point[0], 0.0 - point[1], point[2])

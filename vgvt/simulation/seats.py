@@ -3,7 +3,8 @@
 A link has the slope and the twist of its beam at one station, the edge of its cell, and lies on the beam there. Between
 two stations a beam bends into a parabola that has both slopes, and twists from one to the other. A point that rides on
 the nearer link misses the first by the square of a link's length, and the second by the length itself. So a sensor
-reads a sum of what points of both links do, in which a motion of both as one body counts once.
+reads a sum of what points of both links do, in which a motion of both as one body counts once. Each link counts by how
+near its station is, so that what turns, and what feels the weight along its axis, turns from one slope to the other.
 """
 
 from __future__ import annotations
@@ -69,17 +70,15 @@ def seats_at(parts: AirframeParts, part: str, position_m: Array) -> tuple[Seat, 
         return (Seat(carriers[0][0], position_m, 1.0),)
     chain = parts.chains[part_name(parts.airframe, part, float(position_m[1]))]
     arc = chain.table.nearest_arc_m(position_m)
-    foot = chain.table.point_m(arc)
-    link = chain.shares(arc)[0][0]
+    (link, _), (further, outer) = chain.shares(arc)
+    assert further is not None
+    # Both links hang together at the hinge between their stations. With the inner one fixed, a point at the share s of
+    # the way rises by s² of what the outer station does: s of what the outer link does that far from the hinge. What is
+    # off the axis turns by a share of either link's turn.
     station = chain.table.point_m(0.0 if link is None else link.twist_arc_m)
-    (inner_body, _), (outer_body, outer) = carriers
-    # The axis bends away from the inner link, by half of what the outer one rises above it from its station on: foot on
-    # the inner link, less outer² times how far both are apart at the station. What is off the axis turns by as much of
-    # either link's turn: 1 - outer and outer times here less foot. Summed up by bodies:
-    square = outer**2
-    inner = (outer * foot + square * station + (1.0 - outer) * position_m) / (1.0 + square)
+    reach = further.position_m - station
+    (inner_body, inner), (outer_body, _) = carriers
     return (
-        Seat(inner_body, inner, 1.0 + square),
-        Seat(outer_body, position_m, outer),
-        Seat(outer_body, (foot + outer * station) / (1.0 + outer), -(outer + square)),
+        Seat(inner_body, position_m - outer * reach, inner),
+        Seat(outer_body, position_m + inner * reach, outer),
     )
