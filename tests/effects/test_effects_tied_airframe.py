@@ -121,6 +121,15 @@ def test_compliances_of_the_carry_through_add() -> None:
     assert twice.airframe.body.carry_through_stiffness_n_m_per_rad == pytest.approx(250.0)
 
 
+def branches(model: mujoco.MjModel, tendon: str) -> list[list[float]]:
+    """What each branch of a bundle's tendon is divided by, of those to either end."""
+    k = model.tendon(tendon).id
+    wraps = range(model.tendon_adr[k], model.tendon_adr[k] + model.tendon_num[k])
+    pulleys = [w for w in wraps if model.wrap_type[w] == mujoco.mjtWrap.mjWRAP_PULLEY]
+    found = [(model.site(model.wrap_objid[w + 1]).name, float(model.wrap_prm[w])) for w in pulleys]
+    return [[divisor for name, divisor in found if f"/end-{end}/" in name] for end in (0, 1)]
+
+
 @pytest.mark.parametrize("other", [(0.45, 0.0), (0.9, -1.2)])
 def test_a_bundle_adds_its_spring_to_the_difference_of_two_heights(other: tuple[float, float]) -> None:
     """K and C grow by k d dᵀ and c d dᵀ, d the height of one end above the body less that of the other."""
@@ -130,11 +139,17 @@ def test_a_bundle_adds_its_spring_to_the_difference_of_two_heights(other: tuple[
     )
     layout = plans(tied)[0]
     rig, plain = bare_rig(layout), bare_rig(plans(hati)[0])
-    sites = [f"effect-0-0/{what}" for what in ("end-0", "end-1")]
-    data_points = tuple((site, UP) for site in sites)
+    ends = [
+        [(f"effect-0-0/end-{end}/near-{k}", 1.0 / divisor) for k, divisor in enumerate(divisors)]
+        for end, divisors in enumerate(branches(rig.model, "effect-0-0"))
+    ]
+    data_points = tuple((site, UP) for end in ends for site, _ in end)
     got, without = linearise(rig.model, rig.qpos, data_points), linearise(plain.model, plain.qpos)
     names = [rig.model.joint(j).name for j in range(rig.model.njnt)]
-    difference = got.displacement[0] - got.displacement[1]
+    assert [sum(weight for _, weight in end) for end in ends] == pytest.approx([1.0, 1.0])
+    heights = iter(got.displacement)
+    one, another = (sum(weight * next(heights) for _, weight in end) for end in ends)
+    difference = one - another
     # What the body does as a rigid whole stretches nothing.
     difference[[i for i, name in enumerate(names) if "/" not in name]] = 0.0
     scale = 50.0 * float(difference @ difference)

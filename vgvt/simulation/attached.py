@@ -17,7 +17,7 @@ from vgvt.simulation.assembly import Plan
 from vgvt.simulation.elements import sharing, turned_by
 from vgvt.simulation.felt import felt_by
 from vgvt.simulation.reduced import Structure
-from vgvt.simulation.seats import MeasurementPoint
+from vgvt.simulation.seats import MeasurementPoint, seats_at
 
 Array = NDArray[np.float64]
 _Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
@@ -67,6 +67,14 @@ def carried_rows(structure: Structure, layout: Plan, carrier: str, position_m: A
     return moved + np.cross(turned, arm, axis=0), turn
 
 
+def _seated_rows(structure: Structure, layout: Plan, part: str, position_m: Array) -> Array:
+    """Displacement rows (3, n) of a point (3,) of a part as the beam between two links moves, in world axes."""
+    moved = np.zeros((3, structure.drive.size))
+    for seat in seats_at(layout.parts, part, position_m):
+        moved += seat.weight * carried_rows(structure, layout, seat.carrier, seat.position_m)[0]
+    return moved
+
+
 def sensed_at(structure: Structure, layout: Plan, point: MeasurementPoint) -> tuple[Array, Array, Array]:
     """Rows of a sensor: displacement (3, n) in world axes, along its axis (n,), and the gravity that it feels (n,)."""
     moved, along, tilt = felt_by(
@@ -95,7 +103,8 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
             s.mass[:] += share * element.mass_kg * rows.T @ rows
         s.mass[frame, frame] += element.frame_kg
     elif isinstance(element, GroundSpring):
-        _spring(s, _unit(element.direction) @ rows, element.stiffness_n_per_m, element.damping_n_s_per_m)
+        held = _unit(element.direction) @ _seated_rows(s, layout, element.part, np.array(element.position_m))
+        _spring(s, held, element.stiffness_n_per_m, element.damping_n_s_per_m)
     else:
         moved, own = rows.copy(), np.zeros(s.drive.size)
         joint = s.joints.index(_own_joint(name, element))

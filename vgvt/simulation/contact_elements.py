@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vgvt.effects.elements import MountCompliance, PointPair, RattlingMass, SuspensionCubic
 from vgvt.simulation.airframe import ROOT, AirframeParts
 from vgvt.simulation.rig import FRAME_SITE, GRAVITY_M_PER_S2, HOOK_SITE, TRANSDUCER, add_point_mass, numbered
+from vgvt.simulation.seated_tendon import reach
 
 # Far enough that a spring along a line keeps its direction; longer than any stretch for an open side.
 _FAR_M = 1000.0
@@ -124,11 +125,7 @@ def add_point_pair(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
     )
     ends = ((element.part, element.position_m, _FAR_M), (element.other_part, element.other_position_m, -_FAR_M))
     for k, (part, place, away_m) in enumerate(ends):
-        position = np.array(place)
-        if k:
-            rod.wrap_pulley(1.0)
-        rod.wrap_site(_site(spec, parts, ROOT, f"{name}/body-{k}", position + away_m * _UP))
-        rod.wrap_site(_site(spec, parts, parts.carrier(part, position), f"{name}/end-{k}", position))
+        reach(rod, spec, parts, f"{name}/end-{k}", (part, place), (ROOT, away_m * _UP))
 
 
 def add_suspension_cubic(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: SuspensionCubic) -> None:
@@ -137,8 +134,3 @@ def add_suspension_cubic(spec: mujoco.MjSpec, parts: AirframeParts, name: str, e
     rod = spec.add_tendon(name=name, stiffness=[0.0, 0.0, element.cubic_n_per_m3], springlength=[-_FAR_M, _FAR_M])
     rod.wrap_site(FRAME_SITE)
     rod.wrap_site(HOOK_SITE)
-
-
-def _site(spec: mujoco.MjSpec, parts: AirframeParts, carrier: str, name: str, position_m: NDArray[np.float64]) -> str:
-    spec.body(carrier).add_site(name=name, pos=position_m - parts.origin_m[carrier])
-    return name

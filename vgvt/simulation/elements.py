@@ -51,6 +51,7 @@ from vgvt.simulation.damping import MODAL_DAMPING
 from vgvt.simulation.halves import pitched_by
 from vgvt.simulation.relaxation_elements import add_relaxations, add_warm_up, warm_springs
 from vgvt.simulation.rig import add_point_mass
+from vgvt.simulation.seated_tendon import WORLD, reach
 
 TRIMMED = (GroundSpring, RotationSpring, PointPair, SuspensionCubic)
 """Springs that are laid, or moved along, to where the aircraft hangs: at rest they carry nothing."""
@@ -137,18 +138,13 @@ def _add_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: Poi
 
 
 def _add_ground_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: GroundSpring) -> None:
-    position = np.array(element.position_m)
-    carrier = parts.carrier(element.part, position)
     direction = np.array(element.direction) / np.linalg.norm(element.direction)
-    spec.body(carrier).add_site(name=f"{name}/here", pos=position - parts.origin_m[carrier])
-    spec.worldbody.add_site(name=f"{name}/ground", pos=position + _FAR_M * direction)
     rod = spec.add_tendon(
         name=name,
         stiffness=[element.stiffness_n_per_m, 0.0, 0.0],
         damping=[element.damping_n_s_per_m, 0.0, 0.0],
     )
-    rod.wrap_site(f"{name}/ground")
-    rod.wrap_site(f"{name}/here")
+    reach(rod, spec, parts, name, (element.part, element.position_m), (WORLD, _FAR_M * direction))
 
 
 def _add_rotation_spring(
