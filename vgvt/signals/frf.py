@@ -18,6 +18,7 @@ from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
 from vgvt.signals.plan import Plan, make_plan
 from vgvt.signals.rational_estimates import rational_estimates
 from vgvt.signals.several_forces import check_independent, estimator_of_several
+from vgvt.signals.single_force import estimator_of_one
 from vgvt.signals.usable import UsableRun, usable_runs
 
 ESTIMATORS = {
@@ -29,8 +30,9 @@ ESTIMATORS = {
     "hv": "averaged, noise on both; one reference",
     "stepped_sine": "sines fitted to whole cycles of every dwell, after its time to settle",
     "impact": "averaged over a hammer's hits, noise on the response, force and exponential windows",
-    "auto": "stepped_sine or impact where the notes tell of dwells or hits, else ratio; for several forces at once h1 "
-    "over the bursts of the notes, ratio where repeats tell them apart, else local_rational",
+    "auto": "stepped_sine or impact where the notes tell of dwells or hits; ratio where records start and end at rest, "
+    "and for a sweep cut off at its end; for several forces h1 over the bursts of the notes, or ratio where repeats at "
+    "rest tell them apart; else local_rational",
 }
 
 
@@ -66,6 +68,9 @@ def estimate_frf(
     dwell; ``impact`` is H1 over the hits, cut by ``impacts``: its remarks say what damping the
     exponential window adds (`without_window_damping`). Left out, both are read from the notes.
 
+    ``auto`` divides whole records only where they start and end at rest, as their first and last samples and the
+    note ``unrecorded_s`` tell, or hold a sweep from rest that is cut off; its remarks say what else it takes, and why.
+
     ``12-Z`` in one run and ``12+Z`` in another are one response, labelled as first
     seen. Channels that cannot be used are left out and named in ``remarks``.
     Variance and coherence are None where the estimator cannot tell.
@@ -77,22 +82,29 @@ def estimate_frf(
     if estimator not in ("h1", "h2", "hv") and segment_s is not None:
         raise InputError("segment_s", f"the {estimator} estimator takes whole records", "leave it out, or use 'h1'")
     several = estimator == "auto" and any(len(r.select(ChannelRole.REFERENCE)[0]) > 1 for r in campaign.runs)
+    asked = estimator
     estimator, special = _special(campaign, estimator, dwells, impacts)
     runs, remarks = usable_runs(campaign)
     averages = Averages(segment_s, window, overlap)
+    said: tuple[str, ...] = ()
     if several and estimator == "ratio":
         estimator, averages = estimator_of_several(campaign, runs)
+    elif asked == "auto" and estimator == "ratio":
+        estimator, said = estimator_of_one(campaign, runs)
     own_lines = estimator == "local_rational"
     plan, more = make_plan(campaign.name, runs, averages, band_hz, special, own_lines=own_lines)
+    more = (*more, *said)
     local = (polynomial_order, half_width)
     if estimator == "local_rational":
         try:
-            estimates, plan, said = rational_estimates(campaign, runs, plan, *local)
+            estimates, plan, fitted = rational_estimates(campaign, runs, plan, *local)
         except InputError as error:
-            if not several:
+            if several:
+                return _averaged_parts(campaign, band_hz, error)
+            if asked != "auto":
                 raise
-            return _averaged_parts(campaign, band_hz, error)
-        more = (*more, said)
+            return _divided(campaign, band_hz, local_variance, error)
+        more = (*more, fitted)
     elif estimator == "local_polynomial":
         estimates = _local_estimates(runs, plan, local)
     else:
@@ -115,6 +127,18 @@ def _averaged_parts(campaign: Campaign, band_hz: tuple[float, float] | None, err
     why = (
         f"averages over {parts.segment_s:g} s under a window, for no local fit is possible ({error.problem}): damping "
         f"is too high, and more than its ± says, where a mode is not much wider than {4 / parts.segment_s:.3g} Hz"
+    )
+    return replace(frf, remarks=(*frf.remarks, why))
+
+
+def _divided(
+    campaign: Campaign, band_hz: tuple[float, float] | None, local_variance: bool, error: InputError
+) -> FrequencyResponseSet:
+    """Whole spectra divided in spite of what they leak, for one force where no local fit is possible, with a remark."""
+    frf = estimate_frf(campaign, "ratio", band_hz=band_hz, local_variance=local_variance)
+    why = (
+        "whole records are divided though they do not start and end at rest, for no local fit is possible "
+        f"({error.problem}): responses are wrong by what leaks"
     )
     return replace(frf, remarks=(*frf.remarks, why))
 

@@ -8,13 +8,11 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, Dof, InputError
 from vgvt.signals.averages import Averages, averages_of_notes
 from vgvt.signals.plan import dof_of
+from vgvt.signals.rest import end_at_rest, start_at_rest
 from vgvt.signals.usable import UsableRun
 
 _MOST_ALIKE = 1e8
 """Condition of the forces' power matrix, each scaled to its own, beyond which they are copies of one another."""
-_END = 0.02  # part of a record that is its end
-_LEAST = float(np.finfo(float).tiny)
-_AT_REST = 0.1  # root mean square there over that of the record
 
 
 def estimator_of_several(campaign: Campaign, runs: tuple[UsableRun, ...]) -> tuple[str, Averages]:
@@ -26,7 +24,8 @@ def estimator_of_several(campaign: Campaign, runs: tuple[UsableRun, ...]) -> tup
     bursts = averages_of_notes(campaign)
     if bursts is not None:
         return "h1", bursts
-    whole = _repeats_suffice(runs) and _end_at_rest(runs) and _independent(campaign, runs)
+    at_rest = start_at_rest(campaign, runs) and end_at_rest(runs)
+    whole = at_rest and _repeats_suffice(runs) and _independent(campaign, runs)
     return ("ratio" if whole else "local_rational"), Averages()
 
 
@@ -65,35 +64,6 @@ def _repeats_suffice(runs: tuple[UsableRun, ...]) -> bool:
 
 def _forces_of(run: UsableRun) -> frozenset[Dof]:
     return frozenset(dof_of(channel).unsigned for channel in run.references)
-
-
-def _end_at_rest(runs: tuple[UsableRun, ...]) -> bool:
-    """Whether no force acts and nothing rings at the ends of records; an idle shaker is measured by the others."""
-    shares = []
-    for run in runs:
-        end = max(16, round(_END * run.samples))
-        forces = [_centred(x) for x in run.reference_samples]
-        if max(_level(x[-end:]) for x in forces) > _AT_REST * max(_level(x) for x in forces):
-            return False
-        shares += [_ringing(x[-end:]) / max(_level(x), _LEAST) for x in map(_centred, run.response_samples)]
-    # Over all responses: of one alone that hears little, chance makes its noise look like ringing.
-    return _level(np.array(shares)) <= _AT_REST
-
-
-def _ringing(tail: NDArray[np.float64]) -> float:
-    """Root mean square of what rings in the end (n,) of a response: it fills few frequencies, where noise fills all."""
-    power = np.abs(np.fft.rfft(tail * np.hanning(tail.size))) ** 2
-    excess = max(0.0, 1 - 2 * float(np.median(power)) / max(float(power.mean()), _LEAST))
-    return float(np.sqrt(excess)) * _level(tail)
-
-
-def _centred(samples: NDArray[np.floating]) -> NDArray[np.float64]:
-    signal = np.asarray(samples, dtype=np.float64)
-    return np.asarray(signal - signal.mean())
-
-
-def _level(samples: NDArray[np.float64]) -> float:
-    return float(np.sqrt((samples**2).mean()))
 
 
 def _independent(campaign: Campaign, runs: tuple[UsableRun, ...]) -> bool:
