@@ -107,6 +107,20 @@ def test_records_too_short_for_local_fits_are_divided_with_a_remark(make_campaig
     assert "no local fit is possible" in frf.remarks[-1]
 
 
+def test_noise_as_large_as_the_response_is_no_ringing(make_campaign, single_mass) -> None:
+    """Of thirty records from rest and as many begun late."""
+    late_found = 0
+    for seed in range(30):
+        record = part(single_mass, chirp(2.0, 30.0))
+        hiss = record["1+Z"].std() * np.random.default_rng(seed).standard_normal(record["1+Z"].size)
+        campaign = make_campaign([record | {"1+Z": record["1+Z"] + hiss}], band_hz=BAND)
+        assert start_at_rest(campaign, usable_runs(campaign)[0])
+        late = {label: x[LATE + 10 * seed :] for label, x in record.items()}
+        campaign = make_campaign([late | {"1+Z": late["1+Z"] + hiss[LATE + 10 * seed :]}], band_hz=BAND)
+        late_found += not start_at_rest(campaign, usable_runs(campaign)[0])
+    assert late_found >= 27
+
+
 def test_a_sensor_that_hears_little_does_not_make_a_record_ring(make_campaign, single_mass) -> None:
     """Its noise is as large at the first sample as anywhere; in another unit it is asked by itself."""
     record = part(single_mass, chirp(2.0, 30.0))

@@ -20,20 +20,25 @@ _LEAST = float(np.finfo(float).tiny)
 def start_at_rest(campaign: Campaign, runs: tuple[UsableRun, ...]) -> bool:
     """Whether no force acts and nothing rings at the first samples of records, nor did by the campaign's notes.
 
-    Responses of one quantity count together, by their power: one that hears little has noise at its first sample.
+    Responses of one quantity count together, by their power, and are allowed the noise that fills all frequencies.
     """
     if _begun_late(campaign):
         return False
-    moved: dict[str, list[tuple[float, float]]] = {}
+    powers: dict[str, list[tuple[float, float, float]]] = {}
     for run in runs:
         begin = max(1, round(_START * run.sample_rate_hz / campaign.band_hz[1]))
         forces = [_centred(x) for x in run.reference_samples]
         if max(_level(x[:begin]) for x in forces) > _AT_REST * max(_level(x) for x in forces):
             return False
         for channel, signal in zip(run.responses, map(_centred, run.response_samples), strict=True):
-            moved.setdefault(channel.quantity.name, []).append((_level(signal[:begin]), _level(signal)))
-    parts = [np.array(levels).T for levels in moved.values()]
-    return all(_level(first) <= _AT_REST * _level(whole) for first, whole in parts)
+            first, whole = _level(signal[:begin]) ** 2, _level(signal) ** 2
+            powers.setdefault(channel.quantity.name, []).append((first, whole, whole * _noise_share(signal)))
+    for parts in powers.values():
+        first, whole, noise = np.sum(parts, axis=0)
+        # Three deviations of the power of as many samples of noise.
+        if first > _AT_REST**2 * whole + noise * (1 + 3 * np.sqrt(2 / len(parts))):
+            return False
+    return True
 
 
 def end_at_rest(runs: tuple[UsableRun, ...]) -> bool:
@@ -59,6 +64,13 @@ def _begun_late(campaign: Campaign) -> bool:
         return float(campaign.notes.get(_UNRECORDED_NOTE, 0.0)) > 0
     except ValueError:
         return False  # a note in other words; the records themselves are asked
+
+
+def _noise_share(signal: NDArray[np.float64]) -> float:
+    """The part of a signal's power (n,) that is noise on all lines, told from the tenth of them that have least."""
+    power = np.abs(np.fft.rfft(signal)) ** 2
+    # A tenth of lines of noise lies below this part of their mean: their power is exponentially distributed.
+    return float(min(1.0, np.quantile(power, 0.1) / -np.log(0.9) / max(float(power.mean()), _LEAST)))
 
 
 def _passing(samples: NDArray[np.floating], rate_hz: float, band_hz: tuple[float, float]) -> float:
