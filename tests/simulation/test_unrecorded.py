@@ -11,6 +11,7 @@ from vgvt.data import InputError
 from vgvt.reconcile.question.suitable import check_excitation, check_suitable
 from vgvt.scenario import Scenario
 from vgvt.scenario.instruments import NoiseSpectrum
+from vgvt.signals import estimate_frf
 from vgvt.simulation import simulate, simulated_campaign
 from vgvt.simulation.assembly import plans
 from vgvt.simulation.command_spectra import command_spectra
@@ -89,3 +90,30 @@ def test_reconcile_says_that_it_predicts_records_from_rest(late: Scenario, whole
     check_suitable(simulated_campaign(whole, engine="linear"), whole)
     with pytest.raises(InputError, match="was recorded from 1 s after the shaker's start: what rings"):
         check_suitable(simulated_campaign(late, engine="linear"), whole)
+
+
+def test_a_periodic_record_in_steady_state_holds_whole_periods(small: Scenario) -> None:
+    """Of 6 s, without noise, once the slow pendulums have come to rest: the linear model's own accelerances."""
+    periodic = {"kind": "multisine", "blocks": 10, "lines": "full", "duration_s": 60.0, "ring_down_s": 0.0}
+    scenario = revised(small, excitation={**periodic, "start_hz": 3.0, "taper_s": 0.0, "unrecorded_s": 36.0})
+    result = simulate(scenario, engine="linear")
+    record, rate = result.campaign.runs[0], scenario.acquisition.sample_rate_hz
+    assert record.samples.shape[1] == round(24.0 * rate)
+    frf, tested = estimate_frf(result.campaign, "auto", band_hz=(4.0, 35.0)), result.truth.as_tested[0]
+    assert any("of the last 4 of 4 whole periods of 6 s" in remark for remark in frf.remarks)
+    omega = 2j * np.pi * frf.frequency_hz
+    rows = [tested.dofs.index(dof) for dof in frf.responses]
+    columns = [tested.references.index(dof) for dof in frf.references]
+    exact = np.zeros(frf.values.shape, complex)
+    for pole, residues in zip(tested.poles, tested.residues, strict=True):
+        part = residues[np.ix_(rows, columns)][..., None]
+        exact += omega**2 * (part / (omega - pole) + part.conj() / (omega - pole.conj()))
+    assert np.linalg.norm(frf.values - exact) < 1e-3 * np.linalg.norm(exact)
+
+
+def test_a_record_that_begins_late_says_so_where_responses_are_estimated(late: Scenario, whole: Scenario) -> None:
+    late_said, whole_said = (
+        estimate_frf(simulated_campaign(s, engine="linear"), "auto").remarks for s in (late, whole)
+    )
+    assert "begin while it rings" in late_said[0]
+    assert not any("begin while it rings" in remark for remark in whole_said)

@@ -10,12 +10,14 @@ from vgvt.signals.frf import ESTIMATORS, estimate_frf
 from vgvt.signals.impact import ImpactWindows, impact_windows, without_window_damping
 from vgvt.signals.local_polynomial import local_polynomial_variance
 from vgvt.signals.noise import coloured_noise, interpolated_density
+from vgvt.signals.periods import Periods
 from vgvt.signals.spectra import power_spectral_density
 
 __all__ = [
     "ESTIMATORS",
     "DwellSchedule",
     "ImpactWindows",
+    "Periods",
     "burst_random",
     "coloured_noise",
     "continuous_random",

@@ -15,9 +15,10 @@ from vgvt.signals.cross import CrossSpectra
 from vgvt.signals.dwells import DwellFit, DwellSchedule, dwell_schedule, with_known_variance
 from vgvt.signals.impact import ImpactWindows, impact_windows
 from vgvt.signals.local_polynomial import LocalFit, local_polynomial_fit
+from vgvt.signals.periods import PeriodicPart, periodic_part
 from vgvt.signals.plan import Plan, make_plan
 from vgvt.signals.rational_estimates import rational_estimates
-from vgvt.signals.several_forces import check_independent, estimator_of_several
+from vgvt.signals.several_forces import check_independent, estimator_of_several, independent_periods
 from vgvt.signals.single_force import estimator_of_one
 from vgvt.signals.usable import UsableRun, usable_runs
 
@@ -32,7 +33,7 @@ ESTIMATORS = {
     "impact": "averaged over a hammer's hits, noise on the response, force and exponential windows",
     "auto": "stepped_sine or impact where the notes tell of dwells or hits; ratio where records start and end at rest, "
     "and for a sweep cut off at its end; for several forces h1 over the bursts of the notes, or ratio where repeats at "
-    "rest tell them apart; else local_rational",
+    "rest tell them apart; else h1 over the periods of the notes that repeat, or local_rational",
 }
 
 
@@ -91,6 +92,10 @@ def estimate_frf(
         estimator, averages = estimator_of_several(campaign, runs)
     elif asked == "auto" and estimator == "ratio":
         estimator, said = estimator_of_one(campaign, runs)
+    if asked == "auto" and estimator == "local_rational":
+        periodic = periodic_part(campaign, runs)
+        if periodic is not None and (not several or independent_periods(periodic.campaign, periodic.count)):
+            return _of_periods(periodic, band_hz)
     own_lines = estimator == "local_rational"
     plan, more = make_plan(campaign.name, runs, averages, band_hz, special, own_lines=own_lines)
     more = (*more, *said)
@@ -129,6 +134,15 @@ def _averaged_parts(campaign: Campaign, band_hz: tuple[float, float] | None, err
         f"is too high, and more than its ± says, where a mode is not much wider than {4 / parts.segment_s:.3g} Hz"
     )
     return replace(frf, remarks=(*frf.remarks, why))
+
+
+def _of_periods(part: PeriodicPart, band_hz: tuple[float, float] | None) -> FrequencyResponseSet:
+    """H1 over whole periods, or the division of one, without a window: periods that repeat do not leak."""
+    if part.count == 1:
+        return part.harmonics(estimate_frf(part.campaign, "ratio", band_hz=band_hz))
+    period_s = part.periods.period_s
+    frf = estimate_frf(part.campaign, "h1", period_s, window="boxcar", overlap=0.0, band_hz=band_hz)
+    return part.harmonics(frf)
 
 
 def _divided(

@@ -9,7 +9,7 @@ from vgvt.data import Campaign, Dof, InputError
 from vgvt.signals.averages import Averages, averages_of_notes
 from vgvt.signals.plan import dof_of
 from vgvt.signals.rest import end_at_rest, start_at_rest
-from vgvt.signals.usable import UsableRun
+from vgvt.signals.usable import UsableRun, usable_runs
 
 _MOST_ALIKE = 1e8
 """Condition of the forces' power matrix, each scaled to its own, beyond which they are copies of one another."""
@@ -27,6 +27,15 @@ def estimator_of_several(campaign: Campaign, runs: tuple[UsableRun, ...]) -> tup
     at_rest = start_at_rest(campaign, runs) and end_at_rest(runs)
     whole = at_rest and _repeats_suffice(runs) and _independent(campaign, runs)
     return ("ratio" if whole else "local_rational"), Averages()
+
+
+def independent_periods(campaign: Campaign, count: int) -> bool:
+    """Whether runs of ``count`` whole periods tell their forces apart at the harmonics: as many runs as forces do.
+
+    All periods of a run have the same forces, and are one average of them.
+    """
+    runs, _ = usable_runs(campaign)
+    return _repeats_suffice(runs) and _independent(campaign, runs, count)
 
 
 def check_independent(
@@ -66,10 +75,14 @@ def _forces_of(run: UsableRun) -> frozenset[Dof]:
     return frozenset(dof_of(channel).unsigned for channel in run.references)
 
 
-def _independent(campaign: Campaign, runs: tuple[UsableRun, ...]) -> bool:
-    """Whether whole-record spectra of runs of one length with the same forces tell these apart, in the excited band."""
+def _independent(campaign: Campaign, runs: tuple[UsableRun, ...], every: int = 1) -> bool:
+    """Whether whole-record spectra of runs of one length with the same forces tell these apart, in the excited band.
+
+    On one line of ``every``.
+    """
     lines = np.fft.rfftfreq(runs[0].samples, 1 / runs[0].sample_rate_hz)
     excited = (lines > 0) & (lines >= campaign.band_hz[0]) & (lines <= campaign.band_hz[1])
+    excited &= np.arange(lines.size) % every == 0
     powers: dict[frozenset[Dof], NDArray[np.complex128]] = {}
     for run in runs:
         order = np.argsort([str(dof_of(c).unsigned) for c in run.references])

@@ -15,6 +15,7 @@ from vgvt.scenario.streams import named_stream
 from vgvt.signals import (
     DwellSchedule,
     ImpactWindows,
+    Periods,
     burst_random,
     continuous_random,
     impact_train,
@@ -31,9 +32,13 @@ _INSTANTS_PER_PERIOD = 50.0
 
 
 def sample_times_s(scenario: Scenario) -> NDArray[np.float64]:
-    """The times from rest to a record's last sample inclusive; the first :func:`unrecorded_samples` are not its own."""
-    rate = scenario.acquisition.sample_rate_hz
-    return np.arange(round(scenario.excitation.whole_s * rate) + 1) / rate
+    """The times from rest to a record's last sample inclusive; the first :func:`unrecorded_samples` are not its own.
+
+    A periodic record in steady state ends one sample before the next period begins: that one would be there twice.
+    """
+    e, rate = scenario.excitation, scenario.acquisition.sample_rate_hz
+    steady = e.kind == "multisine" and e.before_record_s > 0 and e.ring_down_s == 0
+    return np.arange(round(e.whole_s * rate) + (not steady)) / rate
 
 
 def unrecorded_samples(scenario: Scenario) -> int:
@@ -170,10 +175,15 @@ def excitation_notes(scenario: Scenario) -> dict[str, str]:
     if e.kind == "burst-random":
         # Each block starts and ends at rest, after the lead-in: whole blocks need no window.
         return {"blocks": json.dumps({"block_s": e.duration_s / _known(e.blocks), "lead_in_s": e.lead_in_s})}
-    if e.before_record_s > 0:
-        return {UNRECORDED_NOTE: f"{e.before_record_s:g}"}
+    late = {UNRECORDED_NOTE: f"{e.before_record_s:g}"} if e.before_record_s > 0 else {}
+    if e.kind == "multisine":
+        begin_s = max(0.0, e.lead_in_s + e.taper_s - e.before_record_s)
+        end_s = e.lead_in_s + e.duration_s - e.taper_s - e.before_record_s
+        if end_s <= begin_s:
+            return late  # it fades as long as it is recorded
+        return late | {"periods": Periods(e.duration_s / _known(e.blocks), begin_s, end_s, _known(e.lines)).note()}
     if e.kind != "stepped-sine":
-        return {}
+        return late
     points = _known(e.points)
     dwells = DwellSchedule(e.start_hz, e.stop_hz, points, e.duration_s / points, _known(e.settle_s), e.lead_in_s)
     return {"dwells": dwells.note()}
