@@ -29,9 +29,12 @@ from small_rig import band_spectra, revised
 
 from vgvt.data import InputError, ModalModel
 from vgvt.effects import make_effect
+from vgvt.effects.force_distortion import ForceDistortion
+from vgvt.effects.parameter import parameters_of
 from vgvt.scenario import Scenario, load_scenario
 from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import hung_rig, plans
+from vgvt.simulation.command import drive_commands, sample_times_s
 from vgvt.simulation.linear import site_row
 from vgvt.simulation.sensed import linearised_at
 
@@ -175,6 +178,43 @@ def test_force_distortion_makes_the_harmonics_it_names() -> None:
     lines = np.abs(np.fft.rfft(command(0.7 * np.sin(2 * np.pi * 10 * time_s), time_s))) / 500 / 0.7
     np.testing.assert_allclose(lines[[10, 20, 30]], [1.0, 0.3, 0.1], atol=1e-9)
     assert np.delete(lines, [0, 10, 20, 30]).max() < 1e-9
+
+
+@pytest.mark.parametrize("kind", ["random", "burst-random", "multisine"])
+@pytest.mark.parametrize("second", [0.0, 0.01, 0.25, 0.7])
+@pytest.mark.parametrize("third", [0.0, 0.01, 0.05, 0.11, 0.2])
+def test_force_distortion_turns_no_noise_over(kind: str, second: float, third: float) -> None:
+    """What comes out rises with the command at all its peaks, and its linear part is the command."""
+    own = {"blocks": None if kind == "random" else 4, "burst_fraction": 0.5 if kind == "burst-random" else None}
+    own |= {"lines": "full", "crest_iterations": 20} if kind == "multisine" else {}
+    scenario = revised(load_scenario("quick"), excitation={"kind": kind, "amplitude_v": 0.7, **own})
+    time_s = sample_times_s(scenario)
+    sent = drive_commands(scenario, 0, time_s)[0]
+    command = (
+        make_effect("force-distortion", "test", second_harmonic=second, third_harmonic=third).act(scenario, 0).command
+    )
+    if second == third == 0:
+        assert command is None
+        return
+    assert command is not None
+    got = command(sent, time_s)
+    assert (np.diff(got[np.argsort(sent)]) > -1e-9).all()
+    about = got - got.mean()
+    gain = about @ sent / (sent @ sent)
+    assert 0.9 < gain < 1.1
+    # It is bent, and no less than a sine of that power would be by the smaller of its harmonics.
+    assert np.linalg.norm(about - gain * sent) > 0.5 * max(second, third) * np.linalg.norm(sent)
+    assert not command(np.zeros(3), time_s[:3]).any()
+
+
+@pytest.mark.parametrize(("name", "share"), [("second_harmonic", 1.0), ("third_harmonic", 1.0)])
+def test_force_distortion_turns_no_sine_over_where_it_is_plausible(name: str, share: float) -> None:
+    scenario = revised(load_scenario("quick"), excitation={"amplitude_v": 0.7})
+    largest = next(p for p in parameters_of(ForceDistortion) if p.name == name).at(share)
+    command = make_effect("force-distortion", "test", **{name: largest}).act(scenario, 0).command
+    assert command is not None
+    sent = 0.7 * np.linspace(-1, 1, 1001)
+    assert (np.diff(command(sent, sent)) > -1e-9).all()
 
 
 def test_force_distortion_leaves_the_structures_frf(rig: Scenario) -> None:
