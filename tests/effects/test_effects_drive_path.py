@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from canted_rig import canted_file
 from effect_rig import (
     AFT,
     BESIDE,
@@ -167,6 +170,27 @@ def _accelerance(scenario: Scenario, node: int, push: NDArray[np.float64]) -> Co
     s = 2j * np.pi * FREQUENCY_HZ
     dynamic = [k**2 * linear.mass + k * linear.damping + linear.stiffness for k in s]
     return np.array([k**2 * seen @ np.linalg.solve(z, driven) for k, z in zip(s, dynamic, strict=True)])
+
+
+@pytest.mark.parametrize(
+    ("name", "along", "across"), [("drive-point-offset", "dx_m", "dy_m"), ("drive-remount", "shift_x_m", "shift_y_m")]
+)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_moved_drive_point_stays_on_a_wing_with_dihedral(
+    tmp_path: Path, name: str, along: str, across: str, side: float
+) -> None:
+    """Its axis runs 0.25 m aft and 0.12 m up on 0.9 m of span, whichever wing it is; across the axis it is level."""
+    rig = load_scenario(canted_file(tmp_path))
+    x, y, z = rig.shaker.position_m
+    rig = revised(rig, shaker={"position_m": (x, side * y, z), "attached_to": "beam"})
+    moved = make_effect(name, "test", **{along: 0.01, across: side * 0.02}).act(rig, 1).scenario
+    assert moved is not None
+    shift = np.subtract(moved.shaker.position_m, rig.shaker.position_m)
+    np.testing.assert_allclose(shift[:2], [0.01, side * 0.02], atol=1e-12)
+    axis = np.array([0.25, side * 0.9, 0.12])
+    normal = np.array([0.0, 0.0, 1.0]) - axis * axis[2] / (axis @ axis)
+    assert shift @ normal == pytest.approx(0.0, abs=1e-12)
+    assert shift[2] > 0.002
 
 
 def test_force_distortion_makes_the_harmonics_it_names() -> None:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from typing import ClassVar
 
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
-from vgvt.effects.shakers import chosen_shakers, shaker_choice, with_shakers
+from vgvt.effects.shakers import chosen_shakers, moved_on_its_part, shaker_choice, with_shakers
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.rig import Shaker
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class DrivePointOffset:
-    """The drive point lies (dx, dy) from where the scenario says, on the same part; the geometry keeps the stated one.
+    """The drive point lies (dx, dy) along the surface from where the scenario says; the geometry keeps the stated one.
 
     Residues scale mode by mode with φ(d + δ) / φ(d). The truth's drive DOF is where the force acts.
     """
@@ -42,8 +42,5 @@ class DrivePointOffset:
         if self.dx_m == 0 and self.dy_m == 0:
             return NOTHING
         chosen = chosen_shakers(scenario, self.shaker, self.name)
-        return Action(scenario=with_shakers(scenario, chosen, self._moved))
-
-    def _moved(self, shaker: Shaker) -> Shaker:
-        x, y, z = shaker.position_m
-        return shaker.model_copy(update={"position_m": (x + self.dx_m, y + self.dy_m, z)})
+        moved = partial(moved_on_its_part, scenario, dx_m=self.dx_m, dy_m=self.dy_m)
+        return Action(scenario=with_shakers(scenario, chosen, moved))

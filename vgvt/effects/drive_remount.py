@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from typing import ClassVar
 
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.parameter import parameter
 from vgvt.effects.protocol import Family
 from vgvt.effects.run_schedule import after, check_schedule
-from vgvt.effects.shakers import chosen_shakers, shaker_choice, with_shakers
+from vgvt.effects.shakers import chosen_shakers, moved_on_its_part, shaker_choice, with_shakers
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.rig import Shaker
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class DriveRemount:
-    """From a run on the shaker pushes at another point, while the records still name the old one."""
+    """From a run on the shaker pushes at another point of the surface, while the records still name the old one."""
 
     name: ClassVar[str] = "drive-remount"
     summary: ClassVar[str] = "The force transducer is glued on again between runs at a slightly different point"
@@ -44,8 +44,5 @@ class DriveRemount:
         if (self.shift_x_m == 0 and self.shift_y_m == 0) or not after(run, self.from_run):
             return NOTHING
         chosen = chosen_shakers(scenario, self.shaker, self.name)
-        return Action(scenario=with_shakers(scenario, chosen, self._moved))
-
-    def _moved(self, shaker: Shaker) -> Shaker:
-        x, y, z = shaker.position_m
-        return shaker.model_copy(update={"position_m": (x + self.shift_x_m, y + self.shift_y_m, z)})
+        moved = partial(moved_on_its_part, scenario, dx_m=self.shift_x_m, dy_m=self.shift_y_m)
+        return Action(scenario=with_shakers(scenario, chosen, moved))

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from vgvt.data import InputError
+from vgvt.scenario.mirror import part_name
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.planform import surface_height_m
 from vgvt.scenario.rig import Shaker
 
 
@@ -30,3 +32,11 @@ def with_shakers(scenario: Scenario, chosen: tuple[int, ...], change: Callable[[
     """The scenario with some of its shakers changed."""
     first, *further = (change(s) if k in chosen else s for k, s in enumerate(scenario.shakers))
     return scenario.model_copy(update={"shaker": first, "further_shaker": tuple(further)})
+
+
+def moved_on_its_part(scenario: Scenario, shaker: Shaker, dx_m: float, dy_m: float) -> Shaker:
+    """The shaker with its drive point (dx, dy) further along the surface that it pushes, up or down with that."""
+    x, y, z = shaker.position_m
+    part = part_name(scenario.airframe, shaker.attached_to, y)
+    there, here = (surface_height_m(scenario.airframe, part, *place) for place in ((x + dx_m, y + dy_m), (x, y)))
+    return shaker.model_copy(update={"position_m": (x + dx_m, y + dy_m, z + (there - here))})
