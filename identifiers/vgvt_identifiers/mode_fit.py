@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt_identifiers.needed_leakage import blocks_that_leak
 from vgvt_identifiers.rational_fit import Block, RationalFit, fit_rational, pole_evidence
 from vgvt_identifiers.sigma_plot import SigmaPeak
 from vgvt_identifiers.spectra import CampaignSpectra, RunSpectra
@@ -116,7 +117,11 @@ def _fit(spectra: CampaignSpectra, window: Window, options: FitOptions) -> _Wind
     strongest = sorted(window.peaks, key=lambda p: -p.prominence_db)[:room]
     poles = np.array([2 * np.pi * (-max(p.width_hz, step) / 2 + 1j * p.frequency_hz) for p in strongest])
     common = fit_rational(frequency, blocks, poles, options.background_terms)
-    blocks = reweighted(blocks, common)
+    leaks = blocks_that_leak(frequency, blocks, common, options.background_terms)
+    if not leaks.all():
+        kept = _with_leakage(blocks, leaks)
+        common = fit_rational(frequency, kept, common.poles, options.background_terms, relocate=False)
+    blocks = _with_leakage(reweighted(blocks, common), leaks)  # weights follow the force of every run
     common = fit_rational(frequency, blocks, common.poles, options.background_terms, relocate=False)
     while not (keep := _worth_keeping(frequency, blocks, common, options)).all():
         if not keep.any():
@@ -127,6 +132,10 @@ def _fit(spectra: CampaignSpectra, window: Window, options: FitOptions) -> _Wind
         for b in (blocks if len(blocks) > 1 else ())
     )
     return _WindowFit(common, own, step)
+
+
+def _with_leakage(blocks: tuple[Block, ...], leaks: NDArray[np.bool_]) -> tuple[Block, ...]:
+    return tuple(b if leaking else replace(b, leakage=None) for b, leaking in zip(blocks, leaks, strict=True))
 
 
 def _worth_keeping(
