@@ -142,10 +142,12 @@ def _mode(found: Decomposition, at_hz: float, bell: Bell, fit: FittedBell) -> Be
     poor = fit.log_rms > _POOR_LOG_RMS and fit.chi_square > 4
     if 2 * fit.damping_ratio * fit.natural_frequency_hz < _NARROW_LINES * step:
         flags.append("narrow")
-        if poor:
+        if poor and fit.resolved:
             # A record that is cut while the mode rings widens the bell by a fraction of a line.
             cut = step / 4 / fit.natural_frequency_hz
             fit = replace(fit, damping_ratio_std=float(np.hypot(fit.damping_ratio_std, cut)))
+    if not fit.resolved:
+        flags.append("doubtful: damping poorly known")
     if not fit.converged:
         flags.append("fit_not_converged")
     if poor:

@@ -22,6 +22,7 @@ _FEWEST_LINES = 7
 _RELATIVE_FLOOR = 1e-4
 _GAP_LINES = 3
 _NUMERATOR_FLOOR = 1e-12
+_LEAST_WIDTH = 0.02  # half width in lines of a bell of which the lines say no more than that it is narrow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +39,8 @@ class FittedBell:
     """Natural frequency, damping ratio, their standard deviations, lines used, and errors.
 
     ``chi_square`` is the weighted error per degree of freedom, ``log_rms`` the plain one of the logarithm.
+    A bell that is not ``resolved`` is far narrower than a line: any such damping fits, and its deviation is
+    what a quarter of a line is worth.
     """
 
     natural_frequency_hz: float
@@ -48,6 +51,7 @@ class FittedBell:
     chi_square: float
     log_rms: float
     converged: bool
+    resolved: bool
 
 
 def mode_bell(
@@ -120,7 +124,7 @@ def fit_bell(found: Decomposition, bell: Bell, general: bool = True) -> FittedBe
     step = float(found.frequency_hz[1] - found.frequency_hz[0])
     start = _start(frequency, value, step)
     problem = _Problem(frequency, np.log(value), scatter, start[0], start[1], found.window, general)
-    return _solved(problem, found.shared_lines)
+    return _solved(problem, found.shared_lines, step)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,7 +210,7 @@ def _start(frequency: NDArray[np.float64], value: NDArray[np.float64], step_hz: 
     return float(frequency[top] + shift * step_hz), max(half, 0.05) * step_hz
 
 
-def _solved(problem: _Problem, shared_lines: float) -> FittedBell | None:
+def _solved(problem: _Problem, shared_lines: float, step_hz: float) -> FittedBell | None:
     from scipy.optimize import least_squares
 
     zero = problem.error(np.zeros(5))
@@ -231,15 +235,20 @@ def _solved(problem: _Problem, shared_lines: float) -> FittedBell | None:
         return None
     freedom = max(problem.frequency_hz.size - size, 1)
     chi_square = float(2 * solution.cost / freedom)
-    covariance = np.linalg.pinv(solution.jac.T @ solution.jac) * max(chi_square, 1.0) * shared_lines
+    resolved = half > _LEAST_WIDTH * step_hz and not solution.active_mask[1]
+    jacobian = solution.jac.copy()
+    if not resolved:
+        jacobian[:, 1] = 0.0  # at its bound the damping has no slope left, which is no certainty
+    covariance = np.linalg.pinv(jacobian.T @ jacobian) * max(chi_square, 1.0) * shared_lines
     damping = half / natural
     return FittedBell(
         natural_frequency_hz=natural,
         damping_ratio=damping,
         natural_frequency_std_hz=problem.half_hz * float(np.sqrt(covariance[0, 0])),
-        damping_ratio_std=damping * float(np.sqrt(covariance[1, 1])),
+        damping_ratio_std=damping * float(np.sqrt(covariance[1, 1])) if resolved else step_hz / 4 / natural,
         lines=int(problem.frequency_hz.size),
         chi_square=chi_square,
         log_rms=float(np.sqrt(np.mean((solution.fun * problem.scatter) ** 2))),
         converged=bool(solution.success),
+        resolved=resolved,
     )

@@ -50,6 +50,23 @@ def test_very_light_damping_is_found_at_the_full_resolution_and_its_damping_is_s
     assert np.all(np.abs(model.damping_ratio - 0.0005) < 2 * model.damping_ratio_std)
 
 
+@pytest.mark.parametrize("damping", [0.0002, 0.0005, 0.001, 0.002])
+@pytest.mark.parametrize("noise", [0.02, 0.5])
+def test_a_bell_far_narrower_than_a_line_states_no_damping_it_does_not_know(damping: float, noise: float) -> None:
+    """At its lower bound the damping has no slope: that had counted as knowing it to sixteen digits."""
+    for seed in range(3):
+        example = Example(damping_ratio=(damping,) * 3, noise_m_s2=noise, seed=seed)
+        model = run_identifier(Cfdd(), example.campaign())
+        assert model.damping_ratio_std is not None
+        doubtful = np.array([any("doubtful" in flag for flag in flags) for flags in model.flags])
+        covered = np.abs(model.damping_ratio - damping) < 5 * model.damping_ratio_std
+        assert (covered | doubtful).all()
+        unresolved = 2 * model.damping_ratio * model.natural_frequency_hz * example.duration_s < 0.01
+        assert doubtful[unresolved].all()
+        least = 0.25 / (example.duration_s * model.natural_frequency_hz)
+        assert (model.damping_ratio_std >= 0.999 * least)[unresolved].all()
+
+
 def test_residues_are_those_of_the_receptance() -> None:
     """The example's force is linear between its samples, which takes sinc^2 off what samples of it say."""
     example = replace(FOUR, noise_m_s2=0.0, force_noise_n=0.0)
