@@ -1,0 +1,56 @@
+"""Modes of 5 to 15 % damping, which overlap: what a model of fixed order has to spare is no mode without a doubt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vgvt.data import Campaign
+from vgvt.identification import make_identifier, run_identifier
+from vgvt.identification.example import Example
+
+
+def broad(seed: int) -> Example:
+    """Three to six modes of 5 to 15 % damping anywhere in the band, six sensors."""
+    random = np.random.default_rng(seed)
+    modes = int(random.integers(3, 7))
+    frequency = np.sort(random.uniform(5.0, 36.0, modes))
+    return Example(
+        tuple(frequency),
+        tuple(random.uniform(0.05, 0.15, modes)),
+        stations=3,
+        noise_m_s2=float(10 ** random.uniform(-2.0, -0.3)),
+        seed=seed,
+    )
+
+
+def at_once(example: Example) -> Campaign:
+    """The campaign with all sensors in one run."""
+    campaign = example.campaign()
+    first = campaign.runs[0]
+    rows = [first.samples, *(r.samples[1:] for r in campaign.runs[1:])]
+    channels = (*first.channels, *(c for r in campaign.runs[1:] for c in r.channels[1:]))
+    return replace(campaign, runs=(replace(first, channels=channels, samples=np.vstack(rows)),))
+
+
+def test_most_poles_that_are_no_modes_are_doubtful_and_hardly_any_mode_is() -> None:
+    """A pole counts as a mode within half of the half width of a true one.
+
+    What remains without a doubt are modes that the model splits or shifts, up to two half widths away.
+    """
+    distance: list[float] = []
+    doubtful: list[bool] = []
+    there = 0
+    for seed in range(30):
+        example = broad(seed)
+        model = run_identifier(make_identifier("pem"), at_once(example))
+        true = example.modes().poles
+        distance += list((np.abs(model.poles[:, None] - true) / -true.real).min(axis=1))
+        doubtful += [any("doubtful" in flag for flag in flags) for flags in model.flags]
+        there += true.size
+    near, doubt, far = np.array(distance) < 0.5, np.array(doubtful), np.array(distance) > 2.0
+    assert near.sum() > 0.8 * there
+    assert doubt[near].mean() < 0.02
+    assert doubt[~near].mean() > 0.6
+    assert doubt[far].all()
