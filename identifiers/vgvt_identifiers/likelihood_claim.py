@@ -14,10 +14,9 @@ from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.pole_covariance import pole_covariance, pole_deviations
 from vgvt_identifiers.pole_fit import fit_poles
-from vgvt_identifiers.pole_verdict import wrong_at_the_drive_point
+from vgvt_identifiers.pole_verdict import DOUBTFUL_DEVIATION, wrong_at_the_drive_point
 from vgvt_identifiers.spectra import CampaignSpectra
 
-_DOUBTFUL = 0.1  # relative standard deviation of the damping ratio
 
 
 def likelihood_claim(
@@ -80,7 +79,7 @@ def _flags(runs: tuple[RunModes, ...], mode: int) -> tuple[str, ...]:
     ratio = np.array([-r.poles[mode].real / abs(r.poles[mode]) for r in runs])
     deviation = np.array([r.damping_ratio_std[mode] for r in runs])
     together = 1 / np.sqrt((1 / deviation**2).sum()) if np.isfinite(deviation).any() else np.inf
-    return ("doubtful: damping poorly known",) if together > _DOUBTFUL * ratio.mean() else ()
+    return ("doubtful: damping poorly known",) if together > DOUBTFUL_DEVIATION * ratio.mean() else ()
 
 
 def _candidates(fit: CampaignFit) -> tuple[PoleCandidate, ...]:

@@ -18,7 +18,7 @@ from vgvt_identifiers.common_modes import RunModes
 from vgvt_identifiers.frf_spectra import frf_spectra
 from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.pole_patterns import Pattern, PatternOptions, Patterns, SourcePoles, find_patterns
-from vgvt_identifiers.pole_verdict import VerdictRules
+from vgvt_identifiers.pole_verdict import DOUBTFUL_DEVIATION
 from vgvt_identifiers.residues import Residues, fit_residues
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, RunSpectra, campaign_spectra
 from vgvt_identifiers.too_few import TooFewError
@@ -238,7 +238,7 @@ def _flags(pattern: Pattern, sources: int) -> tuple[str, ...]:
     flags = [f"emac={pattern.quality:.2f}"] if np.isfinite(pattern.quality) else []
     if sources > 1:
         flags.append(f"seen_in={pattern.seen}/{sources}")
-    if pattern.pole.damping_ratio_std > VerdictRules().largest_deviation * pattern.pole.damping_ratio:
+    if pattern.pole.damping_ratio_std > DOUBTFUL_DEVIATION * pattern.pole.damping_ratio:
         # Poles that a model of fixed order has to spare follow noise, and what it makes of broad modes.
         flags.append("doubtful: damping poorly known")
     return (*flags, *(f for f in pattern.pole.flags if f.startswith("run_scatter_hz") or f == "runs_disagree"))

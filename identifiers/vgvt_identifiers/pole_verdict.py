@@ -13,6 +13,8 @@ from vgvt_identifiers.pole_covariance import pole_deviations
 from vgvt_identifiers.pole_fit import PoleProblem
 from vgvt_identifiers.pole_search import least_fall
 
+DOUBTFUL_DEVIATION = 0.1
+"""Standard deviation of a damping ratio over the ratio, above which a claim says that it is poorly known."""
 _WRONG_SHARE = 0.3  # of the largest residue, by which a drive point must answer with the wrong sign
 
 

@@ -13,14 +13,14 @@ from vgvt.identification.example import Example
 
 def broad(seed: int) -> Example:
     """Three to six modes of 5 to 15 % damping anywhere in the band, six sensors."""
-    random = np.random.default_rng(seed)
-    modes = int(random.integers(3, 7))
-    frequency = np.sort(random.uniform(5.0, 36.0, modes))
+    generator = np.random.default_rng(seed)
+    modes = int(generator.integers(3, 7))
+    frequency = np.sort(generator.uniform(5.0, 36.0, modes))
     return Example(
         tuple(frequency),
-        tuple(random.uniform(0.05, 0.15, modes)),
+        tuple(generator.uniform(0.05, 0.15, modes)),
         stations=3,
-        noise_m_s2=float(10 ** random.uniform(-2.0, -0.3)),
+        noise_m_s2=float(10 ** generator.uniform(-2.0, -0.3)),
         seed=seed,
     )
 
@@ -34,11 +34,8 @@ def at_once(example: Example) -> Campaign:
     return replace(campaign, runs=(replace(first, channels=channels, samples=np.vstack(rows)),))
 
 
-def test_most_poles_that_are_no_modes_are_doubtful_and_hardly_any_mode_is() -> None:
-    """A pole counts as a mode within half of the half width of a true one.
-
-    What remains without a doubt are modes that the model splits or shifts, up to two half widths away.
-    """
+def test_poles_that_are_no_modes_are_doubtful_and_few_modes_are() -> None:
+    """A pole counts as a mode within half of the half width of a true one; a shifted one may be somewhat further off."""
     distance: list[float] = []
     doubtful: list[bool] = []
     there = 0
@@ -49,8 +46,9 @@ def test_most_poles_that_are_no_modes_are_doubtful_and_hardly_any_mode_is() -> N
         distance += list((np.abs(model.poles[:, None] - true) / -true.real).min(axis=1))
         doubtful += [any("doubtful" in flag for flag in flags) for flags in model.flags]
         there += true.size
-    near, doubt, far = np.array(distance) < 0.5, np.array(doubtful), np.array(distance) > 2.0
+    near, far, doubt = np.array(distance) < 0.5, np.array(distance) > 0.8, np.array(doubtful)
+    assert far.sum() >= 10
     assert near.sum() > 0.8 * there
-    assert doubt[near].mean() < 0.02
-    assert doubt[~near].mean() > 0.6
+    assert doubt[near].mean() < 0.15
+    assert doubt[~near].mean() > 0.9
     assert doubt[far].all()

@@ -45,10 +45,10 @@ def test_a_block_leaks_where_its_record_was_cut() -> None:
     """Two rows of one mode in noise: one with what a record cut while it rings leaves over, one without."""
     frequency = np.linspace(9.0, 11.0, 120)
     pole = 2 * np.pi * 10.0 * (-0.01 + 1j)
-    random = np.random.default_rng(1)
+    generator = np.random.default_rng(1)
     force = np.exp(-0.5j * frequency**2)
     response = np.array([[1.0 + 0.2j], [-0.6 + 0.1j]]) / (2j * np.pi * frequency - pole)
-    noise = 0.01 * (random.standard_normal((2, 2, 120)) + 1j * random.standard_normal((2, 2, 120)))
+    noise = 0.01 * (generator.standard_normal((2, 2, 120)) + 1j * generator.standard_normal((2, 2, 120)))
     ring = np.array([[0.5], [0.8j]]) / (2j * np.pi * frequency - pole) / force
     ones = np.ones(120)
     blocks = tuple(Block(v, ones, np.ones(2), 1 / force) for v in (response + noise[0], response + ring + noise[1]))
