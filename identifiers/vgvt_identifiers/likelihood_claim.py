@@ -18,7 +18,6 @@ from vgvt_identifiers.pole_verdict import DOUBTFUL_DEVIATION, wrong_at_the_drive
 from vgvt_identifiers.spectra import CampaignSpectra
 
 
-
 def likelihood_claim(
     spectra: CampaignSpectra,
     fit: CampaignFit,

@@ -35,7 +35,7 @@ def at_once(example: Example) -> Campaign:
 
 
 def test_poles_that_are_no_modes_are_doubtful_and_few_modes_are() -> None:
-    """A pole counts as a mode within half of the half width of a true one; a shifted one may be somewhat further off."""
+    """A pole counts as a mode within half of the half width of a true one; shifted ones may be further off."""
     distance: list[float] = []
     doubtful: list[bool] = []
     there = 0
