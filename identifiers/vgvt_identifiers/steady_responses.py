@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.data import Campaign, Channel, ChannelRole, Record
+from vgvt.data import Campaign, Channel, ChannelRole, Dof, Record
 from vgvt.signals.usable import fault_of
 from vgvt_identifiers.output_spectra import DIFFERENTIATIONS
 
@@ -32,11 +32,17 @@ class SteadyResponses:
 
 
 def steady_responses(campaign: Campaign, band_hz: tuple[float, float]) -> SteadyResponses:
-    """The sound motion channels of the run that has most, with remarks on what is left out, and what is wrong."""
+    """The sound motion channels of the run that has most, with remarks on what is left out, and what is wrong.
+
+    Sensors at one point along one axis, ``12-Z`` and ``12+Z``, are one response: the mean of those that measure what
+    the first does.
+    """
     best = max(campaign.runs, key=lambda r: (len(r.select(ChannelRole.RESPONSE)[0]), r.duration_s, -r.run))
     others = sorted(r.run for r in campaign.runs if r is not best)
     every = tuple(text for r in campaign.runs for text in _faults(r)[2])
     channels, samples, _ = _faults(best)
+    channels, samples, joined = _joined(channels, samples)
+    every = (*every, *joined)
     problem = ""
     missing = {d.unsigned for d in campaign.response_dofs} - {c.dof.unsigned for c in best.channels if c.dof}
     if others and missing:
@@ -58,6 +64,28 @@ def steady_responses(campaign: Campaign, band_hz: tuple[float, float]) -> Steady
     if not problem:
         every = (*every, *_trap(campaign))
     return SteadyResponses(channels, samples, best.sample_rate_hz, every, problem)
+
+
+def _joined(
+    channels: tuple[Channel, ...], samples: NDArray[np.float64]
+) -> tuple[tuple[Channel, ...], NDArray[np.float64], tuple[str, ...]]:
+    """The channels with their samples (D, N), each DOF once, and a remark for each that several measured."""
+    places: dict[Dof | None, list[int]] = {}
+    for i, channel in enumerate(channels):
+        places.setdefault(channel.dof and channel.dof.unsigned, []).append(i)
+    kept, rows, remarks = [], [], []
+    for dof, found in places.items():
+        first = channels[found[0]]
+        alike = [i for i in found if channels[i].quantity is first.quantity]
+        turned = [1 if (d := channels[i].dof) is None or d == first.dof else -1 for i in alike]
+        kept.append(first)
+        rows.append(np.mean([sign * samples[i] for sign, i in zip(turned, alike, strict=True)], axis=0))
+        if len(found) > 1:
+            names = ", ".join(channels[i].name for i in found)
+            mean = "their mean is taken" if len(alike) > 1 else f"{first.name} is taken"
+            other = " of one quantity" if 1 < len(alike) < len(found) else ""
+            remarks.append(f"{dof} is measured by {names}: {mean}{other}")
+    return tuple(kept), np.array(rows) if rows else samples, tuple(remarks)
 
 
 def _trap(campaign: Campaign) -> tuple[str, ...]:
