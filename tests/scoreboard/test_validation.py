@@ -35,6 +35,18 @@ def test_a_claim_that_says_what_was_measured_fits_perfectly() -> None:
     assert len(said["nrmse"]) == 3
 
 
+def test_a_reference_named_along_the_opposite_direction_is_the_same_reference() -> None:
+    claim = model()
+    assert claim.residues is not None
+    turned = replace(claim, references=(Dof(9, Direction.MINUS_Z),), residues=-claim.residues)
+    measured = synthesise(claim, LINES)
+    assert validate(measured, turned, BAND).fit_percent == pytest.approx(100, abs=1e-6)
+    assert validate(measured, replace(turned, residues=claim.residues), BAND).fit_percent.max() < 0
+    moved = replace(claim, references=(Dof(8, Direction.PLUS_Z),))
+    with pytest.raises(InputError, match="no reference"):
+        validate(measured, moved, BAND)
+
+
 def test_a_claim_is_compared_with_what_a_window_shows_of_it() -> None:
     """A hammer's exponential window damps what was measured; a claim states the structure's damping."""
     seen = synthesise(model(), LINES, added_decay_rad_per_s=2.0)
