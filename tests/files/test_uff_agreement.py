@@ -196,6 +196,16 @@ def test_a_universal_file_by_itself_is_told_how_to_begin(tmp_path: Path, name: s
         open_campaign(tmp_path / name)
 
 
+def test_the_units_of_the_file_say_nothing_of_a_rotation(universal: Universal, edited: Edit) -> None:
+    path = universal(stated(unit="NONE", dof=(1, 5)))
+    volts = 'direction = "+Z"\nsensitivity = "10 mV/g"\ngain = 100.0\nrange_v = 10.0'
+    edited(volts, 'direction = "+RY"\nunit = "deg/s^2"\noverrides = ["dof"]')
+    for k in (1, 2):
+        file = path.parent / f"raw/run{k}.uff"
+        file.write_text(units_164(1000.0, 1.0) + file.read_text())
+    assert len(open_campaign(path).runs) == 2
+
+
 @pytest.mark.parametrize(
     ("label", "unit", "fits"),
     [("NONE", "m/s^2", False), ("NONE", "mm/s^2", True), ("NONE", "g", False), ("furlong", "g", True)],

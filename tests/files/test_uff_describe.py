@@ -205,6 +205,20 @@ def test_a_unit_comes_from_the_label_else_from_the_file(tmp_path: Path) -> None:
         open_campaign(tmp_path / "bench.toml")
 
 
+def test_the_unit_of_a_rotation_is_no_length(tmp_path: Path) -> None:
+    """The file is in millimetres; angles have no factor there, so that only a label tells."""
+    rows: list[Row] = [
+        ((100, 3), (13, "NONE")),
+        ((1, 3), (12, "NONE")),
+        ((2, 5), (12, "NONE")),
+        ((3, 5), (12, "rad/s2")),
+    ]
+    description, _ = described(tmp_path, units_164(1000.0, 1000.0) + nodes_2411(PLACES) + histories([rows]))
+    assert description.missing == ("acc2: its unit (the file does not state it)",)
+    channels = tomllib.loads((tmp_path / "bench.toml").read_text())["channel"]
+    assert [channel.get("unit") for channel in channels] == ["mN", "mm/s^2", None, "rad/s^2"]
+
+
 def test_what_is_missing_can_be_filled_in(tmp_path: Path) -> None:
     """A logger that knows neither nodes nor units: the gaps are written, and the sidecar loads."""
     content = "".join(text_58([1.0, 2.0] * 100, dof=(0, 0), code=1, unit=unit) for unit in ("N", "m/s2"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from vgvt.data import Quantity
@@ -12,6 +13,9 @@ POUND_FORCE_N = 4.4482216152605
 KILOGRAM_FORCE_N = STANDARD_GRAVITY_M_PER_S2
 
 LENGTHS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+
+ANGLES_RAD = {"rad": 1.0, "deg": math.pi / 180}
+"""Of motion about an axis, as at ``12+RY``."""
 
 QUANTITIES = {
     "acceleration": Quantity.ACCELERATION,
@@ -28,9 +32,10 @@ UNITS: dict[Quantity, dict[str, float]] = {
         "m/s²": 1.0,
         "g": STANDARD_GRAVITY_M_PER_S2,
         **{f"{name}/s^2": metres for name, metres in LENGTHS_M.items() if name != "m"},
+        **{f"{name}/s^2": radians for name, radians in ANGLES_RAD.items()},
     },
-    Quantity.VELOCITY: {f"{name}/s": metres for name, metres in LENGTHS_M.items()},
-    Quantity.DISPLACEMENT: dict(LENGTHS_M),
+    Quantity.VELOCITY: {f"{name}/s": size for name, size in (LENGTHS_M | ANGLES_RAD).items()},
+    Quantity.DISPLACEMENT: LENGTHS_M | ANGLES_RAD,
     Quantity.EXCITATION_FORCE: {
         "N": 1.0,
         "kN": 1000.0,

@@ -40,7 +40,8 @@ def check_channel(
             f"correct the column, or the place; {override('dof')}",
         )
     if "unit" not in channel.overrides:
-        _check_unit(history, channel, units, where)
+        at = dof or stated
+        _check_unit(history, channel, units, where, at is not None and at.direction.is_rotation)
 
 
 def check_rate(history: TimeHistory, sample_rate_hz: float, overridden: bool, where: str) -> None:
@@ -96,13 +97,15 @@ def _check_quantity(history: TimeHistory, channel: ChannelRow, where: str) -> No
     )
 
 
-def _check_unit(history: TimeHistory, channel: ChannelRow, units: UnitSystem | None, where: str) -> None:
+def _check_unit(
+    history: TimeHistory, channel: ChannelRow, units: UnitSystem | None, where: str, about_an_axis: bool
+) -> None:
     if check_unit_label(channel, history.unit, where):
         return
     # The file's system says nothing of volts, nor of what has a unit of its own.
     if units is None or channel.unit is None or history.unit or history.quantity_code not in QUANTITY_OF_CODE:
         return
-    factor = units.in_si(channel.kind)
+    factor = units.in_si(channel.kind, about_an_axis)
     if factor is not None and not same_unit(channel.si_per_sample, factor):
         raise InputError(
             where,

@@ -115,8 +115,10 @@ def _unit(history: TimeHistory, quantity: Quantity | None, units: UnitSystem | N
     if history.unit:
         labelled = unit_of_label(history.unit)
         return labelled[1] if labelled is not None and labelled[0] is quantity else None
-    factor = units.in_si(quantity) if units is not None and quantity is not None else None
-    return None if quantity is None or factor is None else unit_of_factor(quantity, factor)
+    if units is None or quantity is None:
+        return None
+    factor = units.in_si(quantity, history.response is not None and history.response.direction.is_rotation)
+    return None if factor is None else unit_of_factor(quantity, factor)
 
 
 def _share_a_place(channel: ProposedChannel, other: ProposedChannel) -> bool:

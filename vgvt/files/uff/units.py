@@ -52,8 +52,13 @@ class UnitSystem:
             raise ValueError("no factors of length and force")
         return cls(numbers[0], numbers[1])
 
-    def in_si(self, quantity: Quantity) -> float | None:
-        """SI units per unit of the file; None for a quantity that is neither motion nor force."""
+    def in_si(self, quantity: Quantity, about_an_axis: bool) -> float | None:
+        """SI units per unit of the file; None for what is neither motion nor force, or is a rotation or a moment.
+
+        A length says nothing of angles, and angles have no factor in dataset 164.
+        """
+        if about_an_axis:
+            return None
         if quantity is Quantity.EXCITATION_FORCE:
             return 1 / self.forces_a_newton
         return None if quantity is Quantity.GENERAL else 1 / self.lengths_a_metre
