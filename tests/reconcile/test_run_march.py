@@ -76,15 +76,20 @@ def window(tapered: int) -> Array:
 
 
 @pytest.mark.parametrize(
-    ("law", "tapered"),
+    ("law", "tapered", "padded"),
     [
-        (CUBIC, TAPERED),
-        pytest.param(CUBIC, 0, marks=pytest.mark.slow),
-        pytest.param(PLAY, TAPERED, marks=pytest.mark.slow),
-        (PLAY, 0),
+        (CUBIC, TAPERED, 1.0),
+        pytest.param(CUBIC, 0, 1.0, marks=pytest.mark.slow),
+        pytest.param(PLAY, TAPERED, 1.0, marks=pytest.mark.slow),
+        (PLAY, 0, 1.0),
+        # A run shorter than the longest of its campaign: zeros behind its record, and as many lines more between.
+        (CUBIC, TAPERED, 1.5),
+        (CUBIC, 0, 2.0),
+        pytest.param(PLAY, TAPERED, 2.0, marks=pytest.mark.slow),
+        pytest.param(PLAY, 0, 1.5, marks=pytest.mark.slow),
     ],
 )
-def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, tapered: int) -> None:
+def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, tapered: int, padded: float) -> None:
     """As the quotient of tapered spectra has it: with the sensors on, and with what it leaves ringing."""
     m, force = structure(), sweep()
     spectra = [np.fft.rfft(x * window(tapered))[..., LINES] for x in (recorded(m, law, force), force)]
@@ -92,9 +97,11 @@ def test_a_joint_is_foretold_to_the_end_of_the_record(law: Law, tapered: int) ->
     ending = Ending.of(force, RATE_HZ, tapered, HZ, spectra[1])
     joints = Joints(((law,),), JOINT, np.zeros(1), np.zeros((2, 1)), np.zeros((1, 1)))
     run, masses = (np.arange(2),), (np.full(2, SENSOR_KG),)
+    long, lines = np.pad(force, (0, round((padded - 1) * SAMPLES))), np.rint(padded * LINES).astype(int)
+    np.testing.assert_allclose(lines / long.size, LINES / SAMPLES)
 
     def foretold(loaded: Matrices, ending: Ending | None) -> Array:
-        shown, rung = marched_run(loaded, joints, (law,), Push(force, RATE_HZ, LINES, 12.0, ending))
+        shown, rung = marched_run(loaded, joints, (law,), Push(long, RATE_HZ, lines, 12.0, ending))
         return np.asarray(level_accelerances(m, joints, shown[None], 2 * np.pi * HZ, run, masses) + rung)
 
     heavy, omega = loaded_by(m, run[0], masses[0]), 2 * np.pi * HZ

@@ -37,7 +37,8 @@ _GONE = 1e-5
 class Push:
     """Measured force ``samples`` (N,) of a run as it was, N, and the ``lines`` (L,) of the record that are looked at.
 
-    ``ending`` is how the record ends; None where it is taken for one that ends at rest.
+    A record shorter than the campaign's longest has zeros behind it, up to that length. ``ending`` is how the record
+    itself ends, before them; None where it is taken for one that ends at rest.
     """
 
     samples: Array
@@ -178,6 +179,8 @@ def _rung_by_joints(
 ) -> ComplexArray:
     """What the end leaves out (C, L) of answers to reactions (J, samples of the record) that act against the joints."""
     assert push.ending is not None
+    # The record may be padded to the length of a longer one: it ends where it did.
+    reaction = reaction[:, : push.ending.samples]
     out = np.zeros((loaded.axis.shape[0], push.lines.size), dtype=complex)
     for row, acting in zip(joints.rows, reaction, strict=True):
         ending = push.ending.under(acting, pushed)
