@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -104,3 +106,25 @@ def test_a_mass_that_the_tolerance_stood_in_for_is_found(roving: Problem) -> Non
     assert abs(found.u[index]) < 4
     assert abs(value - ADDED_KG) < 4 * sd
     assert sd < 0.1 * ADDED_KG
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("sensor-tilt", {"angle_rad": 1e-9, "azimuth_rad": 1.0, "sensors": "response"}),
+        ("payload-change", {"from_run": 3, "x_m": 0.9, "y_m": 1.1, "mass_kg": 1e-9}),
+    ],
+)
+def test_what_parts_runs_and_does_nothing_else_changes_nothing(
+    name: str, settings: dict[str, Any], tmp_path: Path
+) -> None:
+    """An aircraft carries the mean of all runs' sensors, and not that of those that an effect treats alike."""
+    scenario = roving_scenario()
+    heavy = scenario.accelerometers.model_copy(update={"mass_kg": 0.02})
+    scenario = scenario.model_copy(update={"accelerometers": heavy})
+    case = make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=tmp_path)
+    u, e, nothing = np.zeros(case.size), np.zeros(0), Hypothesis(available_effects()[name], settings)
+    bare, parted = (anchor(case, u, of, e, slopes=False) for of in ((), (nothing,)))
+    assert len(bare.groups) == 1 < len(parted.groups)
+    change = (parted.predict(u, e) - bare.predict(u, e)) / case.measured.sigma
+    assert np.sqrt(np.mean(np.abs(change) ** 2)) < 1e-3

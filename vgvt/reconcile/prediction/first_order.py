@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from vgvt.reconcile.mechanics.response import poles_of
 from vgvt.reconcile.prediction.grouping import Group
+from vgvt.reconcile.prediction.riding import Riders
 from vgvt.reconcile.prediction.surrogate import Anchor
-from vgvt.simulation.reduced import Structure
+from vgvt.reconcile.question.data import MeasuredChannel
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -48,12 +49,13 @@ class _Known:
     """A group with the motions of its runs.
 
     ``motions`` (n, m + 1) are its modes and the static shape of the push that they miss; ``tests`` (m + C, n) its modes
-    and what they miss of a static force along each channel. ``roving`` where the sensors' inertia along their axes
-    loads each run by itself.
+    and what they miss of a static force along each channel. ``riders`` are the sensors it carries, of ``channels``;
+    where they rove, their inertia along their axes loads each run by itself.
     """
 
     group: Group
-    roving: bool
+    channels: tuple[MeasuredChannel, ...]
+    riders: Riders
     motions: Array
     tests: Array
     runs: tuple[_Run, ...]
@@ -139,7 +141,8 @@ def _motions(here: Anchor, index: int, omega: Array) -> _Known:
         runs.append(_Run(rows, q, adjoint, force.T.copy(), displaced.T.copy(), loading.T.copy()))
     motions = np.column_stack([basis, rest @ s.drive])
     tests = np.concatenate([basis.T, s.axis[group.rows] @ rest])
-    return _Known(group, reduced.roving, motions, tests, tuple(runs))
+    channels = here.problem.measured.channels
+    return _Known(group, channels, Riders.of(channels, group), motions, tests, tuple(runs))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,12 +184,7 @@ class _Change:
         mass = t.mass - s.mass
         moved = t.jacobian[there.rows[other]] - s.jacobian[before.rows[here]]
         if masses.any() or moved.any():
-            # As the anchor has it: the mean of what moves across their axes where they rove, else all of one run's.
-            runs = [run for run in known.runs if np.isin(run.rows, here).all()][: None if known.roving else 1]
-            chosen = np.isin(here, np.concatenate([run.rows for run in runs]))
-            heavy = _weight(t, there.rows[other[chosen]], there.masses_kg[other[chosen]], known.roving)
-            light = _weight(s, before.rows[here[chosen]], before.masses_kg[here[chosen]], known.roving)
-            mass = mass + (heavy - light) / len(runs)
+            mass = mass + Riders.of(known.channels, there).inertia(t) - known.riders.inertia(s)
         tests, motions, drive = known.tests, known.motions, t.drive - s.drive
 
         def projected(d: Array) -> tuple[Array | None, Array | None, Array | None, Array | None]:
@@ -201,7 +199,7 @@ class _Change:
             tests @ drive[:old], drive[old:],
             axis[:, :old] @ motions, tilt[:, :old] @ motions, axis[:, old:], tilt[:, old:],
             tests @ axis[:, :old].T, tests @ before.structure.axis[before.rows].T,
-            masses if known.roving else np.zeros_like(masses),
+            masses if known.riders.roving else np.zeros_like(masses),
         )  # fmt: skip
 
     @property
@@ -256,10 +254,3 @@ class _Change:
 def _times(matrix: Array, values: ComplexArray) -> ComplexArray:
     """A real matrix times a complex one, without making that complex."""
     return (matrix @ np.ascontiguousarray(values).view(np.float64)).view(np.complex128)
-
-
-def _weight(s: Structure, rows: NDArray[np.intp], masses_kg: Array, roving: bool) -> Array:
-    """Inertia (n, n) of sensors at some rows; only across their axes where they rove."""
-    moved = s.jacobian[rows]
-    total = np.einsum("r,rai,raj->ij", masses_kg, moved, moved, optimize=True)
-    return np.asarray(total - (s.axis[rows].T * masses_kg) @ s.axis[rows] * roving)

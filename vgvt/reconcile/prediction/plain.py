@@ -16,7 +16,7 @@ from vgvt.reconcile.mechanics.joints import joint_laws
 from vgvt.reconcile.mechanics.response import Matrices, reduction, unfelt
 from vgvt.reconcile.prediction.grouping import Group, spare_flexibility
 from vgvt.reconcile.prediction.levels import Levels, levels_of
-from vgvt.reconcile.prediction.riding import carried_by
+from vgvt.reconcile.prediction.riding import Riders
 from vgvt.reconcile.question.problem import Problem
 from vgvt.simulation.reduced import Structure
 
@@ -31,13 +31,13 @@ _KEPT = 16
 class Plain:
     """A group's reduced coordinates, ``basis`` (n, m), its matrices and ``levels`` in them, and the rows of its runs.
 
-    ``roving`` where runs have sensors in different places.
+    ``riders`` are the sensors that the matrices hold, where they rove but for their axes.
     """
 
     basis: Array
     matrices: Matrices
     runs: tuple[NDArray[np.intp], ...]
-    roving: bool
+    riders: Riders
     levels: Levels | None
 
 
@@ -47,9 +47,8 @@ def plain_of(problem: Problem, cells: float, group: Group) -> Plain:
     s = group.structure
     run_of = np.array([problem.measured.channels[i].run for i in group.channels])
     runs = tuple(np.flatnonzero(run_of == r) for r in np.unique(run_of))
-    roving = len({tuple(group.rows[r]) for r in runs}) > 1
-    carried = carried_by(s, group.rows, group.masses_kg, runs, roving)
-    full = replace(s, mass=s.mass + carried)
+    riders = Riders.of(problem.measured.channels, group)
+    full = replace(s, mass=s.mass + riders.inertia(s))
     limit = 2 * np.pi * _MODES_PER_BAND * problem.measured.frequency_hz[-1]
     # What an effect adds keeps its motion, however stiff it is held: its inertia, not its own mode, is what is felt. So
     # does a joint that it gives a law: what sticks is held by modes whose damping is felt far below them.
@@ -59,15 +58,14 @@ def plain_of(problem: Problem, cells: float, group: Group) -> Plain:
     matrices = _project(full, basis, group.rows)
     missing = spare_flexibility(problem, cells, s, group.rows)
     matrices = replace(matrices, spare=matrices.spare + missing)
-    return Plain(basis, matrices, runs, roving, levels_of(problem.measured, group, basis, matrices, roving=roving))
+    levels = levels_of(problem.measured, group, basis, matrices, roving=riders.roving)
+    return Plain(basis, matrices, runs, riders, levels)
 
 
-def loaded(
-    group: Group, basis: Array, runs: tuple[NDArray[np.intp], ...], roving: bool, spare: bool = True
-) -> Matrices:
+def loaded(problem: Problem, group: Group, basis: Array, spare: bool = True) -> Matrices:
     """A group in given reduced coordinates (n, m), with what its sensors weigh; its ``spare`` flexibility if asked."""
-    s, carried = group.structure, carried_by(group.structure, group.rows, group.masses_kg, runs, roving)
-    return _project(replace(s, mass=s.mass + carried), basis, group.rows, spare)
+    s, riders = group.structure, Riders.of(problem.measured.channels, group)
+    return _project(replace(s, mass=s.mass + riders.inertia(s)), basis, group.rows, spare)
 
 
 def _project(s: Structure, basis: Array, rows: NDArray[np.intp], spare: bool = True) -> Matrices:

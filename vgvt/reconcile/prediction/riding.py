@@ -2,26 +2,76 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.reconcile.prediction.grouping import Group
+from vgvt.reconcile.question.data import MeasuredChannel
 from vgvt.simulation.reduced import Structure
 
 Array = NDArray[np.float64]
 
 
-def carried_by(
-    s: Structure, rows: NDArray[np.intp], masses: Array, runs: tuple[NDArray[np.intp], ...], roving: bool
-) -> Array:
-    """Inertia (n, n) of the sensors: all of it where they stay, the mean across their axes where they rove."""
-    chosen = np.concatenate(runs if roving else runs[:1])
-    at, own = rows[chosen], masses[chosen]
-    moved = s.jacobian[at]
-    total = (moved * own[:, None, None]).reshape(-1, s.drive.size).T @ moved.reshape(-1, s.drive.size)
-    if not roving:
-        return np.asarray(total)
-    axis = s.axis[at]
-    return np.asarray(total - (axis.T * own) @ axis) / len(runs)
+@dataclass(frozen=True, slots=True, eq=False)
+class Riders:
+    """The sensors, of ``masses_kg`` (S,), that a group's structure carries at its places ``rows`` (S,).
+
+    Where they are ``roving`` they are those of all ``runs`` of the campaign, which the structure has in the mean and
+    but for what they weigh along their axes, with which each run is loaded by itself; else those of one run.
+    """
+
+    rows: NDArray[np.intp]
+    masses_kg: Array
+    runs: int
+    roving: bool
+
+    @classmethod
+    def of(cls, channels: Sequence[MeasuredChannel], group: Group) -> Riders:
+        """Of a group of a campaign with ``channels``.
+
+        Its own sensors are where it has them, those of other groups at the points they are meant to be: an effect that
+        does nothing yet may part runs, and the mean is not to jump with that.
+        """
+        nodes: dict[int, list[int]] = {}
+        for channel in channels:
+            nodes.setdefault(channel.run, []).append(channel.dof.node)
+        if len(set(map(tuple, nodes.values()))) == 1:
+            (first, *_) = (channels[i].run for i in group.channels)
+            own = np.array([k for k, i in enumerate(group.channels) if channels[i].run == first])
+            return cls(group.rows[own], group.masses_kg[own], 1, False)
+        rows, masses = group.rows, group.masses_kg
+        mine = set(group.channels.tolist())
+        away = [c.dof.node for i, c in enumerate(channels) if i not in mine]
+        if away:
+            place = {site: k for k, site in enumerate(group.structure.places)}
+            home = {p.dof.node: place[p.site] for p in group.plan.grid}
+            rows = np.concatenate([rows, [home[node] for node in away]])
+            masses = np.concatenate([masses, np.full(len(away), masses.mean())])
+        return cls(rows, masses, len(nodes), True)
+
+    def weighing(self, mass_kg: float) -> Riders:
+        """The same sensors, each with one mass."""
+        return replace(self, masses_kg=np.full(self.rows.size, mass_kg))
+
+    def inertia(self, s: Structure) -> Array:
+        """What a structure carries of them, (n, n)."""
+        moved = s.jacobian[self.rows]
+        total = (moved * self.masses_kg[:, None, None]).reshape(-1, s.drive.size).T @ moved.reshape(-1, s.drive.size)
+        if not self.roving:
+            return np.asarray(total)
+        axis = s.axis[self.rows]
+        return np.asarray(total - (axis.T * self.masses_kg) @ axis) / self.runs
+
+    def by_rows(self, axis: Array, moved: Array) -> Array:
+        """Change (m, m) of :meth:`inertia` where roving sensors' rows ``axis`` (S, m) alone change by ``moved``.
+
+        What cells lack turns the rows that sensors read, and not the links that carry them.
+        """
+        change = (axis.T * self.masses_kg) @ moved / self.runs
+        return np.asarray(-change - change.T)
 
 
 def riding(drive: Array, known: NDArray[np.bool_]) -> Array:
@@ -31,12 +81,3 @@ def riding(drive: Array, known: NDArray[np.bool_]) -> Array:
     """
     bare = np.where(known, drive, 0.0)
     return np.asarray(np.outer(drive, drive) - np.outer(bare, bare))
-
-
-def across_by_rows(axis: Array, moved: Array, masses_kg: Array) -> Array:
-    """Change (m, m) of what roving sensors weigh across their axes (C, m) where these alone change by ``moved``.
-
-    What cells lack turns the rows that sensors read, and not the links that carry them.
-    """
-    change = (axis.T * masses_kg) @ moved
-    return np.asarray(-change - change.T)

@@ -34,7 +34,7 @@ from vgvt.reconcile.prediction.level_following import Followed, Following
 from vgvt.reconcile.prediction.levels import Levels, level_accelerances, levels_of
 from vgvt.reconcile.prediction.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
 from vgvt.reconcile.prediction.plain import loaded, plain_of
-from vgvt.reconcile.prediction.riding import across_by_rows, carried_by, riding
+from vgvt.reconcile.prediction.riding import riding
 from vgvt.reconcile.prediction.sides import Side, pulled_by, sides_of, widened
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, MATRICES, Problem
@@ -254,7 +254,8 @@ def _reduced(
     group = groups[index]
     s = group.structure
     plain = plain_of(problem, cells_at(problem, u), group)
-    basis, matrices, runs, roving, levels = plain.basis, plain.matrices, plain.runs, plain.roving, plain.levels
+    basis, matrices, runs, riders, levels = plain.basis, plain.matrices, plain.runs, plain.riders, plain.levels
+    roving = riders.roving
     slopes: dict[str, Array] = {}
     if sides is None:
         none = np.zeros((0, 0))
@@ -274,7 +275,7 @@ def _reduced(
         """What a slope is taken of, in the group's coordinates, and what its joints show where there are any."""
         if id(g) not in seen:
             # Coordinates that only others have hold nothing there: they have no flexibility.
-            m = loaded(g, basis, runs, roving, levels is not None)
+            m = loaded(problem, g, basis, levels is not None)
             shows = levels if g is group or levels is None else levels_of(problem.measured, g, basis, m, roving=roving)
             seen[id(g)] = m, shows
         return seen[id(g)]
@@ -285,9 +286,7 @@ def _reduced(
         mass_slopes[j] = (side.there[index].masses_kg - side.here[index].masses_kg) / side.step
         if levels is not None:
             beside.append(None if near is None or far is None else (near, far, side.step))
-    pulls = [
-        (k, [loaded(g[index], basis, runs, roving) for g in (side.here, side.there)], side.step) for k, side in pulled
-    ]
+    pulls = [(k, [loaded(problem, g[index], basis) for g in (side.here, side.there)], side.step) for k, side in pulled]
     for name in MATRICES:
         values = local.values[name]
         if name in ("mass", "damping", "stiffness"):
@@ -297,12 +296,11 @@ def _reduced(
         else:
             rows = values[:, grid_rows] @ part
         if name == "mass" and sensor is not None:
-            own = np.full(group.rows.size, problem.scenario.accelerometers.mass_kg)
-            rows[sensor] += basis.T @ carried_by(s, group.rows, own, runs, roving) @ basis
+            rows[sensor] += basis.T @ riders.weighing(problem.scenario.accelerometers.mass_kg).inertia(s) @ basis
         if name == "mass" and roving:
-            cells = problem.unknowns.index(CELLS)
-            moved = local.values["axis"][cells, grid_rows] @ part
-            rows[cells] += across_by_rows(s.axis[group.rows] @ basis, moved, group.masses_kg) / len(runs)
+            cells, carrying = problem.unknowns.index(CELLS), local.rows([s.places[r] for r in riders.rows])
+            moved = local.values["axis"][cells, carrying] @ part
+            rows[cells] += riders.by_rows(s.axis[riders.rows] @ basis, moved)
         if name == "mass" and end_mass is not None:
             rows[end_mass] += problem.scenario.transducer.end_mass_kg * (basis.T @ otherwise @ basis)
         for k, (before, after), step in pulls:
