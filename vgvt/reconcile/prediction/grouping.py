@@ -179,6 +179,38 @@ def _assembled(problem: Problem, packed: bytes, hypotheses: tuple[Hypothesis, ..
     return tuple(replace(g, filtered=filtered) for g in groups)
 
 
+def parted(ends: Sequence[tuple[Group, ...]]) -> list[tuple[Group, ...]]:
+    """Groups of the same channels, each end parted as all of them are: as it was where it is so already.
+
+    At the size that does nothing an effect leaves together what it parts a step away.
+    """
+    home = [{channel: k for k, group in enumerate(end) for channel in group.channels.tolist()} for end in ends]
+    pieces: dict[tuple[int, ...], list[int]] = {}
+    for group in ends[0]:
+        for channel in group.channels.tolist():
+            pieces.setdefault(tuple(of[channel] for of in home), []).append(channel)
+    if all(len(pieces) == len(end) for end in ends):
+        return list(ends)
+    known: dict[tuple[int, int], Group] = {}
+
+    def piece(group: Group, number: int, channels: list[int]) -> Group:
+        # What several ends share they share in parts, too.
+        if (id(group), number) not in known:
+            at = np.flatnonzero(np.isin(group.channels, channels))
+            whole = at.size == group.channels.size
+            known[id(group), number] = (
+                group
+                if whole
+                else replace(group, channels=group.channels[at], rows=group.rows[at], masses_kg=group.masses_kg[at])
+            )
+        return known[id(group), number]
+
+    return [
+        tuple(piece(end[places[k]], number, channels) for number, (places, channels) in enumerate(pieces.items()))
+        for k, end in enumerate(ends)
+    ]
+
+
 def changed_places(here: Sequence[Group], there: Sequence[Group]) -> bool:
     """Whether modes have changed places between groups a slope's step apart, and taken each other's damping ratio.
 

@@ -12,7 +12,7 @@ from vgvt.effects.registry import effects_of
 from vgvt.reconcile.prediction.adjacent import beside
 from vgvt.reconcile.prediction.carried import Structures
 from vgvt.reconcile.prediction.following import beyond, leaders
-from vgvt.reconcile.prediction.grouping import Group, assembled, changed_places
+from vgvt.reconcile.prediction.grouping import Group, assembled, changed_places, parted
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Nominal, Problem
 
@@ -53,16 +53,18 @@ class _Apart:
         """It added last to a rig without it, which is cheap, over the coordinates of groups that are ``like`` it."""
         last = (*self.others, self.hypothesis)
         found = beside(problem, u, bare, last, np.concatenate([self.rest, mine]), start)
-        if found is None or len(found) != len(like):
+        if found is None:
             return None
         # What effects add is named after their order.
         own, count = len(effects_of(problem.scenario)), len(last)
         order = [*(k for k in range(count) if k != self.place), self.place]
         known = {str(own + j): f"{_EFFECT}{own + k}" for j, k in enumerate(order)}
         named = []
-        for group, other in zip(found, like, strict=True):
-            joints = tuple(_renamed(joint, known) for joint in group.structure.joints)
-            if set(joints) != set(other.structure.joints) or not np.array_equal(group.channels, other.channels):
+        whole = {channel: other for other in like for channel in other.channels.tolist()}
+        for group in found:
+            joints, other = tuple(_renamed(joint, known) for joint in group.structure.joints), whole[group.channels[0]]
+            # A step from nothing may part runs that were alike.
+            if set(joints) != set(other.structure.joints) or not np.isin(group.channels, other.channels).all():
                 return None
             s = replace(group.structure, joints=joints).onto(other.structure.joints)
             named.append(replace(group, structure=s))
@@ -85,7 +87,7 @@ def _apart(hypotheses: tuple[Hypothesis, ...], e: Array) -> Iterator[_Apart]:
 def sides_of(
     structures: Structures, u: Array, hypotheses: tuple[Hypothesis, ...], e: Array, groups: tuple[Group, ...]
 ) -> list[Side]:
-    """For every parameter of the hypotheses, groups a step away from those at e.
+    """For every parameter of the hypotheses, groups a step away from those at e, both parted alike.
 
     A step is added to the rig without the effect, as the stated aircraft has it; of ``whole`` structures it is
     assembled: what a hook does by moving depends on how high it is.
@@ -107,13 +109,27 @@ def sides_of(
                     away, start = e.copy(), groups
                     away[one.begin + j] += step
                     near = assembled(problem, u, hypotheses, away)
-                if near is not None and _alike(groups, near):
+                if near is None:
+                    continue
+                start, near = parted((start, near))
+                if _alike(start, near):
                     side = Side(start, near, one.hypothesis.reach(j, step)) if side is None else side
                     if not changed_places(start, near):
                         side = Side(start, near, one.hypothesis.reach(j, step))
                         break
             sides.append(side if side is not None else Side(groups, groups, size))
     return sides
+
+
+def together(
+    groups: tuple[Group, ...], sides: Sequence[Side], pulled: Sequence[tuple[int, Side]]
+) -> tuple[tuple[Group, ...], list[Side], list[tuple[int, Side]]]:
+    """The same with all groups parted alike."""
+    every = [*sides, *(side for _, side in pulled)]
+    groups, *ends = parted([groups, *(end for side in every for end in (side.here, side.there))])
+    same = [replace(side, here=ends[2 * k], there=ends[2 * k + 1]) for k, side in enumerate(every)]
+    indices = (index for index, _ in pulled)
+    return groups, same[: len(sides)], list(zip(indices, same[len(sides) :], strict=True))
 
 
 def widened(sides: Sequence[Side], groups: tuple[Group, ...]) -> list[Side] | None:

@@ -35,7 +35,7 @@ from vgvt.reconcile.prediction.levels import Levels, level_accelerances, levels_
 from vgvt.reconcile.prediction.local_slopes import LocalSlopes, Origin, origin_at, slopes_for, whole_near
 from vgvt.reconcile.prediction.plain import loaded, plain_of
 from vgvt.reconcile.prediction.riding import riding
-from vgvt.reconcile.prediction.sides import Side, pulled_by, sides_of, widened
+from vgvt.reconcile.prediction.sides import Side, pulled_by, sides_of, together, widened
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, MATRICES, Problem
 
@@ -222,6 +222,9 @@ def anchor(
         # Slopes of the whole hold what follows from an unknown.
         pulls = slopes and not all(k.whole for k in known)
         pulled = pulled_by(kept, u, hypotheses, scores, groups) if pulls else []
+        if steps_aside:
+            groups, steps_aside, pulled = together(groups, steps_aside, pulled)
+            known = [slopes_for(problem, hypotheses, origin, g) for g in groups]
         reduced = tuple(
             _reduced(problem, u, groups, g, steps_aside, pulled, scores.size, known[g]) for g in range(len(groups))
         )
@@ -229,7 +232,8 @@ def anchor(
         raise NoStructureError("no mass matrix") from error
     if slopes and kept.follows is not None:
         reduced = _following(problem, u, reduced, kept.follows)
-    filtered = any(g.filtered for g in groups)
+    # What does nothing to a channel yet may do so a step away.
+    filtered = any(g.filtered for end in (groups, *(s.there for s in steps_aside or ())) for g in end)
     return Anchor(problem, hypotheses, u.copy(), scores.copy(), reduced, groups, filtered, origin, kept)
 
 
