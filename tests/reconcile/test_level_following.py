@@ -30,9 +30,12 @@ SLIPS = Hypothesis(available_effects()["root-friction"], {"kind": "bending", "si
 TRUE = {"friction_n_m": 0.3, "root_stiffness_n_m_per_rad": 2000.0}
 
 
-def swept(volt: float, cache: Path) -> Problem:
+def swept(volt: float, cache: Path, runs: tuple[tuple[int, ...], ...] | None = None) -> Problem:
     """A short sweep of a small aircraft over its first two bending modes."""
     scenario = without_instrument_noise(small_scenario())
+    if runs is not None:
+        acquisition = scenario.acquisition.model_copy(update={"runs": runs})
+        scenario = scenario.model_copy(update={"acquisition": acquisition})
     sweep = scenario.excitation.model_copy(update={"stop_hz": 19.0, "duration_s": 8.0, "amplitude_v": volt})
     scenario = scenario.model_copy(update={"excitation": sweep})
     return make_problem(simulated_campaign(scenario, engine="linear"), scenario, lines=120, cache=cache)
@@ -73,6 +76,17 @@ def test_slopes_follow_what_a_joint_shows(case: Problem, name: str) -> None:
     size = float(np.linalg.norm(wanted))
     assert np.linalg.norm(followed - wanted) < 0.01 * size
     assert np.linalg.norm(held - wanted) > 0.2 * size
+
+
+def test_slopes_follow_what_roving_sensors_weigh_along_their_axes(tmp_path: Path) -> None:
+    """With which each run is loaded by itself, beside what the structure has of them."""
+    case = swept(1.0, tmp_path, ((1, 5, 9, 13), (2, 6, 10)))
+    u, e, k = as_stated(case), SLIPS.scores(TRUE), case.names.index("sensor mass")
+    aside = 1e-3 * np.eye(u.size)[k]
+    wanted = (mechanical(case, u + aside, e) - mechanical(case, u - aside, e)) / 2e-3
+    known = Structures(case, whole=True, follows=Following())
+    followed = anchor(case, u, (SLIPS,), e, structures=known).slopes()[k]
+    assert np.linalg.norm(followed - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
 @pytest.mark.parametrize("k", [0, 1])
@@ -144,7 +158,7 @@ def test_they_are_kept_until_they_are_forgotten(case: Problem, monkeypatch: pyte
 
 
 def test_runs_that_are_grouped_otherwise_have_slopes_anew(case: Problem, tmp_path: Path) -> None:
-    """As where a step takes back all of a change between runs: slopes of two groups had met one, which was an error."""
+    """As beside a change between runs and without it: slopes of two groups had met one, which was an error."""
     scenario = case.scenario.model_copy(
         update={"acquisition": case.scenario.acquisition.model_copy(update={"runs": ((1, 5), (9, 13))})}
     )
@@ -154,10 +168,10 @@ def test_runs_that_are_grouped_otherwise_have_slopes_anew(case: Problem, tmp_pat
     known = Structures(two, follows=Following())
     assert known.follows is not None
     sizes = []
-    for warming_k in (3.0, 0.0, 3.0):
-        e = np.concatenate([SLIPS.scores(TRUE), warmer.scores({"warming_k": warming_k})])
-        found = anchor(two, u, both, e, structures=known)
-        own = anchor(two, u, both, e, structures=Structures(two, follows=Following()))
+    for beside in (both, both[:1], both):
+        e = np.concatenate([SLIPS.scores(TRUE), *(h.scores({"warming_k": 3.0}) for h in beside[1:])])
+        found = anchor(two, u, beside, e, structures=known)
+        own = anchor(two, u, beside, e, structures=Structures(two, follows=Following()))
         np.testing.assert_allclose(found.slopes(), own.slopes(), rtol=1e-9, atol=1e-12)
         sizes.append(len(found.groups))
     assert sizes == [2, 1, 2]

@@ -33,8 +33,8 @@ class Followed:
     """Of a group of runs what its joints' motion follows from; ``levels`` None where none is marched.
 
     ``channels`` (C,) and the ``rows`` of its runs are the group's, ``masses_kg`` (C,) of its sensors what its
-    ``matrices`` do not hold; ``slopes`` are those of the matrices (k or more, …) in k amounts, ``rests`` (k, J) those
-    of where the weight holds the joints, rad (None: held).
+    ``matrices`` do not hold; ``slopes`` are those of the matrices (k or more, …) in k amounts, ``mass_slopes`` (k, C)
+    those of these masses, ``rests`` (k, J) those of where the weight holds the joints, rad (None: held).
     """
 
     channels: NDArray[np.intp]
@@ -43,6 +43,7 @@ class Followed:
     levels: Levels | None
     matrices: Matrices
     slopes: dict[str, Array]
+    mass_slopes: Array
     rests: Array | None
 
     @property
@@ -68,8 +69,8 @@ class Following:
     def followed(self, measured: Measured, groups: Sequence[Followed], rates: Array) -> tuple[Levels | None, ...]:
         """Levels of groups that follow the unknowns, whose amounts of a stated deviation are ``rates`` (k,).
 
-        They are taken anew also where runs are grouped otherwise than they were, as with a change between them that a
-        step has taken back, or joints are no longer what they were.
+        They are taken anew also where runs are grouped otherwise than they were, as beside a change between them and
+        without it, or joints are no longer what they were.
         """
         kinds = tuple(g.kind for g in groups)
         if self.taken is None or kinds != self.of:
@@ -94,11 +95,13 @@ def slopes_of(measured: Measured, group: Followed, levels: Levels, rates: Array)
         step = _STEP * float(rate)
         changes = {name: step * by[k] for name, by in group.slopes.items()}
         joints = levels.joints if group.rests is None else levels.joints.turned(step * group.rests[k])
-        if joints is levels.joints and not any(change.any() for change in changes.values()):
+        masses = group.masses_kg + step * group.mass_slopes[k]
+        still = joints is levels.joints and not group.mass_slopes[k].any()
+        if still and not any(change.any() for change in changes.values()):
             continue
         moved = {name: getattr(group.matrices, name) + change for name, change in changes.items()}
         beside = replace(group.matrices, **moved)
-        there = marched_runs(measured, runs, group.rows, joints, group.masses_kg, beside)
+        there = marched_runs(measured, runs, group.rows, joints, masses, beside)
         if all(np.isfinite(found).all() for found in there):
             shown[k], left_out[k] = (there[0] - levels.shown) / step, (there[1] - levels.left_out) / step
     return shown, left_out

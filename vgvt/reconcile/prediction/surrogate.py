@@ -240,7 +240,16 @@ def anchor(
 def _following(problem: Problem, u: Array, groups: tuple[Reduced, ...], known: Following) -> tuple[Reduced, ...]:
     """Groups whose joints follow the unknowns, by what is known of that, else by marches here."""
     rates = np.array([k.rate(float(a)) for k, a in zip(problem.unknowns, u, strict=False)])
-    of = [Followed(g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes, g.rests) for g in groups]
+    heavier, sensor = np.zeros((rates.size, 1)), sensor_mass_index(problem)
+    if sensor is not None:
+        heavier[sensor] = problem.scenario.accelerometers.mass_kg
+    of = [
+        Followed(
+            g.channels, g.runs, g.masses_kg * g.roving, g.levels, g.matrices, g.slopes,
+            heavier * (g.roving * np.ones(g.masses_kg.size)), g.rests,
+        )
+        for g in groups
+    ]  # fmt: skip
     levels = known.followed(problem.measured, of, rates)
     return tuple(replace(group, levels=there) for group, there in zip(groups, levels, strict=True))
 
