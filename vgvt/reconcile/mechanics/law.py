@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from vgvt.effects.elements import JointLaw
 
 Array = NDArray[np.float64]
-_NEWTON = 8
 # The step of the linear model's central differences.
 _LINEARISED_RAD = 1e-5
 
@@ -49,22 +48,24 @@ class Law:
         return replace(self, rest=rest_rad)._linearised()
 
     def loaded(self, force: float) -> Law:
-        """The same joint with more weight on it: it rests elsewhere, on a spring that is convex on either side."""
-        wanted, x = self.load + force, self.rest
-        for _ in range(_NEWTON):
-            slope = float(self.slope(np.array(x)))
-            x -= (float(self.elastic(np.array(x))) - wanted) / (slope if slope > 0 else self.stiffness)
-        return replace(self, rest=x)
+        """The same joint with more weight on it: it rests elsewhere, maybe beyond its dead band's other side."""
+        if force == 0:
+            return self
+        wanted = self.load + force
+        if wanted == 0:
+            # Anywhere in its band nothing holds it: where it comes to first.
+            return replace(self, rest=min(max(self.rest, -self.play), self.play))
+        pressed = wanted / self.stiffness
+        if self.cubic > 0:
+            # The one real root of a growing cubic (Cardano's, with hyperbolic sines).
+            reach = 2 * np.sqrt(self.stiffness / (3 * self.cubic))
+            pressed = float(reach * np.sinh(np.arcsinh(3 * pressed / reach) / 3))
+        return replace(self, rest=pressed + float(np.copysign(self.play, wanted)))
 
     def elastic(self, x: Array) -> Array:
         """The spring's force at displacements x of any shape, from the unloaded state."""
         pressed = x - np.clip(x, -self.play, self.play)
         return self.stiffness * pressed + self.cubic * pressed**3
-
-    def slope(self, x: Array) -> Array:
-        """Derivative of :meth:`elastic`; its value beyond the band on the band's edge."""
-        pressed = x - np.clip(x, -self.play, self.play)
-        return np.where(np.abs(x) < self.play, 0.0, self.stiffness + 3 * self.cubic * pressed**2)
 
     @property
     def load(self) -> float:
