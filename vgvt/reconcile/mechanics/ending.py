@@ -236,7 +236,7 @@ def _with_ending(found: ComplexArray, run: RunSlopes, omega: Array, ending: Endi
         steeper = pole**power * slope
         if power:
             steeper = steeper + power * pole ** (power - 1) * rung.share
-        shares += [*part.residues(poles)]
+        shares += [*part.residues(rung.all.poles, rung.at)]
         functions += [pole**power * rung.share, steeper]
     # All of them in one product: it is as long as the lines are many.
     return np.asarray(found + np.concatenate(shares, axis=2) @ np.concatenate(functions))

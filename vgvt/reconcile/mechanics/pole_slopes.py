@@ -57,10 +57,14 @@ class Fractions:
         simple = pole**2 * self.simple + 2 * pole * self.double
         return replace(self, simple=simple, double=pole**2 * self.double, powers=powers)
 
-    def residues(self, poles: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Shares (k, R, P) of some of the poles that turn, or of their mirror images, simple and double."""
-        mirrored = poles.imag < 0
-        index = np.abs(self.poles - np.where(mirrored, poles.conj(), poles)[:, None]).argmin(axis=1)
+    def residues(self, poles: ComplexArray, at: NDArray[np.intp]) -> tuple[ComplexArray, ComplexArray]:
+        """Shares (k, R, P), simple and double, of those at places ``at`` (P,) among all ``poles`` of the structure.
+
+        By place, and not by value: of poles that are equal each has a share of its own.
+        """
+        mirrored = poles[at].imag < 0
+        # A mirror image follows its pole.
+        index = (np.cumsum(poles.imag >= 0) - 1)[at]
         simple, double = self.simple[:, :, index], self.double[:, :, index]
         return np.where(mirrored, simple.conj(), simple), np.where(mirrored, double.conj(), double)
 
