@@ -134,6 +134,29 @@ def test_where_a_root_gives_way_a_lot_though_no_unknown_has_moved(case: Problem)
     assert from_elsewhere(case, np.zeros(case.size), e - 0.5, known, (hypothesis,))
 
 
+@pytest.mark.parametrize(
+    ("name", "settings", "sizes"),
+    [
+        ("carry-through-torsion", {}, {"compliance_rad_per_n_m": 5e-4}),
+        (
+            "control-surface",
+            {"item": "flap-outer", "side": "both"},
+            {"compliance_rad_per_n_m": 5.0, "arm_m": 0.03, "damping_ratio": 0.05},
+        ),
+    ],
+)
+def test_where_a_part_of_the_aircraft_turns_against_the_rest(
+    case: Problem, name: str, settings: dict[str, Any], sizes: dict[str, float]
+) -> None:
+    """A body in two halves, a flap on its hinge: slopes of the aircraft in one piece are off by 60 % and more."""
+    hypothesis, u = Hypothesis(available_effects()[name], settings), np.zeros(case.size)
+    e = hypothesis.scores(sizes)
+    assert worst(case, u, (hypothesis,), e) < 0.05
+    # Whoever only looks at it, and fits nothing of it, keeps what there is.
+    fixed = Hypothesis(available_effects()[name], {**settings, **sizes})
+    assert not fixed.parameters and origin_at(case, u, np.zeros(0), (fixed,)) is None
+
+
 def test_which_slopes_may_mislead(case: Problem) -> None:
     """Those of far away, as far as the way from the stated values says what that is."""
     count, nothing = len(case.unknowns), np.zeros(0)

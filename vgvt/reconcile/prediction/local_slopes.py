@@ -110,7 +110,7 @@ def whole_near(u: Array, e: Array, last: Origin | None) -> Origin:
 
 
 def _loose(problem: Problem, hypotheses: tuple[Hypothesis, ...], e: Array) -> bool:
-    """Whether an effect holds a wing by a joint that gives way a lot: what each unknown moves is then something else.
+    """Whether an effect holds a part by a joint that gives way a lot: what each unknown moves is then something else.
 
     Where the effect is fitted, that is; a stand that is only looked at has the slopes that it was fitted with.
     """
@@ -124,17 +124,27 @@ def _loose(problem: Problem, hypotheses: tuple[Hypothesis, ...], e: Array) -> bo
             p.neutral is None or abs(values[p.name] - p.neutral) > _MUCH * (p.high - p.neutral)
             for p in hypothesis.parameters
         )
-        if much and _edited_airframes(problem, hypothesis, scores, _held):
+        look = _held if much else _in_pieces
+        if hypothesis.parameters and _edited_airframes(problem, hypothesis, scores, look):
             return True
     return False
 
 
-def _held(airframe: Airframe) -> list[tuple[bool, bool]]:
-    """Which roots are rigid in bending and in torsion."""
-    return [
+def _in_pieces(airframe: Airframe) -> tuple[bool, int]:
+    """Whether the body is in two halves, and how many items hang on hinges.
+
+    However stiffly they do: halves have a body's inertia between them, and a surface's mode is where its hinge has it.
+    """
+    return airframe.body.carry_through_stiffness_n_m_per_rad is not None, len(airframe.hinged)
+
+
+def _held(airframe: Airframe) -> tuple[bool, int, list[tuple[bool, bool]]]:
+    """That, and which roots are rigid in bending and in torsion."""
+    roots = [
         (b.root_bending_stiffness_n_m_per_rad is None, b.root_torsional_stiffness_n_m_per_rad is None)
         for b in expanded_beams(airframe)
     ]
+    return *_in_pieces(airframe), roots
 
 
 def slopes_for(
