@@ -17,7 +17,7 @@ from vgvt_identifiers.merged_claim import merged_claim
 from vgvt_identifiers.non_modes import flag_non_modes
 from vgvt_identifiers.own_poles import claim_of_own_poles, moved_modes, own_poles
 from vgvt_identifiers.residues import Residues, fit_residues
-from vgvt_identifiers.significant import significant
+from vgvt_identifiers.significant import Misfit, misfit, significant
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, RunSpectra, campaign_spectra
 from vgvt_identifiers.stabilisation import Criteria, Stabilisation
 
@@ -82,7 +82,8 @@ class Plscf:
         default=0.95, metadata={"doc": "part of the noise's own covariance that is taken off the equations"}
     )
     leakage: bool = field(
-        default=True, metadata={"doc": "model what a record lost at its ends, for records that are not at rest there"}
+        default=True,
+        metadata={"doc": "model what records lost at their ends, where they were not at rest there and it shows"},
     )
     largest_damping_ratio: float = field(
         default=0.3, metadata={"doc": "a pole with more damping is not claimed as a mode"}
@@ -109,7 +110,7 @@ class Plscf:
         if lines < FEWEST_LINES:
             why = f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz holds {lines} lines, {FEWEST_LINES} are needed"
             return ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
-        together = self._found(spectra.frequency_hz, spectra.runs, band_hz)
+        method, together = self._needed(spectra, band_hz)
         if not together.modes:
             why = "no pole is stable over the orders: measure longer, or lower least_share"
             empty = ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
@@ -117,8 +118,20 @@ class Plscf:
         if self.poles == "common" or len(spectra.runs) == 1:
             claim = merged_claim(together.modes, poles="common", advice=remarks)
         else:
-            claim = self._claim_of_runs(spectra, together.poles, band_hz)
+            claim = method._claim_of_runs(spectra, together.poles, band_hz)
         return flag_non_modes(campaign, replace(claim, candidates=together.candidates))
+
+    def _needed(self, spectra: CampaignSpectra, band_hz: tuple[float, float]) -> tuple[Plscf, _Found]:
+        """The method with or without leakage, whichever the responses ask for, and what it finds in all runs together.
+
+        A sweep that passes a mode early in the record turns 1/F so little across it that leakage takes its place.
+        """
+        whole = self._found(spectra.frequency_hz, spectra.runs, band_hz)
+        if not self.leakage:
+            return self, whole
+        still = replace(self, leakage=False)
+        less = still._found(spectra.frequency_hz, spectra.runs, band_hz)
+        return (still, less) if whole.misfit.is_worth_less_than(less.misfit) else (self, whole)
 
     def _found(
         self, frequency_hz: NDArray[np.float64], runs: tuple[RunSpectra, ...], band_hz: tuple[float, float]
@@ -127,7 +140,7 @@ class Plscf:
         stable, residues = significant(frequency_hz, runs, stable, self.leakage)
         poles = mode_poles(fractions, stable)
         modes = tuple(_run_modes(run, poles, part) for run, part in zip(runs, residues, strict=True))
-        return _Found(poles, modes if stable.modes else (), stable.candidates())
+        return _Found(poles, modes if stable.modes else (), stable.candidates(), misfit(runs, residues))
 
     def _stable(
         self, frequency_hz: NDArray[np.float64], runs: tuple[RunSpectra, ...], band_hz: tuple[float, float], order: int
@@ -158,11 +171,12 @@ class Plscf:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
-    """The poles of the modes, the modes of every run with these poles, and every pole's fate."""
+    """The poles of the modes, the modes of every run with these poles, every pole's fate, and the misfit."""
 
     poles: ModePoles
     modes: tuple[RunModes, ...]
     candidates: tuple[PoleCandidate, ...]
+    misfit: Misfit
 
 
 def _run_modes(run: RunSpectra, poles: ModePoles, residues: Residues) -> RunModes:

@@ -32,6 +32,7 @@ class Residues:
     and pole; ``fitted`` (R, K) is the accelerance without the transient,
     ``transient`` (R, K) the transient over the force, ``errors`` (R, K) what is
     left of the measured ratio, ``chi_square`` (R,) its weighted mean square per degree of freedom.
+    A response has so many real ``unknowns``.
     """
 
     poles: NDArray[np.complex128]
@@ -41,6 +42,7 @@ class Residues:
     transient: NDArray[np.complex128]
     errors: NDArray[np.complex128]
     chi_square: NDArray[np.float64]
+    unknowns: int
 
 
 def fit_residues(
@@ -79,7 +81,7 @@ def fit_residues(
     fitted = np.asarray(found[:, : smooth.shape[1]] @ smooth.T, complex)
     rest = np.asarray(found[:, smooth.shape[1] :] @ leaked.T, complex)
     errors = np.asarray((run.accelerance - fitted - rest) * alive)
-    return Residues(poles, residues, std, fitted, rest, errors, solved.chi_square)
+    return Residues(poles, residues, std, fitted, rest, errors, solved.chi_square, design.shape[1])
 
 
 def _smooth_columns(

@@ -1,6 +1,8 @@
-"""Which stable poles the responses need: residues larger than noise alone would make them."""
+"""Which stable poles the responses need, and which of two fits: more than its unknowns may fit of noise."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +10,35 @@ from numpy.typing import NDArray
 from vgvt_identifiers.residues import Residues, fit_residues
 from vgvt_identifiers.spectra import RunSpectra
 from vgvt_identifiers.stabilisation import Stabilisation
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """Weighted squared error of a fit of all runs, with the numbers of its real unknowns and equations."""
+
+    cost: float
+    unknowns: int
+    equations: int
+
+    def is_worth_less_than(self, other: Misfit) -> bool:
+        """Whether the other fit of the same responses is the better one by Schwarz's criterion.
+
+        Noise is as large as the closer of the two says.
+        """
+        scale = min(fit.cost / max(fit.equations - fit.unknowns, 1) for fit in (self, other))
+        penalty = (self.unknowns - other.unknowns) * float(np.log(self.equations))
+        return self.cost - other.cost + scale * penalty > 0
+
+
+def misfit(runs: tuple[RunSpectra, ...], fits: tuple[Residues, ...]) -> Misfit:
+    """The misfit of the residues of all runs together."""
+    cost, unknowns, equations = 0.0, 0, 0
+    for run, fit in zip(runs, fits, strict=True):
+        lines = 2 * int((np.abs(run.force) > 0).sum())
+        cost += float(fit.chi_square.sum()) * (lines - fit.unknowns)
+        unknowns += fit.chi_square.size * fit.unknowns
+        equations += fit.chi_square.size * lines
+    return Misfit(cost, unknowns, equations)
 
 
 def significant(
