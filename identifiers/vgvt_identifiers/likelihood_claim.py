@@ -16,6 +16,7 @@ from vgvt_identifiers.pole_covariance import pole_covariance, pole_deviations
 from vgvt_identifiers.pole_fit import fit_poles
 from vgvt_identifiers.pole_verdict import DOUBTFUL_DEVIATION, wrong_at_the_drive_point
 from vgvt_identifiers.spectra import CampaignSpectra
+from vgvt_identifiers.unclaimed import one_flank_advice
 
 
 def likelihood_claim(
@@ -30,6 +31,7 @@ def likelihood_claim(
     A pole that hardly any run knows by itself may leave the band when the runs are put together.
     """
     claimed = np.array([v.claimed for v in fit.verdicts], dtype=bool)
+    remarks = (*remarks, *one_flank_advice(fit.states.poles, fit.verdicts))
     why = "no pole stands out of noise and background: measure longer, or raise the force"
     nothing = ModalModel.empty(Outcome.NOTHING_FOUND, (*remarks, why), dofs=spectra.responses)
     nothing = replace(nothing, candidates=_candidates(fit))

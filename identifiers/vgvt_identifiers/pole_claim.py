@@ -22,6 +22,7 @@ from vgvt_identifiers.pole_verdict import DOUBTFUL_DEVIATION
 from vgvt_identifiers.residues import Residues, fit_residues
 from vgvt_identifiers.spectra import FEWEST_LINES, CampaignSpectra, RunSpectra, campaign_spectra
 from vgvt_identifiers.too_few import TooFewError
+from vgvt_identifiers.unclaimed import unclaimed_advice
 
 _MODEL_ERROR = 5e-3  # of the rms response: what modes outside the band leave is known no better than that
 _CLOSE = 5.0
@@ -78,7 +79,9 @@ def claim_of_sources(
     except TooFewError as error:
         return ModalModel.empty(Outcome.NOTHING_FOUND, (*spectra.remarks, str(error)), dofs=spectra.responses)
     # In the margin responses are steep with the modes beyond it, which residues inside the band must not pay for.
-    return claim_of_patterns(found, _inside(spectra, band_hz), band_hz, options)
+    within = _inside(spectra, band_hz)
+    model = claim_of_patterns(found, within, band_hz, options)
+    return replace(model, advice=(*model.advice, *unclaimed_advice(within, model)))
 
 
 def widened(band_hz: tuple[float, float], excited_hz: tuple[float, float], margin: float) -> tuple[float, float]:

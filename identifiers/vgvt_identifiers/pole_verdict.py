@@ -15,6 +15,7 @@ from vgvt_identifiers.pole_search import least_fall
 
 DOUBTFUL_DEVIATION = 0.1
 """Standard deviation of a damping ratio over the ratio, above which a claim says that it is poorly known."""
+ONE_FLANK = "the band ends inside its half-power width: only one flank is seen"
 _WRONG_SHARE = 0.3  # of the largest residue, by which a drive point must answer with the wrong sign
 
 
@@ -64,7 +65,7 @@ def judge_poles(
         elif not band_hz[0] <= hertz <= band_hz[1]:
             verdicts.append(Verdict(False, True, "outside the band: background"))
         elif not band_hz[0] <= hertz * (1 - ratio) < hertz * (1 + ratio) <= band_hz[1]:
-            verdicts.append(Verdict(False, True, "the band ends inside its half-power width: only one flank is seen"))
+            verdicts.append(Verdict(False, True, ONE_FLANK))
         elif std_ratio[i] > rules.largest_deviation * ratio or std_hz[i] > hertz * ratio:
             verdicts.append(Verdict(False, True, f"{evidence}, but {known} only"))
         else:
