@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import scipy.signal
@@ -11,7 +13,7 @@ from vgvt.effects import ChannelFilter, make_effect
 from vgvt.scenario import NoiseSpectrum, Scenario, load_scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import simulated_campaign
-from vgvt.simulation.assembly import plans
+from vgvt.simulation.assembly import Plan, plans
 from vgvt.simulation.noise_floor import force_noise, response_noise
 
 RATE_HZ = 1000.0
@@ -131,3 +133,20 @@ def test_the_noise_that_the_bound_knows_is_that_of_the_records(
     for low, high in ((3.0, 30.0), (30.0, 90.0)):
         band = (frequency >= low) & (frequency <= high)
         assert np.mean(sensed[band] / floor[band]) == pytest.approx(1.0, abs=0.08)
+
+
+@pytest.mark.parametrize(
+    ("table", "row", "floor"), [("accelerometers", 2, response_noise), ("transducer", 1, force_noise)]
+)
+def test_below_the_corner_of_ac_coupling_more_would_have_to_be_sensed(
+    silent: Scenario, table: str, row: int, floor: Callable[[Plan, NDArray], NDArray]
+) -> None:
+    """The noise of the record, which comes after it and stays, by the power that the stated filter lets pass."""
+    coupled = silent.model_copy(update={table: getattr(silent, table).model_copy(update={"high_pass_hz": 8.0})})
+    (frequency, plain), (_, got) = densities(silent), densities(coupled)
+    inside = (frequency >= 1.0) & (frequency <= 90.0)
+    np.testing.assert_allclose(got[row, inside], plain[row, inside], rtol=1e-3)
+    response = scipy.signal.freqz(*scipy.signal.butter(1, 8.0, "highpass", fs=RATE_HZ), frequency, fs=RATE_HZ)[1]
+    direct, through = (floor(plans(s)[1], frequency) for s in (silent, coupled))
+    np.testing.assert_allclose(through[inside], direct[inside] / np.abs(response[inside]) ** 2, rtol=1e-9)
+    assert np.isfinite(through).all()

@@ -41,6 +41,17 @@ def test_more_sensors_do_not_average_the_noise_of_the_force_away(small: Scenario
     assert (own > 1.3).all()
 
 
+def test_what_ac_coupling_takes_of_the_responses_is_not_known(small: Scenario) -> None:
+    """With a quiet force a mode is known less by the gain of the sensors' filter at its frequency."""
+    quiet = {"noise": NoiseSpectrum(frequency_hz=(1.0, 100.0), density=(1e-9, 1e-9))}
+    plain = revised(noisy(small), transducer=quiet)
+    coupled = revised(plain, accelerometers={"high_pass_hz": 10.0})
+    modes = truth_of(plain).as_tested[0].band(*plain.excitation.band_hz)
+    gain = 1 / np.sqrt(1 + (10.0 / modes.natural_frequency_hz) ** 2)
+    assert gain.min() < 0.7
+    np.testing.assert_allclose(stated(coupled), stated(plain) / gain, rtol=0.1)
+
+
 def test_damping_is_known_as_frequency_is_where_modes_are_apart(small: Scenario) -> None:
     """std(ζ)/ζ = std(f) / (ζ f) of a mode alone; neighbours and the force's drop-out leave 15 % of difference."""
     frequency, damping = stated(noisy(small))

@@ -24,7 +24,7 @@ from vgvt.simulation.command import drive_commands, sample_times_s, sent_command
 from vgvt.simulation.fisher import accelerance, mean_weights
 from vgvt.simulation.information import Seen
 from vgvt.simulation.linear_engine import respond
-from vgvt.simulation.noise_floor import force_noise, response_noise
+from vgvt.simulation.noise_floor import ac_coupling, force_noise, response_noise
 from vgvt.simulation.truth import driven_state_space
 from vgvt_identifiers.likelihood_fit import weighted_problem
 from vgvt_identifiers.pole_fit import fit_poles
@@ -100,9 +100,12 @@ def _fitted(
     band_hz = system.layout.scenario.excitation.recorded_band_hz
     count = samples.shape[1]
     lines = np.arange(count // 2 + 1) * rate_hz / count
-    keep = (lines >= band_hz[0]) & (lines <= band_hz[1])
+    keep = (lines > 0) & (lines >= band_hz[0]) & (lines <= band_hz[1])
     spectra, f = np.fft.rfft(samples, axis=1)[:, keep], lines[keep]
-    force, responses = spectra[1], spectra[2:]  # after the drive
+    # After the drive; as they were sensed, which is what the noise is told of.
+    stated = system.layout.scenario
+    force = spectra[1] / ac_coupling(system.layout, stated.transducer.high_pass_hz, f)
+    responses = spectra[2:] / ac_coupling(system.layout, stated.accelerometers.high_pass_hz, f)
     power = rate_hz * count / 2
     own = np.tile(response_noise(system.layout, f) * power, (len(responses), 1))
     felt = force_noise(system.layout, f) * power
