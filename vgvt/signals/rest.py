@@ -24,21 +24,27 @@ def start_at_rest(campaign: Campaign, runs: tuple[UsableRun, ...]) -> bool:
     """
     if _begun_late(campaign):
         return False
-    powers: dict[str, list[tuple[float, float, float]]] = {}
+    moved: dict[str, list[tuple[NDArray[np.floating], float, float]]] = {}
     for run in runs:
         begin = max(1, round(_START * run.sample_rate_hz / campaign.band_hz[1]))
         forces = [_centred(x) for x in run.reference_samples]
         if max(_level(x[:begin]) for x in forces) > _AT_REST * max(_level(x) for x in forces):
             return False
-        for channel, signal in zip(run.responses, map(_centred, run.response_samples), strict=True):
-            first, whole = _level(signal[:begin]) ** 2, _level(signal) ** 2
-            powers.setdefault(channel.quantity.name, []).append((first, whole, whole * _noise_share(signal)))
-    for parts in powers.values():
-        first, whole, noise = np.sum(parts, axis=0)
-        # Three deviations of the power of as many samples of noise.
-        if first > _AT_REST**2 * whole + noise * (1 + 3 * np.sqrt(2 / len(parts))):
-            return False
-    return True
+        for channel, samples in zip(run.responses, run.response_samples, strict=True):
+            signal = _centred(samples)
+            levels = (_level(signal[:begin]) ** 2, _level(signal) ** 2)
+            moved.setdefault(channel.quantity.name, []).append((samples, *levels))
+    return all(_quiet(responses) for responses in moved.values())
+
+
+def _quiet(responses: list[tuple[NDArray[np.floating], float, float]]) -> bool:
+    """Whether responses (n,) of one quantity, with the power of their first samples and of all, begin quietly."""
+    spare = sum(first - _AT_REST**2 * whole for _, first, whole in responses)
+    if spare <= 0:
+        return True
+    # Three deviations of the power of as many samples of noise.
+    noise = sum(whole * _noise_share(_centred(samples)) for samples, _, whole in responses)
+    return bool(spare <= noise * (1 + 3 * np.sqrt(2 / len(responses))))
 
 
 def end_at_rest(runs: tuple[UsableRun, ...]) -> bool:
