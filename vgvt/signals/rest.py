@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.signal
 from numpy.typing import NDArray
 
 from vgvt.data import Campaign
@@ -84,14 +83,14 @@ def _passing(samples: NDArray[np.floating], rate_hz: float, band_hz: tuple[float
 
     Told from short spectra that are as fine in time as in frequency, each of its whole.
     """
+    from scipy.signal import stft
+
     signal = _centred(samples)
     low, high = band_hz
     length = max(8, round(rate_hz * np.sqrt(signal.size / rate_hz / max(high - low, _LEAST))))
     if 2 * length > signal.size:
         return 1.0
-    frequency, _, short = scipy.signal.stft(
-        signal, rate_hz, nperseg=length, noverlap=length // 2, boundary=None, padded=False
-    )
+    frequency, _, short = stft(signal, rate_hz, nperseg=length, noverlap=length // 2, boundary=None, padded=False)
     power = np.abs(short[(frequency >= low) & (frequency <= high)]) ** 2
     if not power.size:
         return 1.0
