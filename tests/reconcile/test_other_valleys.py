@@ -83,7 +83,7 @@ def test_the_lowest_of_the_valleys_is_kept(monkeypatch: pytest.MonkeyPatch) -> N
         return found
 
     valleys = [other_valleys.Valley(k, v, 0.9) for k, v in ((0, -1.0), (1, 2.0), (0, 2.5))]
-    monkeypatch.setattr(calibration, "other_valleys", lambda problem, u: valleys)
+    monkeypatch.setattr(calibration, "other_valleys", lambda problem, u, progress: valleys)
     monkeypatch.setattr(calibration, "fit", fit)
     first = _fake(np.array([0.5, 0.25]), 10.0)
     assert calibration._lowest(first, None).cost == 8.0

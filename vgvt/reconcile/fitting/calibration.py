@@ -52,7 +52,7 @@ def calibrate(
 def _lowest(found: Fit, progress: Callable[[float, str], None] | None) -> Fit:
     """The lowest of a calibration and what is found down the valleys beside it."""
     lowest = found
-    for valley in other_valleys(found.problem, found.u):
+    for valley in other_valleys(found.problem, found.u, progress):
         begun = found.u.copy()
         begun[valley.index] = valley.score
         try:

@@ -7,6 +7,7 @@ end would have to be made from every place to find it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,10 +37,12 @@ class Valley:
     misfit: float
 
 
-def other_valleys(problem: Problem, u: Array) -> tuple[Valley, ...]:
+def other_valleys(
+    problem: Problem, u: Array, progress: Callable[[float, str], None] | None = None
+) -> tuple[Valley, ...]:
     """Valleys across a hump from scores u (problem.size,), where what peaks miss is about as little: lowest first.
 
-    Each unknown of the aircraft by itself, the others as they are, by what is linear in the matrices.
+    Each unknown of the aircraft by itself, the others as they are, by what is linear in the matrices. Three at most.
     """
     here = anchor(problem, u)
     sigma = coarse_sigma(problem, _COARSE)
@@ -57,6 +60,8 @@ def other_valleys(problem: Problem, u: Array) -> tuple[Valley, ...]:
 
     found: list[Valley] = []
     for k in range(len(problem.unknowns)):
+        if progress is not None:
+            progress(k / len(problem.unknowns), "look for other valleys")
         before = misfit(k, float(u[k]))
         known = np.array([misfit(k, float(score)) for score in _GRID]) / before
         found += [Valley(k, float(_GRID[i]), float(known[i])) for i in _across(known, float(u[k]))]
