@@ -35,11 +35,8 @@ def reach(
     anchor, offset_m = away
     for k, seat in enumerate(seats_at(parts, part, np.array(point))):
         rod.wrap_pulley(1.0 / seat.weight)
-        if anchor == WORLD:
-            spec.worldbody.add_site(name=f"{name}/far-{k}", pos=seat.position_m + offset_m)
-        else:
-            far = seat.position_m + offset_m - parts.origin_m[anchor]
-            spec.body(anchor).add_site(name=f"{name}/far-{k}", pos=far)
+        origin_m = 0.0 if anchor == WORLD else parts.origin_m[anchor]
+        spec.body(anchor).add_site(name=f"{name}/far-{k}", pos=seat.position_m + offset_m - origin_m)
         spec.body(seat.carrier).add_site(name=f"{name}/near-{k}", pos=seat.position_m - parts.origin_m[seat.carrier])
         rod.wrap_site(f"{name}/far-{k}")
         rod.wrap_site(f"{name}/near-{k}")

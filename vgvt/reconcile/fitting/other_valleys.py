@@ -48,9 +48,7 @@ def other_valleys(
     sigma = coarse_sigma(problem, _COARSE)
     nothing = np.zeros(0)
 
-    def misfit(k: int, score: float) -> float:
-        trial = u.copy()
-        trial[k] = score
+    def misfit(trial: Array) -> float:
         try:
             predicted = here.predict(trial, nothing, ended=False)
         except NoStructureError:
@@ -58,12 +56,13 @@ def other_valleys(
         missed = data_misfit(problem, predicted, sigma)
         return float(missed @ missed + trial @ trial)
 
-    found: list[Valley] = []
+    before, found = misfit(u), list[Valley]()
     for k in range(len(problem.unknowns)):
         if progress is not None:
             progress(k / len(problem.unknowns), "look for other valleys")
-        before = misfit(k, float(u[k]))
-        known = np.array([misfit(k, float(score)) for score in _GRID]) / before
+        trials = np.tile(u, (_GRID.size, 1))
+        trials[:, k] = _GRID
+        known = np.array([misfit(trial) for trial in trials]) / before
         found += [Valley(k, float(_GRID[i]), float(known[i])) for i in _across(known, float(u[k]))]
     return tuple(sorted(found, key=lambda valley: valley.misfit)[:_MOST])
 
