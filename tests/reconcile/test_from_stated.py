@@ -115,7 +115,7 @@ def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     monkeypatch.setattr(shortlist, "from_stated", lambda at, left, tell, team: (large,))
     monkeypatch.setattr(shortlist, "beside_likeness", lambda at, joints, linear, tell, team: ())
     before: Any = SimpleNamespace(train_chi2_per_dof=30.0)
-    chosen = shortlist.shortened(current, (soft, stiffening), before, 9.0, silent)
+    chosen = shortlist.shortened(current, (soft, stiffening), before, 9.0, silent, afar=True)
     assert (large in chosen) == asked
     wanted = [soft.name] if far_off > 10 else [soft.name, stiffening.name]
     assert screened == [wanted, wanted]

@@ -239,7 +239,7 @@ def test_a_plausible_rival_goes_first_where_it_does_as_well(
     )
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: before)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
-    monkeypatch.setattr(rounds, "_tried", lambda *given: tuple(rivals))
+    monkeypatch.setattr(rounds, "tried", lambda *given: tuple(rivals))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(rivals))
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)

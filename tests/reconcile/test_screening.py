@@ -185,7 +185,6 @@ def test_where_data_are_missed_the_first_by_their_own_errors_is_foremost(
 ) -> None:
     plain: list[Any] = [SimpleNamespace(name=name, settings={}) for name in ("surge", "mass")]
     near = tuple(Screened(p, {}, 50.0) for p in plain)
-    monkeypatch.setattr(shortlist, "swallowed", lambda current, before: True)
     monkeypatch.setattr(shortlist, "bent", lambda current: True)
     monkeypatch.setattr(shortlist, "_asked", lambda current, left, *more: (list(left), []))
     monkeypatch.setattr(shortlist, "_looks", lambda *given, **more: ((), near, ()))
@@ -193,7 +192,7 @@ def test_where_data_are_missed_the_first_by_their_own_errors_is_foremost(
     monkeypatch.setattr(shortlist, "freed", lambda hypothesis: SimpleNamespace(parameters=()))
     before: Any = SimpleNamespace(train_chi2_per_dof=left)
     current: Any = SimpleNamespace(u=np.zeros(1), hypotheses=())
-    seen = shortlist.shortened(current, (), before, 9.0, silent)
+    seen = shortlist.shortened(current, (), before, 9.0, silent, afar=True)
     assert [s.hypothesis for s in seen] == plain
     assert [s.foremost for s in seen] == foremost
 

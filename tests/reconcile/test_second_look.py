@@ -32,7 +32,7 @@ def test_looks_again_from_where_the_calibration_belongs(
     def left(fit: Any, thresholds: Any) -> Any:
         return SimpleNamespace(train_chi2_per_dof=fit.chi2_per_dof, adequate=True)
 
-    monkeypatch.setattr(rounds, "_tried", tried)
+    monkeypatch.setattr(rounds, "tried", tried)
     monkeypatch.setattr(rounds, "residual", left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: better)
@@ -41,6 +41,65 @@ def test_looks_again_from_where_the_calibration_belongs(
     assert seen == [null, better][:looks]
     assert repeated == [False, True][:looks]
     assert found.null is better
+
+
+@pytest.mark.parametrize(
+    ("near", "adequate", "swallowed", "looks"),
+    [
+        (3.0, False, False, [False, True]),
+        (3.0, True, False, [False]),
+        (3.0, False, True, [False]),
+        (90.0, False, False, [False]),
+    ],
+)
+def test_where_nothing_near_by_has_a_name_it_is_looked_for_from_afar(
+    monkeypatch: pytest.MonkeyPatch, near: float, adequate: bool, swallowed: bool, looks: list[bool]
+) -> None:
+    """A loose surface promised -1e5 nats from a calibration that had moved seven deviations to imitate it.
+
+    Not where the data are met, nor where something has a name, and what is bent is seen from afar as it is.
+    """
+    seen: list[bool] = []
+
+    def rival(name: str, nats: float) -> Any:
+        fit = SimpleNamespace(name=name, nats=nats, chi2_per_dof=0.3)
+        return SimpleNamespace(
+            name=name, gain_nats=nats, fit=fit, held_out=0.3, convinces=lambda limits: nats >= limits.evidence_nats
+        )
+
+    def tried(*given: Any, afar: bool = False) -> tuple[Any, ...]:
+        seen.append(afar)
+        return (rival("loose surface", 650.0),) if afar else (rival("cable", near),)
+
+    before: Any = SimpleNamespace(
+        adequate=adequate,
+        held_out_chi2_per_dof=None,
+        train_chi2_per_dof=0.5,
+        limits=SimpleNamespace(held_out_per_dof=1),
+    )
+    monkeypatch.setattr(rounds, "tried", tried)
+    monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: before)
+    monkeypatch.setattr(rounds, "swallowed", lambda current, before: swallowed)
+    monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
+    monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
+    monkeypatch.setattr(rounds, "distinct", list)
+    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(rival(f.name, f.nats) for f in fits))
+    monkeypatch.setattr(rounds, "confirmed_by_held_out", lambda *given: True)
+    monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
+    monkeypatch.setattr(rounds, "ended", lambda current, found, *given: tuple(found))
+    monkeypatch.setattr(rounds, "straightened", lambda confirmed, set_nats: list(confirmed))
+    monkeypatch.setattr(rounds, "likelier", lambda confirmed, equal: list(confirmed))
+    monkeypatch.setattr(rounds, "plain_likenesses", lambda *given: ())
+    monkeypatch.setattr(rounds, "controlled", lambda addition, *given: addition)
+    monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
+    monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
+    monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked, met: found)
+    null: Any = SimpleNamespace(problem=None, chi2_per_dof=0.5)
+    found = rounds.attribute(null, (), THRESHOLDS, most=1)
+    assert seen == looks
+    named = "loose surface" if looks[-1] else "cable" if near > THRESHOLDS.evidence_nats else None
+    assert [a.winner.name for a in found.rounds] == ([] if named is None else [named])
+    assert {"cable", "loose surface"} == {r.name for r in found.last_rivals} or not looks[-1]
 
 
 @pytest.mark.parametrize(
@@ -92,7 +151,7 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     left: Any = SimpleNamespace(held_out_chi2_per_dof=2.0, train_chi2_per_dof=1.0, adequate=True)
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
-    monkeypatch.setattr(rounds, "_tried", lambda *given: (rival(begun),))
+    monkeypatch.setattr(rounds, "tried", lambda *given: (rival(begun),))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
     monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(map(rival, fits)))
     monkeypatch.setattr(rounds, "_passed", lambda *given: True)
@@ -204,81 +263,6 @@ def test_within_reach_is_within_reach_of_the_least() -> None:
     winner = rounds._first(confirmed)
     assert winner.name == "near"
     assert [r.name for r in rounds._equal(winner, confirmed, THRESHOLDS)] == ["near", "least"]
-
-
-@pytest.mark.parametrize(
-    ("before", "moved", "leaves", "named", "anew"),
-    [
-        (20.0, 0.0, 10.0, (), True),
-        (20.0, 0.0, 0.8, (), False),
-        (1.0, 0.0, 1.6, (), False),
-        # Data that an unknown far out meets are no better a start.
-        (1.0, 18.0, 1.6, (), True),
-        (20.0, 0.0, 10.0, ("an effect",), False),
-    ],
-)
-def test_candidates_begin_anew_where_a_first_round_leaves_much(
-    monkeypatch: pytest.MonkeyPatch, before: float, moved: float, leaves: float, named: tuple[str, ...], anew: bool
-) -> None:
-    """From where peaks overlap, those that were screened, with the least that a fit has left."""
-    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=named, u=np.array([moved]))
-    chosen: Any = [SimpleNamespace(hypothesis=name, gain_nats=1.0, upright=False) for name in ("first", "second")]
-    left = iter((leaves + 5.0, leaves))
-
-    def fitted(*args: Any) -> Any:
-        chi2 = next(left)
-        return SimpleNamespace(evidence_nats=1.0, chi2_per_dof=chi2, chi2=100 * chi2)
-
-    seen: list[Any] = []
-
-    def begun(current: Any, screened: Any, best: float, tell: Any, team: Any) -> list[str]:
-        seen.append(([s.hypothesis for s in screened], best))
-        return ["begun anew"]
-
-    monkeypatch.setattr(rounds, "finalists", lambda current, chosen, tell, team: tuple(chosen))
-    monkeypatch.setattr(rounds, "fitted_from", fitted)
-    monkeypatch.setattr(rounds, "begun_anew", begun)
-    monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
-    monkeypatch.setattr(rounds, "distinct", list)
-    monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
-    monkeypatch.setattr(rounds, "at_next_items", lambda *given, placed: [])
-    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
-    far: Any = SimpleNamespace(train_chi2_per_dof=before)
-    rivals = rounds._fit_all(current, chosen, far, (), lambda fraction, message: None)
-    assert (rivals[-1] == "begun anew") is anew
-    assert seen == ([(["first", "second"], 100 * leaves)] if anew else [])
-
-
-@pytest.mark.parametrize("far", [False, True])
-def test_what_lies_beside_the_fits_of_a_round_is_among_its_rivals(monkeypatch: pytest.MonkeyPatch, far: bool) -> None:
-    """Other courses of a change, and other items of a thing, of all that was fitted before them.
-
-    Far off, what swings at a place may be an item that is there.
-    """
-    current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=("an effect",), u=np.zeros(1))
-    chosen: Any = [SimpleNamespace(hypothesis="first", gain_nats=1.0, upright=False)]
-    first = SimpleNamespace(evidence_nats=1.0, chi2_per_dof=0.8, chi2=80.0)
-    seen: list[list[Any]] = []
-
-    def beside(more: str) -> Any:
-        def asked(current: Any, found: Any, hypotheses: Any, tell: Any, team: Any, **placed: bool) -> list[str]:
-            seen.append(list(found))
-            assert placed == ({"placed": far} if more == "an item" else {})
-            return [more]
-
-        return asked
-
-    monkeypatch.setattr(rounds, "fitted_from", lambda *_: first)
-    monkeypatch.setattr(rounds, "in_other_courses", beside("a course"))
-    monkeypatch.setattr(rounds, "at_next_items", beside("an item"))
-    monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
-    monkeypatch.setattr(rounds, "distinct", list)
-    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
-    monkeypatch.setattr(rounds, "finalists", lambda current, chosen, tell, team: tuple(chosen))
-    before: Any = SimpleNamespace(train_chi2_per_dof=20.0 if far else 1.0)
-    rivals = rounds._fit_all(current, chosen, before, (), lambda fraction, message: None)
-    assert rivals == (first, "a course", "an item")
-    assert seen == [[first], [first, "a course"]]
 
 
 @pytest.mark.parametrize(("bent", "stages"), [(9.0, shortlist._COARSE), (-11.0, FORGIVING)])

@@ -11,7 +11,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects, make_effect
-from vgvt.reconcile.decision import attribute as rounds
+from vgvt.reconcile.decision import fitted_list
 from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
@@ -115,17 +115,16 @@ def test_it_is_looked_for_so_where_data_are_met_and_where_unknowns_are_bent(
     monkeypatch.setattr(shortlist, "sizing", sizing)
     monkeypatch.setattr(shortlist, "held", lambda *given: ())
     monkeypatch.setattr(shortlist, "_forgiving", lambda current, tell: forgiving)
-    monkeypatch.setattr(shortlist, "swallowed", lambda current, before: True)
     monkeypatch.setattr(shortlist, "_asked", lambda current, left, *more: (list(left), []))
     monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
     before: Any = SimpleNamespace(train_chi2_per_dof=left)
     current: Any = SimpleNamespace(u=np.array([0.1, -moved]), hypotheses=())
-    assert shortened(current, (), before, 9.0, silent) == ()
+    assert shortened(current, (), before, 9.0, silent, afar=True) == ()
     assert sorted(asked) == sorted(["far", *looked])
     # Where data are not met once is enough, before anything has a name.
     for later, again in ((SimpleNamespace(u=current.u, hypotheses=("known",)), False), (current, True)):
         asked.clear()
-        shortened(later, (), before, 9.0, silent, again=again)
+        shortened(later, (), before, 9.0, silent, again=again, afar=True)
         assert sorted(asked) == sorted(["far", looked[0]])
 
 
@@ -139,16 +138,15 @@ def test_coarse_steps_have_no_say_in_it(monkeypatch: pytest.MonkeyPatch) -> None
         judged.extend(s.hypothesis for s in chosen)
         return tuple(chosen[:1])
 
-    monkeypatch.setattr(rounds, "swallowed", lambda current, before: True)
-    monkeypatch.setattr(rounds, "finalists", finalists)
-    monkeypatch.setattr(rounds, "fitted_from", lambda current, s, stages, tell: fitted.append(s.hypothesis))
-    monkeypatch.setattr(rounds, "best_course", lambda found, hypotheses: found)
-    monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
-    monkeypatch.setattr(rounds, "at_next_items", lambda *given, placed: [])
-    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
+    monkeypatch.setattr(fitted_list, "finalists", finalists)
+    monkeypatch.setattr(fitted_list, "fitted_from", lambda current, s, stages, tell: fitted.append(s.hypothesis))
+    monkeypatch.setattr(fitted_list, "best_course", lambda found, hypotheses: found)
+    monkeypatch.setattr(fitted_list, "in_other_courses", lambda *given: [])
+    monkeypatch.setattr(fitted_list, "at_next_items", lambda *given, placed: [])
+    monkeypatch.setattr(fitted_list, "against", lambda current, fits: tuple(fits))
     current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=())
     team: Any = SimpleNamespace(work_off=lambda tasks, tell: [f(*given, silent) for f, given in tasks])
-    rounds._fit_all(current, [*others, small], SimpleNamespace(), (), silent, team)
+    fitted_list.fit_all(current, [*others, small], (), silent, team, afar=True)
     assert judged == ["large", "lost"]
     assert sorted(fitted) == ["large", "small"]
 
@@ -181,22 +179,23 @@ def test_where_tolerances_lean_a_calibration_that_may_not_bend_is_asked_too(
     limits = SimpleNamespace(strain_sd=6.0)
     before: Any = SimpleNamespace(train_chi2_per_dof=1.2, strain_sd=strain, limits=limits)
     current: Any = SimpleNamespace(u=np.array([7.4]), hypotheses=named)
-    assert shortened(current, (), before, 9.0, silent, again=again) == (*seen, *((hidden,) if asked else ()))
+    assert shortened(current, (), before, 9.0, silent, again=again, afar=False) == (
+        *seen,
+        *((hidden,) if asked else ()),
+    )
 
 
 def test_what_was_seen_upright_is_fitted_from_afar_though_the_rest_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
     names: tuple[Any, ...] = ("small", "near")
     small, near = (Screened(name, {}, 30.0, upright=name == "small") for name in names)
     stages_of: dict[str, Any] = {}
-    monkeypatch.setattr(rounds, "swallowed", lambda current, before: False)
     monkeypatch.setattr(
-        rounds, "fitted_from", lambda current, s, stages, tell: stages_of.update({s.hypothesis: stages})
+        fitted_list, "fitted_from", lambda current, s, stages, tell: stages_of.update({s.hypothesis: stages})
     )
-    monkeypatch.setattr(rounds, "in_other_courses", lambda *given: [])
-    monkeypatch.setattr(rounds, "at_next_items", lambda *given, placed: [])
-    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(fits))
+    monkeypatch.setattr(fitted_list, "in_other_courses", lambda *given: [])
+    monkeypatch.setattr(fitted_list, "at_next_items", lambda *given, placed: [])
+    monkeypatch.setattr(fitted_list, "against", lambda current, fits: tuple(fits))
     current: Any = SimpleNamespace(evidence_nats=0.0, chi2=1000.0, hypotheses=())
     team: Any = SimpleNamespace(work_off=lambda tasks, tell: [f(*given, silent) for f, given in tasks])
-    before: Any = SimpleNamespace()
-    rounds._fit_all(current, [small, near], before, (), silent, team)
+    fitted_list.fit_all(current, [small, near], (), silent, team, afar=False)
     assert stages_of == {"small": FAR, "near": NEAR}

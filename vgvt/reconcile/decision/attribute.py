@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from vgvt.data.shown import counted, headed
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.backward import needed, nowhere, without_last
+from vgvt.reconcile.decision.fitted_list import fit_all, tried
 from vgvt.reconcile.decision.hopeless import hopeless
 from vgvt.reconcile.decision.in_its_place import reconsidered
 from vgvt.reconcile.decision.last_steps import ended
@@ -24,23 +26,16 @@ from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.rivals import Rival, against, distinct
 from vgvt.reconcile.evidence.same_place import left_where_it_was
 from vgvt.reconcile.evidence.still_explained import StillExplained
-from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, fit
+from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.level_grid import linear_first
 from vgvt.reconcile.question.thresholds import Thresholds
-from vgvt.reconcile.search.candidate_fits import begun_anew, finalists, fitted_from
-from vgvt.reconcile.search.courses import best_course, in_other_courses
-from vgvt.reconcile.search.next_items import at_next_items
-from vgvt.reconcile.search.screened import Screened
-from vgvt.reconcile.search.shortlist import BIASED, second_list, shortened, swallowed
+from vgvt.reconcile.search.shortlist import BIASED, second_list, swallowed
 from vgvt.reconcile.work.one_thread import one_thread
 from vgvt.reconcile.work.progress import Progress, part
-from vgvt.reconcile.work.team import ALONE, Task, Team
+from vgvt.reconcile.work.team import Team
 
-_AT_LEAST, _FAR_AHEAD = 3, 5.0
-# Fitted together after these, whoever shares the work: none of them is left out for another one's sake.
-_AT_ONCE = 2
 # Held-out errors this near to each other say nothing of which is right, where both are far from noise.
 _AS_GOOD = 1.1
 # Of the progress: when all names are there that will be, and what a round takes of the time of the one before it, which
@@ -128,7 +123,7 @@ def _selected(
         if hopeless(k, most, current, start, before, residual(start, thresholds)):
             break
         here = part(tell, *(_CHOSEN * _worked_off(n, most) for n in (k, k + 1)))
-        rivals = _tried(current, straight, before, thresholds, part(here, 0.0, 0.6), team)
+        rivals = tried(current, straight, before, thresholds, part(here, 0.0, 0.5), team)
         if k == 0 and rivals:
             start = current = _restart(null, rivals[0])
             if current is not null:
@@ -136,24 +131,18 @@ def _selected(
                 found = [r.fit for r in rivals]
                 if before.train_chi2_per_dof < BIASED <= null.chi2_per_dof:
                     # What was screened where the calibration had lost its way says little of where it belongs.
-                    again = _tried(current, straight, before, thresholds, part(here, 0.6, 0.8), team, again=True)
+                    again = tried(current, straight, before, thresholds, part(here, 0.5, 0.6), team, again=True)
                     found += [r.fit for r in again]
                 rivals = against(current, found)
-        confirmed = passed = [r for r in rivals if _passed(r, current, before, thresholds)]
-        twins = _twins(bent, confirmed, before, named=k > 0)
-        if twins:
-            later = second_list(current, twins, straight, thresholds.evidence_nats, part(here, 0.8, 0.85), team)
-            more = _fit_all(current, later, before, twins, part(here, 0.85, 0.9), team)
-            rivals = against(current, [r.fit for r in (*rivals, *more)])
-            confirmed = passed = [r for r in rivals if _passed(r, current, before, thresholds)]
-        if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
-            rivals = ended(current, rivals, confirmed, thresholds, part(here, 0.9, 1.0), team)
-            passed = [r for r in rivals if _passed(r, current, before, thresholds)]
-            confirmed = [r for r in passed if takes_enough(r.fit, current, before)]
-        confirmed = straightened(confirmed, thresholds.set_nats)
-        if confirmed:
-            confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
-        confirmed, best = _taking_it_away(current, confirmed, before, thresholds)
+        choice = _choice(current, rivals, straight, bent, before, thresholds, part(here, 0.6, 0.7), team, named=k > 0)
+        if choice.best is None and not before.adequate and not swallowed(current, before):
+            # What is sharp, and hidden by tolerances that are not quite bent, promises nothing near by.
+            more = tried(current, straight, before, thresholds, part(here, 0.7, 0.95), team, afar=True)
+            rivals = against(current, distinct([r.fit for r in (*choice.rivals, *more)]))
+            # Without a name all joints have been asked already.
+            bent, rest = bent if k > 0 else [], part(here, 0.95, 1.0)
+            choice = _choice(current, rivals, straight, bent, before, thresholds, rest, team, named=k > 0)
+        rivals, passed, confirmed, best = choice
         vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
         if best is None:
             break
@@ -181,19 +170,46 @@ def _worked_off(number: int, most: int) -> float:
     return float((1 - _LATER**number) / (1 - _LATER**most))
 
 
-def _tried(
+class _Choice(NamedTuple):
+    """The rivals of a round, those that passed, those that keep what they passed with, and the winner with its equals.
+
+    There is no winner where none may give its name.
+    """
+
+    rivals: tuple[Rival, ...]
+    passed: list[Rival]
+    confirmed: list[Rival]
+    best: tuple[Rival, tuple[Rival, ...]] | None
+
+
+def _choice(
     current: Fit,
-    hypotheses: Sequence[Hypothesis],
+    rivals: tuple[Rival, ...],
+    straight: Sequence[Hypothesis],
+    bent: Sequence[Hypothesis],
     before: Residual,
     thresholds: Thresholds,
     tell: Progress,
-    team: Team = ALONE,
+    team: Team,
     *,
-    again: bool = False,
-) -> tuple[Rival, ...]:
-    """The most promising of some hypotheses, fitted."""
-    chosen = shortened(current, hypotheses, before, thresholds.evidence_nats, part(tell, 0.0, 0.6), team, again=again)
-    return _fit_all(current, chosen, before, hypotheses, part(tell, 0.6, 1.0), team)
+    named: bool,
+) -> _Choice:
+    """What a round makes of its rivals, fitted to their ends and beside the ``bent`` joints that they could be."""
+    confirmed = passed = [r for r in rivals if _passed(r, current, before, thresholds)]
+    twins = _twins(bent, confirmed, before, named)
+    if twins:
+        later = second_list(current, twins, straight, thresholds.evidence_nats, part(tell, 0.0, 0.25), team)
+        more = fit_all(current, later, twins, part(tell, 0.25, 0.5), team, afar=swallowed(current, before))
+        rivals = against(current, [r.fit for r in (*rivals, *more)])
+        confirmed = passed = [r for r in rivals if _passed(r, current, before, thresholds)]
+    if any(r.gain_nats >= thresholds.evidence_nats for r in rivals):
+        rivals = ended(current, rivals, confirmed, thresholds, part(tell, 0.5, 1.0), team)
+        passed = [r for r in rivals if _passed(r, current, before, thresholds)]
+        confirmed = [r for r in passed if takes_enough(r.fit, current, before)]
+    confirmed = straightened(confirmed, thresholds.set_nats)
+    if confirmed:
+        confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
+    return _Choice(rivals, passed, *_taking_it_away(current, confirmed, before, thresholds))
 
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:
@@ -290,49 +306,6 @@ def _twins(bent: Sequence[Hypothesis], confirmed: Sequence[Rival], before: Resid
         return [] if before.adequate or named else list(bent)
     names = {r.name for r in confirmed}
     return [h for h in bent if names & set(h.cls.confused_with)]  # type: ignore[attr-defined]
-
-
-def _fit_all(
-    current: Fit,
-    chosen: Sequence[Screened],
-    before: Residual,
-    hypotheses: Sequence[Hypothesis],
-    tell: Progress,
-    team: Team = ALONE,
-) -> tuple[Rival, ...]:
-    """The short list fitted, best first; what the screen puts far behind a fit that is there already is left out.
-
-    Of ``hypotheses`` come other courses of changes between runs, and other items that a thing may be.
-    """
-    near, screened = not swallowed(current, before), chosen
-    if not near:
-        seen = tuple(s for s in chosen if s.upright)
-        rest = tuple(s for s in chosen if not s.upright)
-        chosen = (*seen, *finalists(current, rest, part(tell, 0.0, 0.4), team))
-        tell = part(tell, 0.4, 1.0)
-        last = {s.hypothesis for s in chosen}
-        screened = [s for s in screened if s.hypothesis in last]
-    tell, anew, later = part(tell, 0.0, 0.7), part(tell, 0.7, 0.9), part(tell, 0.9, 1.0)
-    found: list[Fit] = []
-    # Of finalists none is left out for another one's sake: they are fitted together.
-    first = _AT_LEAST if near else len(chosen)
-    waves = [chosen[:first], *(chosen[k : k + _AT_ONCE] for k in range(first, len(chosen), _AT_ONCE))]
-    for k, wave in enumerate(waves):
-        best = max((f.evidence_nats - current.evidence_nats for f in found), default=0.0)
-        enough = len(found) >= _AT_LEAST and best > 0.4 * current.chi2
-        tasks: list[Task] = [
-            (fitted_from, (current, s, NEAR if near and not s.upright else FAR))
-            for s in wave
-            if not (enough and best > _FAR_AHEAD * s.gain_nats)
-        ]
-        fits = team.work_off(tasks, part(tell, k / len(waves), (k + 1) / len(waves)))
-        found += [f for f in fits if f is not None]
-    # A model with an effect has been brought near by that; one without may be anywhere.
-    if not near and found and not current.hypotheses and min(f.chi2_per_dof for f in found) >= BIASED:
-        found += begun_anew(current, screened, min(f.chi2 for f in found), anew, team)
-    found += in_other_courses(current, found, hypotheses, part(later, 0.0, 0.5), team)
-    found += at_next_items(current, found, hypotheses, part(later, 0.5, 1.0), team, placed=not near)
-    return against(current, distinct([best_course(f, hypotheses) for f in found]))
 
 
 def _judged(current: Fit, found: Fit) -> Rival:

@@ -52,9 +52,10 @@ def shortened(
     tell: Progress,
     team: Team = ALONE,
     *,
+    afar: bool,
     again: bool = False,
 ) -> tuple[Screened, ...]:
-    """The short list of a round. Where much is left, some of it from a stand that still forgives misplaced peaks.
+    """The short list of a round; from ``afar`` some of it from a stand that still forgives misplaced peaks.
 
     A calibration that had to swallow an effect is biased and hides it: its tangent does not reach back to the truth.
     Judged by a coarse relative error, scores stay near their priors and the same effect stands out.
@@ -62,7 +63,7 @@ def shortened(
     Where all tolerances together lean on something, a calibration that may not bend is asked, too.
     Asked ``again`` in a round, it leaves out the look that does not hang on where the calibration stands.
     """
-    if not swallowed(current, before):
+    if not afar:
         found = screen(current, left, part(tell, 0.0, 0.6), least_nats=_OPEN * needed, team=team)
         listed = short_list(found, _SHORT_LIST, needed=needed, strained=_strained(current, needed))
         if again or current.hypotheses or before.strain_sd <= before.limits.strain_sd:
