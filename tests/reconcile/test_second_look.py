@@ -61,29 +61,65 @@ def test_where_nothing_near_by_has_a_name_it_is_looked_for_from_afar(
     """
     seen: list[bool] = []
 
-    def rival(name: str, nats: float) -> Any:
-        fit = SimpleNamespace(name=name, nats=nats, chi2_per_dof=0.3)
-        return SimpleNamespace(
-            name=name, gain_nats=nats, fit=fit, held_out=0.3, convinces=lambda limits: nats >= limits.evidence_nats
-        )
-
     def tried(*given: Any, afar: bool = False) -> tuple[Any, ...]:
         seen.append(afar)
-        return (rival("loose surface", 650.0),) if afar else (rival("cable", near),)
+        return (gaining("loose surface", 650.0),) if afar else (gaining("cable", near),)
 
-    before: Any = SimpleNamespace(
-        adequate=adequate,
-        held_out_chi2_per_dof=None,
-        train_chi2_per_dof=0.5,
-        limits=SimpleNamespace(held_out_per_dof=1),
-    )
-    monkeypatch.setattr(rounds, "tried", tried)
-    monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: before)
     monkeypatch.setattr(rounds, "swallowed", lambda current, before: swallowed)
+    whatever_gains_enough(monkeypatch, tried, lambda fit: adequate)
+    found = rounds.attribute(a_fit(0.5), (), THRESHOLDS, most=1)
+    assert seen == looks
+    named = "loose surface" if looks[-1] else "cable" if near > THRESHOLDS.evidence_nats else None
+    assert [a.winner.name for a in found.rounds] == ([] if named is None else [named])
+    assert {"cable", "loose surface"} == {r.name for r in found.last_rivals} or not looks[-1]
+
+
+@pytest.mark.parametrize("nats", [650.0, 3.0])
+def test_what_only_led_to_a_better_valley_has_no_name_from_afar_either(
+    monkeypatch: pytest.MonkeyPatch, nats: float
+) -> None:
+    """The calibration is begun anew where the best from afar arrived, and gains are counted from there."""
+    better = a_fit(0.3)
+
+    def tried(*given: Any, afar: bool = False) -> tuple[Any, ...]:
+        return (gaining("loose surface", 650.0),) if afar else ()
+
+    whatever_gains_enough(monkeypatch, tried, lambda fit: fit is better)
+    monkeypatch.setattr(rounds, "swallowed", lambda current, before: False)
+    monkeypatch.setattr(rounds, "_restart", lambda null, winner: better)
+    monkeypatch.setattr(
+        rounds,
+        "against",
+        lambda current, fits: tuple(gaining(f.name, nats if current is better else 650.0) for f in fits),
+    )
+    found = rounds.attribute(a_fit(0.5), (), THRESHOLDS, most=1)
+    assert found.null is better and found.null_residual.adequate
+    assert [a.winner.name for a in found.rounds] == ["loose surface"] * (nats > THRESHOLDS.evidence_nats)
+
+
+def gaining(name: str, nats: float) -> Any:
+    """A rival that gains so much, whose fit meets the data and held-out ones."""
+    fit = SimpleNamespace(name=name, nats=nats, chi2_per_dof=0.3)
+    return SimpleNamespace(
+        name=name, gain_nats=nats, fit=fit, held_out=0.3, convinces=lambda limits: nats >= limits.evidence_nats
+    )
+
+
+def whatever_gains_enough(monkeypatch: pytest.MonkeyPatch, tried: Any, adequate: Any) -> None:
+    """Rounds that name what gains enough of what is ``tried``, held out or not, where a fit is not ``adequate``."""
+
+    def left(fit: Any, thresholds: Any) -> Any:
+        limits = SimpleNamespace(held_out_per_dof=1)
+        return SimpleNamespace(
+            adequate=adequate(fit), held_out_chi2_per_dof=None, train_chi2_per_dof=0.5, limits=limits
+        )
+
+    monkeypatch.setattr(rounds, "tried", tried)
+    monkeypatch.setattr(rounds, "residual", left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
     monkeypatch.setattr(rounds, "distinct", list)
-    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(rival(f.name, f.nats) for f in fits))
+    monkeypatch.setattr(rounds, "against", lambda current, fits: tuple(gaining(f.name, f.nats) for f in fits))
     monkeypatch.setattr(rounds, "confirmed_by_held_out", lambda *given: True)
     monkeypatch.setattr(rounds, "takes_enough", lambda *given: True)
     monkeypatch.setattr(rounds, "ended", lambda current, found, *given: tuple(found))
@@ -94,12 +130,6 @@ def test_where_nothing_near_by_has_a_name_it_is_looked_for_from_afar(
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     monkeypatch.setattr(rounds, "nowhere", lambda addition: False)
     monkeypatch.setattr(rounds, "reconsidered", lambda found, *asked, met: found)
-    null: Any = SimpleNamespace(problem=None, chi2_per_dof=0.5)
-    found = rounds.attribute(null, (), THRESHOLDS, most=1)
-    assert seen == looks
-    named = "loose surface" if looks[-1] else "cable" if near > THRESHOLDS.evidence_nats else None
-    assert [a.winner.name for a in found.rounds] == ([] if named is None else [named])
-    assert {"cable", "loose surface"} == {r.name for r in found.last_rivals} or not looks[-1]
 
 
 @pytest.mark.parametrize(

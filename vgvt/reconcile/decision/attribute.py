@@ -138,6 +138,8 @@ def _selected(
         if choice.best is None and not before.adequate and not swallowed(current, before):
             # What is sharp, and hidden by tolerances that are not quite bent, promises nothing near by.
             more = tried(current, straight, before, thresholds, part(here, 0.7, 0.95), team, afar=True)
+            if k == 0 and more and (better := _restart(current, more[0])) is not current:
+                start, current, before = better, better, residual(better, thresholds)
             rivals = against(current, distinct([r.fit for r in (*choice.rivals, *more)]))
             # Without a name all joints have been asked already.
             bent, rest = bent if k > 0 else [], part(here, 0.95, 1.0)
@@ -314,7 +316,10 @@ def _judged(current: Fit, found: Fit) -> Rival:
 
 
 def _restart(null: Fit, winner: Rival) -> Fit:
-    """The model without effects fitted again from the winner's scores: a better basin makes a fairer comparison."""
+    """The model without effects fitted again from the winner's scores: a better basin makes a fairer comparison.
+
+    The same where it is no better there.
+    """
     try:
         again = fit(null.problem, (), winner.fit.u, np.zeros(0), NEAR)
     except NoStructureError:
