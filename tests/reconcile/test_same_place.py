@@ -83,12 +83,16 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     limits = SimpleNamespace(held_out_per_dof=1.0)
     left = SimpleNamespace(
-        held_out_chi2_per_dof=80.0, held_out_noise_per_dof=0.7, limits=limits, train_chi2_per_dof=1.0, adequate=False
+        held_out_chi2_per_dof=80.0,
+        held_out_noise_per_dof=0.7,
+        limits=limits,
+        train_chi2_per_dof=1.0,
+        adequate=False,
+        fitted_adequate=True,
     )
     monkeypatch.setattr(rounds, "localise", lambda fit: explained(body=0.9 if fit is null else 0.95))
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
-    monkeypatch.setattr(rounds, "swallowed", lambda current, before: True)
     monkeypatch.setattr(rounds, "tried", lambda *given: (beside,))
     monkeypatch.setattr(rounds, "_restart", lambda null, winner: null)
     monkeypatch.setattr(rounds, "against", lambda current, fits: (beside,))

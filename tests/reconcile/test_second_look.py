@@ -30,7 +30,7 @@ def test_looks_again_from_where_the_calibration_belongs(
         return (rival,)
 
     def left(fit: Any, thresholds: Any) -> Any:
-        return SimpleNamespace(train_chi2_per_dof=fit.chi2_per_dof, adequate=True)
+        return SimpleNamespace(train_chi2_per_dof=fit.chi2_per_dof, adequate=True, fitted_adequate=True)
 
     monkeypatch.setattr(rounds, "tried", tried)
     monkeypatch.setattr(rounds, "residual", left)
@@ -111,7 +111,11 @@ def whatever_gains_enough(monkeypatch: pytest.MonkeyPatch, tried: Any, adequate:
     def left(fit: Any, thresholds: Any) -> Any:
         limits = SimpleNamespace(held_out_per_dof=1)
         return SimpleNamespace(
-            adequate=adequate(fit), held_out_chi2_per_dof=None, train_chi2_per_dof=0.5, limits=limits
+            adequate=adequate(fit),
+            fitted_adequate=adequate(fit),
+            held_out_chi2_per_dof=None,
+            train_chi2_per_dof=0.5,
+            limits=limits,
         )
 
     monkeypatch.setattr(rounds, "tried", tried)
@@ -178,7 +182,7 @@ def a_round(monkeypatch: pytest.MonkeyPatch, begun: Any, ended: Any) -> None:
     def rival(fit: Any) -> Any:
         return SimpleNamespace(fit=fit, name="it", gain_nats=90.0, held_out=0.8, convinces=lambda limits: True)
 
-    left: Any = SimpleNamespace(held_out_chi2_per_dof=2.0, train_chi2_per_dof=1.0, adequate=True)
+    left: Any = SimpleNamespace(held_out_chi2_per_dof=2.0, train_chi2_per_dof=1.0, adequate=True, fitted_adequate=True)
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
     monkeypatch.setattr(rounds, "tried", lambda *given: (rival(begun),))

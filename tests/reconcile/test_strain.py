@@ -11,7 +11,7 @@ import pytest
 from reconciled_case import campaign_of, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.evidence.residual import residual
+from vgvt.reconcile.evidence.residual import Residual, residual
 from vgvt.reconcile.evidence.strain import strain_sd
 from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.fit import Fit
@@ -84,6 +84,28 @@ def test_what_tolerances_imitate_is_no_longer_adequate(tmp_path: Path) -> None:
     assert not bent.adequate
     assert sound.met
     assert any("lean on it" in reason for reason in bent.reasons)
+
+
+@pytest.mark.parametrize(
+    ("chi2", "smooth", "strain", "held_out", "adequate"),
+    [
+        (0.9, 0.9, 1.0, 99.0, True),
+        (1.2, 0.9, 1.0, 0.9, False),
+        (0.9, 1.2, 1.0, 0.9, False),
+        (0.9, 0.9, 7.0, 0.9, False),
+    ],
+)
+def test_what_is_fitted_is_adequate_however_held_out_data_are_missed(
+    chi2: float, smooth: float, strain: float, held_out: float, adequate: bool
+) -> None:
+    limits: Any = SimpleNamespace(chi2_per_dof=1.1, smooth_per_dof=1.1, held_out_per_dof=1.1, strain_sd=6.0)
+    nothing, plane = np.zeros(0), np.zeros((0, 0))
+    found = Residual(
+        (), nothing, plane.astype(complex), nothing, plane, chi2, held_out, smooth, 0.0, 0.0, 0.0,
+        met=False, adequate=False, reasons=(), limits=limits, noise_per_dof=1.0, held_out_noise_per_dof=1.0,
+        strain_sd=strain,
+    )  # fmt: skip
+    assert found.fitted_adequate is adequate
 
 
 def test_its_limit_grows_with_the_models_form() -> None:

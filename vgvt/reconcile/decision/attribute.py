@@ -135,7 +135,7 @@ def _selected(
                     found += [r.fit for r in again]
                 rivals = against(current, found)
         choice = _choice(current, rivals, straight, bent, before, thresholds, part(here, 0.6, 0.7), team, named=k > 0)
-        if choice.best is None and not before.adequate and not swallowed(current, before):
+        if choice.best is None and not before.fitted_adequate and not swallowed(current, before):
             # What is sharp, and hidden by tolerances that are not quite bent, promises nothing near by.
             more = tried(current, straight, before, thresholds, part(here, 0.7, 0.95), team, afar=True)
             if k == 0 and more and (better := _restart(current, more[0])) is not current:

@@ -51,6 +51,13 @@ class Residual:
     held_out_noise_per_dof: float | None
     strain_sd: float
 
+    @property
+    def fitted_adequate(self) -> bool:
+        """Whether fitted data are met without leaning on the tolerances, however held-out data are missed."""
+        limits = self.limits
+        met = self.train_chi2_per_dof <= limits.chi2_per_dof and self.smooth_per_dof <= limits.smooth_per_dof
+        return met and self.strain_sd <= limits.strain_sd
+
     def __repr__(self) -> str:
         held, limits = self.held_out_chi2_per_dof, self.limits
         figures = [("χ² per degree of freedom", self.train_chi2_per_dof, limits.chi2_per_dof)]
