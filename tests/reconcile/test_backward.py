@@ -50,7 +50,7 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     null: Any = SimpleNamespace(chi2_per_dof=20.0)
     things = tuple(SimpleNamespace(name=str(k)) for k in range(2))
     winners = [SimpleNamespace(fit=SimpleNamespace(hypotheses=things[: k + 1]), name=str(k)) for k in range(2)]
-    begun = tuple(Addition(w, (), (), None) for w in winners)  # type: ignore[arg-type]
+    begun = tuple(Addition(w, (), (f"tried beside {w.name}",), None) for w in winners)  # type: ignore[arg-type]
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: SimpleNamespace(adequate=adequate, of=fit))
     monkeypatch.setattr(rounds, "needed", lambda found, current, thresholds: (found, current))
     asked = list[tuple[Any, ...]]()
@@ -68,6 +68,8 @@ def test_without_one_it_gives_no_name_to_a_fit_that_misses_much(
     assert asked == [(list(found.rounds), found.final, (SOFT_ROOT,))]
     assert found.final is (winners[-1].fit if kept else null)
     assert list(found.vetoed) == ([] if kept else winners[::-1])
+    # What has no name is judged by what was tried beside what stays.
+    assert found.last_rivals == (f"tried beside {1 if kept else 0}",)
 
 
 @pytest.mark.parametrize(

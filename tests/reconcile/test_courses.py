@@ -19,7 +19,7 @@ from vgvt.reconcile.question.holdout import Split
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
 from vgvt.reconcile.search.candidates import candidates, places
-from vgvt.reconcile.search.courses import best_course, in_other_courses
+from vgvt.reconcile.search.courses import _other_courses, best_course, in_other_courses
 from vgvt.reconcile.work.progress import silent
 from vgvt.simulation import simulated_campaign
 
@@ -191,3 +191,13 @@ def test_a_change_is_tried_before_every_run_of_a_usual_campaign() -> None:
         put_in = candidates(problem, {"payload-change": last})
         assert {h.settings["from_run"] for h in put_in} == set(hung)
         assert len(put_in) == tried * len(places(problem))
+
+
+@pytest.mark.parametrize("runs", [6, 12, 24, 40])
+def test_all_runs_that_a_change_may_begin_at_share_one_prior(remounted: Problem, runs: int) -> None:
+    """Of many runs not all are candidates, and all may be fitted."""
+    many = replace(remounted, measured=replace(remounted.measured, runs=((1,),) * runs))
+    every = candidates(many, {"drive-remount": REMOUNT})
+    there = [every[0], *_other_courses(many, every, every[0])]
+    assert len({h.settings["from_run"] for h in there}) == runs - 1
+    assert sum(h.share for h in there) == pytest.approx(1.0)

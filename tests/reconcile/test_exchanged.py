@@ -312,3 +312,12 @@ def test_held_out_data_may_speak_for_the_names_that_were_found(
 def test_no_name_is_no_way_on(monkeypatch: pytest.MonkeyPatch) -> None:
     judged_by(monkeypatch, of(absorber_mount=160.0))
     assert not leads_further(search(adequate=True), absorber_and_mount(), LIMITS.set_nats)
+
+
+def test_nothing_is_ahead_of_itself_however_little_the_data_leave_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    judged_by(monkeypatch, of(absorber=100.0, mount=100.0, mass=101.0))
+    absorber, mount, mass = map(fit_of, ("absorber", "mount", "mass"))
+    null = fit_of()
+    assert module.ahead_of(null, absorber, [mount], 0.0) is None
+    assert module.ahead_of(null, absorber, [mount, mass], 0.0) is mass
+    assert module.ahead_of(null, absorber, [mass], 1.0) is None

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from lead_case import fitted, found, left
 
-from vgvt.reconcile.decision import leads, near_leads
+from vgvt.reconcile.decision import exchanged, leads, near_leads
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.kinds import Kind, kind_of
@@ -241,7 +241,8 @@ def test_what_is_left_of_two_names_must_take_half_on_its_own(monkeypatch: pytest
     [
         (-3.0, 1, (), False, 0.0, True),
         (30.0, 2, (), False, 0.0, True),
-        (-6.0, 1, (), False, 0.0, False),
+        (-9.0, 1, (), False, 0.0, True),
+        (-11.0, 1, (), False, 0.0, False),
         (30.0, 0, (), False, 0.0, False),
         (30.0, 2, ("one",), False, 0.0, False),
         (-60.0, 1, (), True, 0.0, True),
@@ -259,7 +260,11 @@ def test_what_does_as_well_without_what_cannot_be_counts(
     bent: float,
     does: bool,
 ) -> None:
-    """By the evidence of the whole models or as data and tolerances are met, and if it is all plausible itself."""
+    """By the evidence of the whole models or as data and tolerances are met, and if it is all plausible itself.
+
+    Nats count as they do wherever two explanations are as good: here half of what they are line by line.
+    """
+    monkeypatch.setattr(exchanged, "against", halved)
     case = with_strange(monkeypatch, ("far off", *strange), ("far off", "two"))
     other = with_strange(monkeypatch, ("far off", *strange), ("one", "two"))
     first, second = (
@@ -272,6 +277,12 @@ def test_what_does_as_well_without_what_cannot_be_counts(
     second_fit.hypotheses = second_fit.hypotheses[:names]
     assert strange_names(first) == {"far off"}
     assert does_without(first, replace(second, rounds=second.rounds[:names]), 5.0) is does
+
+
+def halved(current: Any, fits: Any) -> tuple[Any, ...]:
+    """Fits as rivals whose nats count half, best first."""
+    judged = [SimpleNamespace(fit=f, gain_nats=0.5 * f.evidence_nats) for f in fits]
+    return tuple(sorted(judged, key=lambda r: -r.gain_nats))
 
 
 def test_what_the_second_search_went_without_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -157,6 +157,12 @@ def test_only_finalists_are_fitted_to_the_end(null: Fit, hypotheses: Any) -> Non
     assert kept[0].start is not None and np.abs(kept[0].start - null.scores).max() > 0
 
 
+def one_of(label: str) -> Hypothesis:
+    """A variant of the effect that a label begins with, that has no place."""
+    named = SimpleNamespace(name=label[0], label=label, cls=AddedInertia, settings={})
+    return cast(Hypothesis, SimpleNamespace(**vars(named), same=lambda other: other.name == named.name))
+
+
 @pytest.mark.parametrize(
     ("foremost", "kept"), [(None, "abad"), ("b", "abad"), ("f", "abadf"), ("e-too", "abade")], ids=str
 )
@@ -171,10 +177,7 @@ def test_what_came_first_without_forgiveness_is_fitted_too(
         return SimpleNamespace(evidence_nats=nats[label], values=lambda k: {}, scores=np.zeros(3))
 
     monkeypatch.setattr(candidate_fits, "_begun", begun)
-    chosen = [
-        Screened(cast(Hypothesis, SimpleNamespace(name=label[0], label=label)), {}, 1.0, foremost=label == foremost)
-        for label in reversed(nats)
-    ]
+    chosen = [Screened(one_of(label), {}, 1.0, foremost=label == foremost) for label in reversed(nats)]
     current: Any = SimpleNamespace(hypotheses=(), scores=np.zeros(3))
     assert "".join(s.hypothesis.name for s in finalists(current, chosen, silent)) == kept
 

@@ -12,6 +12,7 @@ from reconciled_case import drawn_scores, problem
 
 from vgvt.effects.added_mass import AddedMass
 from vgvt.effects.local_absorber import LocalAbsorber
+from vgvt.effects.root_compliance import RootCompliance
 from vgvt.effects.suspension_surge import SuspensionSurge
 from vgvt.reconcile.evidence import rivals
 from vgvt.reconcile.evidence.rivals import against
@@ -167,6 +168,41 @@ def test_two_starts_of_an_effect_that_have_met_are_one_finalist(monkeypatch: pyt
     current: Any = SimpleNamespace(hypotheses=(), scores=np.zeros(2))
     found = candidate_fits.finalists(current, chosen, lambda f, m: None)
     assert [s.hypothesis.name for s in found] == ["added-mass", *["local-absorber"] * 3]
+
+
+@pytest.mark.parametrize(
+    ("settings", "values", "kept"),
+    [
+        (({"side": "left"}, {"side": "right"}), ({}, {}), 2),
+        (({"side": "left"}, {"side": "left"}), ({}, {}), 1),
+        (
+            ({"x_m": 0.5, "y_m": 0.9}, {"x_m": 0.5, "y_m": -0.9}),
+            ({"x_m": 0.52, "y_m": 0.9}, {"x_m": 0.5, "y_m": 0.8}),
+            1,
+        ),
+        (
+            ({"x_m": 0.5, "y_m": 0.9}, {"x_m": 0.5, "y_m": -0.9}),
+            ({"x_m": 0.5, "y_m": 0.9}, {"x_m": 0.5, "y_m": -0.9}),
+            2,
+        ),
+    ],
+)
+def test_other_variants_of_an_effect_have_not_met_however_alike_they_do(
+    monkeypatch: pytest.MonkeyPatch, settings: Any, values: Any, kept: int
+) -> None:
+    """Of either side, or at places that are apart, they are two; of two grid points that came to one place one."""
+    cls = AddedMass if "x_m" in settings[0] else RootCompliance
+    chosen = [Screened(Hypothesis(cls, s), {}, 1.0) for s in settings]
+
+    def begun(current: Any, s: Screened, tell: Any) -> Any:
+        there = values[[c is s for c in chosen].index(True)]
+        return SimpleNamespace(
+            evidence_nats=-10.0, values=lambda k: {n: (v, 0.0, "m") for n, v in there.items()}, scores=np.zeros(2)
+        )
+
+    monkeypatch.setattr(candidate_fits, "_begun", begun)
+    current: Any = SimpleNamespace(hypotheses=(), scores=np.zeros(2))
+    assert len(candidate_fits.finalists(current, chosen, lambda f, m: None)) == kept
 
 
 @pytest.mark.slow

@@ -141,10 +141,9 @@ def _selected(
             if k == 0 and more and (better := _restart(current, more[0])) is not current:
                 start, current, before = better, better, residual(better, thresholds)
             rivals = against(current, distinct([r.fit for r in (*choice.rivals, *more)]))
-            # Without a name all joints have been asked already.
-            bent, rest = bent if k > 0 else [], part(here, 0.95, 1.0)
-            choice = _choice(current, rivals, straight, bent, before, thresholds, rest, team, named=k > 0)
-        rivals, passed, confirmed, best = choice
+            later, rest = [h for h in bent if h not in choice.joints], part(here, 0.95, 1.0)
+            choice = _choice(current, rivals, straight, later, before, thresholds, rest, team, named=k > 0)
+        rivals, passed, confirmed, best, _ = choice
         vetoed += [r for r in rivals if r.convinces(thresholds) and r not in confirmed]
         if best is None:
             break
@@ -153,11 +152,13 @@ def _selected(
         equal = (*equal, *plain_likenesses(winner, confirmed, equal, thresholds))
         addition = Addition(winner, equal, rivals, before.held_out_chi2_per_dof)
         rounds.append(controlled(addition, partial(_judged, current), thresholds.set_nats, part(here, 1.0, 1.0), team))
-        current = winner.fit
+        current, rivals = winner.fit, rounds[-1].rivals
         if keep is not None:
             keep(start, rounds, vetoed)
     rounds, current = needed(rounds, current, thresholds)
     while rounds and nowhere(rounds[-1]) and not residual(current, thresholds).adequate:
+        # What stands between these data and a name is what that round asked, not what was asked beside its own.
+        rivals = rounds[-1].rivals
         rounds, current, refused = without_last(rounds, start)
         vetoed += refused
     after = residual(current, thresholds)
@@ -175,13 +176,14 @@ def _worked_off(number: int, most: int) -> float:
 class _Choice(NamedTuple):
     """The rivals of a round, those that passed, those that keep what they passed with, and the winner with its equals.
 
-    There is no winner where none may give its name.
+    There is no winner where none may give its name. ``joints`` are those that depend on level and were asked.
     """
 
     rivals: tuple[Rival, ...]
     passed: list[Rival]
     confirmed: list[Rival]
     best: tuple[Rival, tuple[Rival, ...]] | None
+    joints: list[Hypothesis]
 
 
 def _choice(
@@ -211,7 +213,7 @@ def _choice(
     confirmed = straightened(confirmed, thresholds.set_nats)
     if confirmed:
         confirmed = likelier(confirmed, _equal(_first(confirmed), confirmed, thresholds))
-    return _Choice(rivals, passed, *_taking_it_away(current, confirmed, before, thresholds))
+    return _Choice(rivals, passed, *_taking_it_away(current, confirmed, before, thresholds), twins)
 
 
 def _passed(rival: Rival, current: Fit, before: Residual, thresholds: Thresholds) -> bool:

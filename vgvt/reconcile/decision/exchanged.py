@@ -80,7 +80,7 @@ def ahead_of(null: Fit, final: Fit, fits: Sequence[Fit], set_nats: float) -> Fit
     """The best of some fits where it is ahead of a ``final`` one by more than the data leave open, else None."""
     judged = against(null, [final, *fits])
     best, before = judged[0], next(r for r in judged if r.fit is final)
-    return best.fit if best.gain_nats >= before.gain_nats + set_nats else None
+    return best.fit if best.gain_nats > before.gain_nats + set_nats else None
 
 
 def _others(addition: Addition, named: Sequence[str], thresholds: Thresholds) -> list[Rival]:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.doubts import strained_too_much
+from vgvt.reconcile.decision.exchanged import ahead_of
 from vgvt.reconcile.decision.near_leads import with_nearly_as_near
 from vgvt.reconcile.evidence.confirmation import share_taken, shares_taken
 from vgvt.reconcile.evidence.plausible import implausible
@@ -139,7 +140,7 @@ def does_without(found: Attribution, without: Attribution, within_nats: float) -
     together show that the mass does as well. And where they leave no more than campaigns leave in which nothing is
     missing, nothing is left for what could not be to explain: how far it bends to the last of it is no matter.
     """
-    reached = without.final.evidence_nats > found.final.evidence_nats - within_nats
+    reached = ahead_of(found.null, without.final, [found.final], within_nats) is None
     met = without.final_residual.adequate and not strained_too_much(without.final)
     return bool(without.rounds) and (reached or met) and not strange_names(without)
 

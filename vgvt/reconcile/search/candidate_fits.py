@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.reconcile.evidence.plausible import PLACES
 from vgvt.reconcile.fitting.fit import FAR, NEAR, Fit, cost_at, fit
 from vgvt.reconcile.fitting.fit_unless_behind import HOPELESS, fit_unless_behind
 from vgvt.reconcile.fitting.rough_start import rough_start
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.candidates import freed
+from vgvt.reconcile.search.scan import BY_ITSELF_M
 from vgvt.reconcile.search.screened import Screened, parted
 from vgvt.reconcile.work.progress import Progress, naming
 from vgvt.reconcile.work.team import ALONE, Team
@@ -45,14 +48,19 @@ def finalists(current: Fit, chosen: Sequence[Screened], tell: Progress, team: Te
             found.append((there.evidence_nats, ahead))
     kept: list[tuple[float, Screened]] = []
     for nats, s in sorted(found, key=lambda f: -f[0]):
-        met = (k for k, (n, o) in enumerate(kept) if n - nats < _MET and s.hypothesis.name == o.hypothesis.name)
-        twin = next(met, None)
+        twin = next((k for k, (n, o) in enumerate(kept) if n - nats < _MET and _met(s, o)), None)
         # Two starts of one effect that have met are one.
         if twin is None:
             kept.append((nats, s))
         elif s.foremost:
             kept[twin] = (kept[twin][0], replace(kept[twin][1], foremost=True))
     return tuple(s for k, (_, s) in enumerate(kept) if k < FINALISTS or s.foremost)
+
+
+def _met(one: Screened, other: Screened) -> bool:
+    """Whether two starts are those of one variant, and at one place if it has one."""
+    at = [[s.values.get(name, 0.0) for pair in PLACES for name in pair] for s in (one, other)]
+    return freed(one.hypothesis).same(freed(other.hypothesis)) and math.dist(*at) < BY_ITSELF_M
 
 
 def _begun(current: Fit, s: Screened, tell: Progress) -> Fit | None:

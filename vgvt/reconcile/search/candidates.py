@@ -65,7 +65,8 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
             continue
         spans = reach(parameters_of(cls), box)
         count = len({tuple(v.get(name) for name in _TIED) for v in variants})
-        found += [Hypothesis(cls, settings, 1.0 / len(variants), spans, count) for settings in variants]
+        share = 1.0 / _of_all_runs(problem, variants)
+        found += [Hypothesis(cls, settings, share, spans, count) for settings in variants]
     return tuple(found)
 
 
@@ -128,6 +129,13 @@ def _that_act(problem: Problem, cls: type, variants: list[dict[str, Any]]) -> li
         count = f"{len(faults)} of {len(variants)} variants left out"
         warnings.warn(f"{faults[0]}; {count}", EffectPluginWarning, stacklevel=1)
     return kept
+
+
+def _of_all_runs(problem: Problem, variants: list[dict[str, Any]]) -> float:
+    """How many variants there are with those that begin at the runs between: each of these may be fitted, too."""
+    begun = {v["from_run"] for v in variants if "from_run" in v}
+    each = (len(problem.measured.runs) - 1) / len(begun) if len(begun) > 1 else 1.0
+    return sum(each if "from_run" in v else 1.0 for v in variants)
 
 
 def _act_once(problem: Problem, hypothesis: Hypothesis) -> None:
