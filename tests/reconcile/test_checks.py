@@ -16,6 +16,7 @@ from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.fit import TO_THE_END, fit
 from vgvt.reconcile.next_test import suggest as suggesting
 from vgvt.reconcile.next_test.checks import _aircraft_kg, checks, foretold, log_density, reading_nats, seen
+from vgvt.reconcile.next_test.procedures import lab_minutes
 from vgvt.reconcile.next_test.with_reading import reading_density
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
@@ -58,6 +59,9 @@ def test_each_instrument_shows_what_it_measures(case: Problem) -> None:
     assert shown(case, "weigh the aircraft", "added-mass", mass_kg=0.05) == pytest.approx([0.05, 0.05])
     warming = shown(case, "log the temperature of the structure", "temperature-change", warming_k=3.0)
     assert warming == pytest.approx(np.linspace(0, 3.0, len(runs)))
+    # Of runs that are over nobody reads it: it takes as long as they do.
+    logged = next(c for c in checks(case) if "thermistor" in c.words)
+    assert logged.minutes > lab_minutes(case) > len(runs) * case.scenario.excitation.whole_s / 60
     moved = shown(case, "tape where every sensor", "sensor-position-error", dx_m=0.03, node=first[1]).reshape(-1, 2)
     assert [tuple(m) for m in moved if m.any()] == [pytest.approx((0.03, 0.0))] * sum(first[1] in r for r in runs)
     swapped = shown(case, "tape where every sensor", "swapped-sensors", node=first[0], other_node=first[1])

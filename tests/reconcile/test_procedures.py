@@ -13,7 +13,6 @@ import pytest
 from reconciled_case import campaign_of, claimed, roving_problem, roving_scenario, small_scenario
 
 from vgvt.effects import available_effects
-from vgvt.reconcile.decision import undecided as undecided_module
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.undecided import next_best, undecided
 from vgvt.reconcile.fitting.fit import NEAR, fit
@@ -25,7 +24,6 @@ from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.uncertain import prepared
-from vgvt.reconcile.search.candidates import freed
 from vgvt.scenario import load_scenario
 
 # The package's lazy name of the same spelling is the function.
@@ -225,35 +223,6 @@ def test_two_places_of_one_effect_are_told_as_two(case: Problem) -> None:
     assert rivals(1, 2) == ("added-mass", "root-compliance")
     (said,) = words_of_none([Suggestion("a test", rivals(0, 1), 1.0, 5.0)], 5.0)
     assert f"tell {right} from {left}" in said
-
-
-def test_a_test_has_to_tell_names_apart_before_places() -> None:
-    """The best fit of each of the last round that names several, not five places of one of them."""
-
-    def rival(name: str, fit: str) -> Any:
-        return SimpleNamespace(name=name, fit=fit, hypothesis=Hypothesis(GAIN_CLASS, {"channels": fit}))
-
-    def found(*rounds: tuple[Any, ...]) -> Any:
-        return SimpleNamespace(rounds=[Addition(own[0], own, own, None) for own in rounds])
-
-    here, there, like = rival("mass", "here"), rival("mass", "there"), rival("inertia", "like")
-    alone = rival("delay", "alone")
-    assert undecided(found((here, there, like))) == ("here", "like")
-    assert undecided(found((here, there, like), (alone,))) == ("here", "like")
-    assert undecided(found((alone,), (here, there))) == ("here", "there")
-    assert undecided(found((here, there), (alone,))) == ("here", "there")
-    assert undecided(found((here,), (alone,))) == ("alone",)
-    assert undecided(found()) == suggest(undecided(found())) == ()
-
-
-def test_two_starts_that_met_are_one_explanation_and_two_places_are_two(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(undecided_module, "distinct_places", lambda fits: tuple(dict.fromkeys(f[0] for f in fits)))
-    mass = available_effects()["added-mass"]
-    variants = [Hypothesis(mass, {"x_m": 0.1 * k, "y_m": 0.2}) for k in range(3)]
-    ends = (("a", 1), ("a", 2), ("b", 3))
-    starts = [SimpleNamespace(name="mass", fit=at, hypothesis=freed(h)) for at, h in zip(ends, variants, strict=True)]
-    about: Any = SimpleNamespace(rounds=[Addition(starts[0], tuple(starts), (), None)])  # type: ignore[arg-type]
-    assert undecided(about) == (("a", 1), ("b", 3))
 
 
 def test_what_holds_the_same_others_is_known_from_another_process_too() -> None:

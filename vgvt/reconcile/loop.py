@@ -18,7 +18,7 @@ from vgvt.reconcile.decision.reasons import reasons_of
 from vgvt.reconcile.decision.relatives import words_of_relatives
 from vgvt.reconcile.decision.told import with_told_parameters
 from vgvt.reconcile.decision.turned import counts_instead, turned, words_of_turn
-from vgvt.reconcile.decision.undecided import next_best, undecided
+from vgvt.reconcile.decision.undecided import next_best, undecided, words_of_the_rest
 from vgvt.reconcile.decision.verdict import Verdict, leads_of, named_effects
 from vgvt.reconcile.evidence.localise import localise
 from vgvt.reconcile.fitting.calibration import calibrate
@@ -106,7 +106,7 @@ def reconcile(
     if kind is Kind.AMBIGUOUS and with_tests:
         tell(_LOCALISED, "compare tests")
         tests = suggest(undecided(found)) or suggest(next_best(found), levels_alone=True)
-        said += words_of_none(tests, limits.set_nats)
+        said += (*words_of_none(tests, limits.set_nats), *words_of_the_rest(found))
     if kind in (Kind.EXPLAINED, Kind.AMBIGUOUS):
         offered = available_effects() if effects is None else effects
         relatives = words_of_relatives(found, offered, {h.name for h in hypotheses})

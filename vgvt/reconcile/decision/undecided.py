@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vgvt.data.shown import listed
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.place_control import distinct_places
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.next_test.suggest import COMPARED
 from vgvt.reconcile.question.hypothesis import Hypothesis
 
 
@@ -33,6 +35,23 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
     if not apart:
         return ()
     return tuple(r.fit for r in next((several for several in apart if len(several) > 1), apart[0]))
+
+
+def words_of_the_rest(found: Attribution) -> tuple[str, ...]:
+    """What is said of explanations that no test was compared for: the fourth of a round, and those of other rounds."""
+    said, last = list[str](), [fit.hypotheses[-1] for fit in undecided(found)]
+    names = [h.name for h in last]
+    if len(last) > COMPARED:
+        called = names if len(set(names)) == len(names) else [h.label for h in last]
+        said.append(
+            f"Tests were compared for {listed(called[:COMPARED], COMPARED)}; {listed(called[COMPARED:], len(called))} "
+            "explains the data as well, and is to be told from what is left of them"
+        )
+    several = [list(dict.fromkeys(r.name for r in addition.alike)) for addition in found.rounds]
+    for alike in several:
+        if len(alike) > 1 and not set(alike) & set(names):
+            said.append(f"Which of {' or '.join(alike)} is there no test was compared for: it is the next question")
+    return tuple(said)
 
 
 def _all_same(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> bool:

@@ -17,6 +17,7 @@ from vgvt.effects.action import Action, ChannelFilter
 from vgvt.effects.elements import RotationSpring
 from vgvt.effects.protocol import Effect, Family
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.next_test.procedures import lab_minutes
 from vgvt.reconcile.prediction.grouping import NoStructureError, effects_at, run_actions
 from vgvt.reconcile.question.problem import Nuisance, Problem
 from vgvt.reconcile.question.uncertain import edited
@@ -104,8 +105,10 @@ def checks(problem: Problem) -> tuple[Check, ...]:
               lambda r: _beside_all(r, band), _beside(_REFERENCE), of_gains=True),
     ]  # fmt: skip
     if runs > 1:
-        words = "log the temperature of the structure beside the runs, with a thermistor"
-        found.append(Check(words, 5.0 * runs, lambda r: np.array([_warming_k(s) for s in r]), _alike(_THERMISTOR_K)))
+        # Nobody reads afterwards how warm it was: what drifts, or warms, has to do so once more.
+        words = "make the runs anew, and log the temperature of the structure with a thermistor"
+        minutes = 5.0 + lab_minutes(problem)
+        found.append(Check(words, minutes, lambda r: np.array([_warming_k(s) for s in r]), _alike(_THERMISTOR_K)))
     if scenario.hammer is None:
         found += [
             Check("measure with a tape where the shaker pushes", 5.0,

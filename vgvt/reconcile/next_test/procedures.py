@@ -65,7 +65,7 @@ def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
     if all(h.linear for fit in fits for h in fit.hypotheses):
         return ()
     problem = fits[0].problem
-    minutes = _SET_MIN + _minutes(problem)
+    minutes = _SET_MIN + lab_minutes(problem)
     return tuple(
         Procedure(f"sweep again with {words} the force", lambda s: s, minutes, factor)
         for words, factor in (("twice", 2.0), ("half", 0.5), ("a quarter of", 0.25))
@@ -74,7 +74,7 @@ def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
 
 def procedures(problem: Problem) -> tuple[Procedure, ...]:
     """What a lab can change within minutes: drive point, dummy mass, suspension, and what is measured when."""
-    scenario, campaign = problem.scenario, _minutes(problem)
+    scenario, campaign = problem.scenario, lab_minutes(problem)
     x, y, z = scenario.shaker.position_m
 
     def sprung(factor: float) -> Callable[[Scenario], Scenario]:
@@ -138,7 +138,7 @@ def _beside_m(airframe: Airframe, part: str, at: Point) -> float:
     return float(np.linalg.norm(arm - along[:, None] * step, axis=1).min())
 
 
-def _minutes(problem: Problem, sweeps: int = 1, runs: int | None = None) -> float:
+def lab_minutes(problem: Problem, sweeps: int = 1, runs: int | None = None) -> float:
     """How long runs of some sweeps take, by default all that the campaign has; nobody sets up a run for nothing."""
     count = len(problem.measured.runs) if runs is None else runs
     return count * (_BETWEEN_RUNS_MIN + sweeps * problem.scenario.excitation.whole_s / 60)
@@ -147,7 +147,7 @@ def _minutes(problem: Problem, sweeps: int = 1, runs: int | None = None) -> floa
 def _averages(problem: Problem) -> list[Procedure]:
     """What takes noise away where nothing but noise keeps two explanations together."""
     return [
-        Procedure(f"average {count} sweeps in every run", lambda s: s, _minutes(problem, count), sweeps=count)
+        Procedure(f"average {count} sweeps in every run", lambda s: s, lab_minutes(problem, count), sweeps=count)
         for count in _AVERAGED
     ]
 
@@ -162,14 +162,14 @@ def _other_runs(problem: Problem) -> list[Procedure]:
 
     found = []
     if len(runs) > 1:
-        one = _minutes(problem, runs=1)
+        one = lab_minutes(problem, runs=1)
         found += [
             Procedure(f"make run {numbers[k]} once more after the last", measured((*runs, run)), one, again=k)
             for k, run in enumerate(runs)
         ]
     if any(len(run) > 1 for run in runs):
         words = "exchange the sensors: every run again with their places in reverse order"
-        found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), _minutes(problem)))
+        found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), lab_minutes(problem)))
     return found
 
 

@@ -27,6 +27,8 @@ from vgvt.reconcile.work.one_thread import one_thread
 
 Array = NDArray[np.float64]
 Nats = Callable[[Fit, Fit], float | None]
+COMPARED = 3
+"""Of explanations that are as good so many are compared."""
 # What a test must promise to be worth its time: nats scatter by sqrt(2 nats), and five make two explanations two.
 _TELLS = 10.0
 # What leaves no doubt: a test that promises more is not worth more minutes.
@@ -112,7 +114,7 @@ def suggest(fits: Sequence[Fit], count: int = 3, *, levels_alone: bool = False) 
     """
     if len(fits) < 2:
         return ()
-    fits = fits[:3]
+    fits = fits[:COMPARED]
     ranked = [
         (found, test) for test in _tests(fits, levels_alone) if (found := test.worth(fits, test.promised)) is not None
     ]
