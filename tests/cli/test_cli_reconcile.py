@@ -163,7 +163,7 @@ def loops(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
         document = {"verdict": "ambiguous", "reasons": ["because"], "effects": [effect], "before": sets, "after": sets}
         about = SimpleNamespace(
             scenario=scenario,
-            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes),
+            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes, run_numbers=()),
             layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
         )
         found = SimpleNamespace(null=SimpleNamespace(problem=about))

@@ -46,7 +46,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
         calls.append({"found": sorted(p.name for p in folder.glob("*") if p.name != "lock"), **options})
         about = SimpleNamespace(
             scenario=scenario,
-            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes),
+            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes, run_numbers=()),
             layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
         )
         return SimpleNamespace(

@@ -48,7 +48,7 @@ def question(vgvt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Any
         (folder / "reconciled.toml").write_text(f"# found {len(done)}\n", encoding="utf-8")
         about = SimpleNamespace(
             scenario=scenario,
-            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes),
+            measured=SimpleNamespace(runs=scenario.acquisition.run_nodes, run_numbers=()),
             layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
         )
         found = SimpleNamespace(null=SimpleNamespace(problem=about))

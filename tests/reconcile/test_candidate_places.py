@@ -47,7 +47,7 @@ def test_places_reach_as_far_as_the_aircraft() -> None:
     wing = wing.model_copy(update={"stations": wing.stations.model_copy(update={"position_m": points})})
     large = scenario.model_copy(update={"airframe": scenario.airframe.model_copy(update={"beam": (wing,)})})
     for aircraft, farthest in ((large, 5.0), (scenario, 1.3)):
-        problem: Any = SimpleNamespace(scenario=aircraft)
+        problem: Any = SimpleNamespace(scenario=aircraft, measured=SimpleNamespace(run_numbers=(1,)))
         variants = candidates(problem, {n: available_effects()[n] for n in ("added-mass", "cable-bundle")})
         masses = [h for h in variants if h.name == "added-mass"]
         tip = max((h.settings for h in masses), key=lambda s: float(s["y_m"]))
@@ -84,7 +84,8 @@ def test_a_tie_has_two_ends_and_no_two_ties_are_one() -> None:
 
 
 def test_a_tie_is_offered_with_both_its_ends_and_fitted_with_both_free() -> None:
-    problem: Any = SimpleNamespace(scenario=load_scenario("hati-unsymmetric"))
+    measured = SimpleNamespace(run_numbers=(1,))
+    problem: Any = SimpleNamespace(scenario=load_scenario("hati-unsymmetric"), measured=measured)
     variants = candidates(problem, {"cable-bundle": available_effects()["cable-bundle"]})
     assert {tuple(h.settings) for h in variants} == {("x_m", "y_m", "other_x_m", "other_y_m")}
     assert [tuple(h.settings.values()) for h in variants] == list(tied_places(problem))
@@ -133,7 +134,7 @@ def test_every_sensor_can_be_named(name: str, runs: int) -> None:
     nodes = tuple(scenario.accelerometers.grid.node)
     about: Any = SimpleNamespace(
         scenario=scenario,
-        measured=SimpleNamespace(runs=(nodes,) * runs),
+        measured=SimpleNamespace(runs=(nodes,) * runs, run_numbers=()),
         layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
     )
     known = available_effects()
@@ -190,7 +191,7 @@ def _about(runs: int) -> Any:
     nodes = tuple(scenario.accelerometers.grid.node[:4])
     return SimpleNamespace(
         scenario=scenario,
-        measured=SimpleNamespace(runs=(nodes,) * runs),
+        measured=SimpleNamespace(runs=(nodes,) * runs, run_numbers=()),
         layouts=SimpleNamespace(first=SimpleNamespace(grid=sensor_points(scenario))),
     )
 

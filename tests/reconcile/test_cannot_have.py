@@ -20,7 +20,7 @@ ON_THE_WING = {"base-strain", "stinger-moment"}
 
 def asked_of(scenario: Scenario) -> Any:
     """As much of a problem as candidates follow from."""
-    measured = SimpleNamespace(runs=scenario.acquisition.run_nodes)
+    measured = SimpleNamespace(runs=scenario.acquisition.run_nodes, run_numbers=())
     return SimpleNamespace(scenario=scenario, measured=measured, layouts=SimpleNamespace(first=plan(scenario)))
 
 

@@ -55,6 +55,7 @@ def test_rounds_survive_their_file_and_belong_to_one_question(tmp_path: Path) ->
     assert refused == (addition.rivals[0],)
     np.testing.assert_array_equal(addition.winner.fit.predicted, rivals[1].fit.predicted)
     assert addition.winner.hypothesis.label == gain.label
+    assert addition.winner.hypothesis.numbers == case.measured.run_numbers == (1,)
     assert addition.winner.hypothesis.spans == gain.spans and addition.winner.hypothesis.places == 3
     assert [r.name for r in addition.equivalent] == ["channel-delay", "channel-gain"]
     assert [(r.name, r.gain_nats) for r in addition.in_its_place] == [("channel-gain", 9.5), ("channel-delay", 9.5)]

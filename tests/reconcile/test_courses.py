@@ -183,7 +183,9 @@ def test_a_change_is_tried_before_every_run_of_a_usual_campaign() -> None:
     first, last = available_effects()["re-hang"], available_effects()["payload-change"]
     for count, tried in ((2, 1), (4, 3), (10, 9), (40, 11)):
         runs = tuple((k, 100 + k) for k in range(1, count + 1))
-        problem: Any = SimpleNamespace(scenario=roving_scenario(), measured=SimpleNamespace(runs=runs), layouts=None)
+        problem: Any = SimpleNamespace(
+            scenario=roving_scenario(), measured=SimpleNamespace(runs=runs, run_numbers=()), layouts=None
+        )
         hung = [h.settings["from_run"] for h in candidates(problem, {"re-hang": first})]
         assert len(hung) == tried == len(set(hung))
         assert (hung[0], hung[-1]) == (2, count)

@@ -47,7 +47,7 @@ class Failing:
 
 def about(runs: int) -> Any:
     """What candidates ask of a problem."""
-    return SimpleNamespace(scenario=small_scenario(), measured=SimpleNamespace(runs=((1, 2),) * runs))
+    return SimpleNamespace(scenario=small_scenario(), measured=SimpleNamespace(runs=((1, 2),) * runs, run_numbers=()))
 
 
 def test_variants_that_fail_are_left_out_with_a_warning_that_names_the_effect() -> None:

@@ -95,14 +95,14 @@ def test_what_is_told_so_multiplies_channels_in_every_effect_of_the_catalogue() 
 
 
 def test_the_setting_is_told_with_what_it_may_be_instead() -> None:
-    assert settings_texts("sign-flip", {"channels": "response"}) == [
+    assert settings_texts("sign-flip", {"channels": "response"}, {}) == [
         "channels = response (or force: A/F does not tell)"
     ]
-    assert settings_texts("gain-drift", {"channels": "force", "shape": "step"}) == [
+    assert settings_texts("gain-drift", {"channels": "force", "shape": "step"}, {}) == [
         "channels = force (or response: A/F does not tell)",
         "shape = step",
     ]
-    assert settings_texts("mains-hum", {"channels": "response"}) == ["channels = response"]
+    assert settings_texts("mains-hum", {"channels": "response"}, {}) == ["channels = response"]
     assert not in_the_ratio("sign-flip", {"channels": "12+Z"}) and not in_the_ratio("added-mass", {})
     effect = EffectRow("sign-flip", "", {}, {"channels": "force"}, 90.0, (), None, None, "", "")
     document = {"name": "sign-flip", "parameters": {}, "settings": effect.settings, "evidence_nats": 90.0}

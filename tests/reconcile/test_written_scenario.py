@@ -35,7 +35,10 @@ def test_a_name_with_a_line_s_end_stays_a_comment(tmp_path: Path, monkeypatch: p
 
 def test_what_stands_at_the_end_of_what_is_tried_is_not_written_as_exact() -> None:
     effect: Any = SimpleNamespace(
-        settings={"side": "left"}, parameters={"mass_kg": (3.0, 0.0, "kg"), "share": (0.5, 0.01, "")}, ranges={}
+        settings={"side": "left"},
+        parameters={"mass_kg": (3.0, 0.0, "kg"), "share": (0.5, 0.01, "")},
+        ranges={},
+        run_numbers={},
     )
     assert augment._values(effect) == [
         "#   side = left", "#   mass_kg = 3 kg (the end of what is tried)", "#   share = 0.5 +- 0.01",

@@ -54,7 +54,7 @@ def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
             fitted_text(k, p["value"], p["std"], p["unit"], (p["low"], p["high"]) if "low" in p else None)
             for k, p in e["parameters"].items()
         ]
-        values += settings_texts(e["name"], e["settings"])
+        values += settings_texts(e["name"], e["settings"], e.get("run_numbers", {}))
         rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", ", ".join(e["equivalent"])))
     return FittedTable(
         columns=("effect", "parameters", "nats", "explains it as well"),

@@ -150,6 +150,7 @@ def _as_rival(problem: Problem, known: Mapping[str, type], row: Mapping[str, Any
             h["share"],
             {k: (v[0], v[1]) for k, v in h.get("spans", {}).items()},
             h.get("places", 1),
+            problem.measured.run_numbers,
         )
         for h in row["effects"]
     )

@@ -113,6 +113,7 @@ class EffectRow:
     """An effect that was named: parameters {name: (value, standard deviation, unit)}, and what would separate it.
 
     ``ranges`` are 95 % intervals by parameter, ``tests_of_equivalent`` what would separate each ``equivalent``.
+    ``run_numbers`` has what the campaign calls the run that a setting counts from 1, by setting.
     """
 
     name: str
@@ -127,6 +128,7 @@ class EffectRow:
     separating_test: str
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     tests_of_equivalent: dict[str, str] = field(default_factory=dict)
+    run_numbers: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

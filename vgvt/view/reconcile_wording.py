@@ -172,7 +172,7 @@ def warnings_of(account: Account, sd: float = 3.0) -> tuple[str, ...]:
 def parameter_text(effect: EffectRow) -> str:
     """``mass_kg = 0.0800 ± 0.0021 kg, …``, settings last."""
     numbers = [fitted_text(name, *told, effect.ranges.get(name)) for name, told in effect.parameters.items()]
-    return ", ".join(numbers + settings_texts(effect.name, effect.settings))
+    return ", ".join(numbers + settings_texts(effect.name, effect.settings, effect.run_numbers))
 
 
 def in_the_ratio(name: str, settings: Mapping[str, object]) -> bool:
@@ -180,13 +180,21 @@ def in_the_ratio(name: str, settings: Mapping[str, object]) -> bool:
     return name in _FACTORS and settings.get("channels") in _EITHER
 
 
-def settings_texts(name: str, settings: Mapping[str, object]) -> list[str]:
+def settings_texts(name: str, settings: Mapping[str, object], run_numbers: Mapping[str, int]) -> list[str]:
     """``channels = 12+Z`` for each setting of an effect; what A/F does not tell it from stands beside it."""
     either = in_the_ratio(name, settings)
     return [
-        f"{k} = {v} (or {_EITHER[str(v)]}: A/F does not tell)" if either and k == "channels" else f"{k} = {v}"
+        f"{k} = {v} (or {_EITHER[str(v)]}: A/F does not tell)"
+        if either and k == "channels"
+        else setting_text(k, v, run_numbers)
         for k, v in settings.items()
     ]
+
+
+def setting_text(name: str, value: object, run_numbers: Mapping[str, int]) -> str:
+    """``from_run = 3 (run 4 of the campaign)``: a run that is counted, with what the campaign calls it if not that."""
+    number = run_numbers.get(name, value)
+    return f"{name} = {value}" if number == value else f"{name} = {value} (run {number} of the campaign)"
 
 
 def ratio_words(name: str) -> str:

@@ -18,7 +18,7 @@ from vgvt.reconcile.next_test.suggest import Suggestion
 from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
-from vgvt.view.reconcile_wording import fitted_text
+from vgvt.view.reconcile_wording import fitted_text, setting_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +29,7 @@ class NamedEffect:
     is foretold depends on.
 
     ``equivalent`` are the names of effects that explain the data as well; ``ranges`` are 95 % intervals by parameter.
+    Settings count runs from 1, as a scenario does: ``run_numbers`` has what the campaign calls them, by setting.
     """
 
     name: str
@@ -40,6 +41,7 @@ class NamedEffect:
     held_out_before: float | None
     held_out_after: float | None
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    run_numbers: dict[str, int] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return headed(f"NamedEffect {self.in_words}")
@@ -48,7 +50,7 @@ class NamedEffect:
     def in_words(self) -> str:
         """Its sizes with their deviations and units, its settings and evidence, and what explains the data as well."""
         sizes = [fitted_text(name, *told, self.ranges.get(name)) for name, told in self.parameters.items()]
-        sizes += [f"{name} = {value}" for name, value in self.settings.items()]
+        sizes += [setting_text(name, value, self.run_numbers) for name, value in self.settings.items()]
         others = f"; as well: {listed(self.equivalent, 3)}" if self.equivalent else ""
         return f"{self.name}: {', '.join((*sizes, f'{self.evidence_nats:.0f} nats'))}{others}"
 
@@ -176,6 +178,7 @@ def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...
                 addition.held_out_before,
                 winner.held_out,
                 {name: ends for name, ends in final.ranges(k).items() if name not in idle},
+                final.hypotheses[k].run_numbers,
             )
         )
     return tuple(names)
@@ -189,6 +192,7 @@ def _effect_document(e: NamedEffect) -> dict[str, object]:
             k: {"value": v, "std": sd, "unit": unit} | _interval(e, k) for k, (v, sd, unit) in e.parameters.items()
         },
         "settings": e.settings,
+        "run_numbers": e.run_numbers,
         "evidence_nats": e.evidence_nats,
         "equivalent": list(e.equivalent),
         "held_out_before": e.held_out_before,

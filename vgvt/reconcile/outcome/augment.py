@@ -20,6 +20,7 @@ from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
+from vgvt.view.reconcile_wording import setting_text
 
 
 def augment(scenario: Scenario, found: Attribution) -> Scenario:
@@ -93,7 +94,7 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
 
 def _values(effect: NamedEffect) -> list[str]:
     """Settings and parameters of an effect as comments."""
-    settings = [f"#   {k} = {_in_a_line(str(v))}" for k, v in effect.settings.items()]
+    settings = [f"#   {_in_a_line(setting_text(k, v, effect.run_numbers))}" for k, v in effect.settings.items()]
     fitted = [_value(k, *told) + _interval(effect, k) for k, told in effect.parameters.items()]
     return settings + fitted
 

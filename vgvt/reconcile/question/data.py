@@ -109,6 +109,12 @@ class Measured:
         """Which channels hold data, (C,)."""
         return np.ones(len(self.channels), dtype=bool) if self.lost is None else ~self.lost
 
+    @property
+    def run_numbers(self) -> tuple[int, ...]:
+        """What the campaign calls its runs, (R,); one without any channel is called by its place."""
+        known = {c.run: c.run_number for c in self.channels}
+        return tuple(known.get(r, r + 1) for r in range(len(self.runs)))
+
     def with_floor(self, floor: float) -> Measured:
         """The same data judged with another relative model-form floor."""
         return replace(self, sigma=np.where(self.used[:, None], _sigma(self.values, self.noise, floor), np.inf))

@@ -20,6 +20,8 @@ from vgvt.effects.registry import EffectPluginWarning
 Array = NDArray[np.float64]
 # A plausible range is taken as plus and minus this many standard deviations of the prior.
 _RANGE_SD = 2.0
+# The setting that counts runs: from 1, in their order, as scenarios do.
+_COUNTS_RUNS = "from_run"
 # No less than this share of a value in one step.
 _LEAST_LEFT = 0.1
 _BEYOND = 0.5
@@ -34,6 +36,7 @@ class Hypothesis:
     ``share`` is the prior probability that this variant gets of its effect's (the look-elsewhere factor).
     ``spans`` are plausible ranges of this aircraft by parameter, where they are not those of the catalogue: its places.
     ``places`` is how many variants differ by their place alone: with its place free one stands for all of them.
+    ``numbers`` (R,) are what the campaign calls its runs, empty where that is not known: settings count runs from 1.
     """
 
     cls: type
@@ -41,6 +44,7 @@ class Hypothesis:
     share: float = 1.0
     spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     places: int = 1
+    numbers: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         ranges = [f"{p.name} {p.low:.4g} to {p.high:.4g} {p.unit}".rstrip() for p in self.parameters]
@@ -79,9 +83,21 @@ class Hypothesis:
 
     @property
     def label(self) -> str:
-        """``channel-gain (channels = odd)``."""
-        chosen = ", ".join(f"{k} = {v:.4g}" if isinstance(v, float) else f"{k} = {v}" for k, v in self.settings.items())
+        """``channel-gain (channels = odd)``; ``re-hang (from run 4)`` where the third run has that number."""
+        told = self.run_numbers
+        chosen = ", ".join(
+            f"from run {told[k]}" if told.get(k, v) != v else f"{k} = {v:.4g}" if isinstance(v, float) else f"{k} = {v}"
+            for k, v in self.settings.items()
+        )
         return f"{self.name} ({chosen})" if chosen else self.name
+
+    @property
+    def run_numbers(self) -> dict[str, int]:
+        """What the campaign calls the run that a setting counts, by the setting; empty where there is none."""
+        run = self.settings.get(_COUNTS_RUNS)
+        if not isinstance(run, int) or not 1 <= run <= len(self.numbers):
+            return {}
+        return {_COUNTS_RUNS: self.numbers[run - 1]}
 
     def values(self, scores: Array) -> dict[str, float]:
         """Parameter values at scores (parameters,), kept within half a range beyond what is plausible.

@@ -55,7 +55,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
     the scenario :func:`cannot_have` are no candidates. InputError for ``effects`` under other names than their own.
     """
     found: list[Hypothesis] = []
-    box = aircraft_box_m(problem.scenario.airframe)
+    box, numbers = aircraft_box_m(problem.scenario.airframe), problem.measured.run_numbers
     declared = {table.name for table in problem.scenario.effect} - _AGAIN
     for name, cls in _known(effects).items():
         if name in declared:
@@ -66,7 +66,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
         spans = reach(parameters_of(cls), box)
         count = len({tuple(v.get(name) for name in _TIED) for v in variants})
         share = 1.0 / _of_all_runs(problem, variants)
-        found += [Hypothesis(cls, settings, share, spans, count) for settings in variants]
+        found += [Hypothesis(cls, chosen, share, spans, count, numbers) for chosen in variants]
     return tuple(found)
 
 
