@@ -14,11 +14,13 @@ from vgvt.effects import available_effects
 from vgvt.effects.conformance import table_of
 from vgvt.reconcile.evidence.posterior import honest, honest_covariance
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
+from vgvt.reconcile.outcome.account import _posterior
 from vgvt.reconcile.outcome.augment import posterior_of
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, make_problem
 from vgvt.reconcile.question.uncertain import edited, unknowns
 from vgvt.simulation import simulated_campaign
+from vgvt.view.reconcile_account import FIGURES
 
 DRAWS = 30
 
@@ -51,6 +53,18 @@ def test_an_error_common_to_lines_and_channels_makes_it_wider(calibrated: Fit) -
     ratio = all_of_it / before
     assert 2.0 < ratio.max() <= np.sqrt(22 * 5 * 2)
     assert half.max() <= all_of_it.max()
+
+
+def test_the_page_s_rows_hold_the_numbers_that_their_words_round(calibrated: Fit) -> None:
+    for row, r in zip(_posterior(calibrated), posterior_of(calibrated), strict=True):
+        assert row.figures == {name: r[name] for name in FIGURES if name in r}
+        assert row.unit == r.get("unit", "") and row.figures
+        if "stated" in r:
+            kind = "factor" if "factor" in r else "shift"
+            slope = row.figures["stated"] if kind == "factor" else 1.0
+            assert row.figures["calibrated_std"] == pytest.approx(abs(slope) * row.figures[f"{kind}_std"])
+    assert {"", "m", "kg"} <= {row.unit for row in _posterior(calibrated)}
+    assert {name for row in _posterior(calibrated) for name in row.figures} == set(FIGURES)
 
 
 def test_the_table_states_errors_of_amounts_and_not_of_scores(calibrated: Fit) -> None:

@@ -62,10 +62,24 @@ def test_what_was_calibrated_stands_there_in_deviations_and_in_words() -> None:
     found = document()
     assert found["calibrated"][0] == {
         "name": "EI wing", "what": "EI of the wing", "score": -4.2, "std_score": 0.3, "change": "× 0.66 ± 0.02",
-        "stated": None, "calibrated": None,
+        "stated": None, "calibrated": None, "factor": None, "factor_std": None, "shift": None, "shift_std": None,
+        "stated_value": None, "calibrated_value": None, "calibrated_value_std": None, "unit": "",
     }  # fmt: skip
     assert found["calibrated"][1]["calibrated"] == "0.6355 m"
     assert found["modes"][0]["after_hz"] == 15.0 and found["located_at"] == "the calibrated scenario"
+
+
+def test_what_was_calibrated_stands_there_in_numbers_with_their_unit() -> None:
+    """Words round "× 1.0002" to "× 1", and a number in a string has to be taken apart."""
+    told = account()
+    figures = {"factor": 1.000179, "factor_std": 0.0046, "stated": 0.0028, "calibrated": 0.0028005}
+    row = replace(told.posterior[1], figures=figures | {"calibrated_std": 1.3e-5}, unit="kg")
+    (found,) = document(replace(told, posterior=(row,)))["calibrated"]
+    assert (found["factor"], found["factor_std"], found["shift"]) == (1.000179, 0.0046, None)
+    assert (found["stated_value"], found["calibrated_value"], found["calibrated_value_std"], found["unit"]) == (
+        0.0028, 0.0028005, 1.3e-5, "kg",
+    )  # fmt: skip
+    assert found["stated"] == "0.635 m"
 
 
 def test_the_contract_s_page_lists_every_key(repository_root: Path) -> None:

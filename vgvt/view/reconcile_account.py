@@ -15,6 +15,9 @@ from vgvt.data.shown import counted, headed
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+FIGURES = ("factor", "factor_std", "shift", "shift_std", "stated", "calibrated", "calibrated_std")
+"""What is known in numbers of a calibrated quantity, as far as it has it."""
+
 Held = Literal["", "channel", "run"]
 Standing = Literal[
     "named",
@@ -136,7 +139,9 @@ class PosteriorRow:
     """A calibrated quantity: ``score`` ± ``score_std`` prior standard deviations from what the scenario states.
 
     ``tolerance`` where the scenario states one: how coarse a chain the data come from is no statement of its.
-    ``fresh_std`` is the part of ``score_std`` that noise and tolerances leave, None where it is not known.
+    ``fresh_std`` is the part of ``score_std`` that noise and tolerances leave, None where it is not known. ``figures``
+    are those that the words round, by name: factor or shift, the stated and calibrated value, each with ``_std``, in
+    ``unit``.
     """
 
     name: str
@@ -148,6 +153,8 @@ class PosteriorRow:
     calibrated: str = ""
     tolerance: bool = True
     fresh_std: float | None = None
+    figures: dict[str, float] = field(default_factory=dict)
+    unit: str = ""
 
 
 @dataclass(frozen=True, slots=True)

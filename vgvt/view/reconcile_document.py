@@ -6,7 +6,10 @@ from dataclasses import asdict
 
 import numpy as np
 
-from vgvt.view.reconcile_account import Account, Array, ModelState
+from vgvt.view.reconcile_account import FIGURES, Account, Array, ModelState
+
+# Beside these names stand the same values in words.
+_AS_NUMBERS = {"stated": "stated_value", "calibrated": "calibrated_value", "calibrated_std": "calibrated_value_std"}
 
 
 def account_document(account: Account) -> dict[str, object]:
@@ -27,6 +30,7 @@ def account_document(account: Account) -> dict[str, object]:
             {
                 "name": r.name, "what": r.words, "score": r.score, "std_score": r.score_std, "change": r.change,
                 "stated": r.stated or None, "calibrated": r.calibrated or None,
+                **{_AS_NUMBERS.get(name, name): r.figures.get(name) for name in FIGURES}, "unit": r.unit,
             }
             for r in account.posterior
         ],

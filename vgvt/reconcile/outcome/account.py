@@ -25,6 +25,7 @@ from vgvt.reconcile.question.problem import CELLS
 from vgvt.reconcile.question.thresholds import Thresholds, noise_share
 from vgvt.scenario.planform import outlines_m
 from vgvt.view.reconcile_account import (
+    FIGURES,
     Account,
     CandidateRow,
     ChannelRow,
@@ -225,6 +226,8 @@ def _posterior(fit: Fit) -> tuple[PosteriorRow, ...]:
                 calibrated,
                 str(r["name"]) != CELLS.name,
                 float(str(r["fresh_std_score"])),
+                {name: float(str(r[name])) for name in FIGURES if name in r},
+                unit,
             )
         )
     return tuple(rows)

@@ -60,7 +60,8 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
 def posterior_of(fit: Fit) -> list[dict[str, object]]:
     """Every calibrated quantity: name, in words, stated and calibrated value, scores and standard deviation.
 
-    ``fresh_std_score`` is the part of that which noise and tolerances leave, no larger than the tolerance.
+    ``fresh_std_score`` is the part of that which noise and tolerances leave, no larger than the tolerance. A factor, or
+    a shift in ``unit``, and what it makes of the stated value, in that unit, have standard deviations (``_std``), too.
     """
     rows: list[dict[str, object]] = []
     sd, fresh = (np.sqrt(np.diag(covariance)) for covariance in (honest(fit).covariance, fit.covariance))
@@ -76,10 +77,12 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
         if unknown.scale == "log":
             row |= {"factor": amount, "factor_std": amount * unknown.sd * float(sd[k])}
         else:
-            row |= {"shift": amount, "shift_std": unknown.rate(float(fit.u[k])) * float(sd[k])}
+            row |= {"shift": amount, "shift_std": unknown.rate(float(fit.u[k])) * float(sd[k]), "unit": unknown.unit}
         if unknown.nominal is not None:
+            log, spread = unknown.scale == "log", unknown.rate(float(fit.u[k])) * float(sd[k])
             row["stated"] = unknown.nominal
-            row["calibrated"] = unknown.nominal * amount if unknown.scale == "log" else unknown.nominal + amount
+            row["calibrated"] = unknown.nominal * amount if log else unknown.nominal + amount
+            row["calibrated_std"] = abs(unknown.nominal) * spread if log else spread
             row["unit"] = unknown.unit
         rows.append(row)
     start = len(fit.problem.unknowns)
@@ -90,6 +93,16 @@ def posterior_of(fit: Fit) -> list[dict[str, object]]:
         row["fresh_std_score"] = float(fresh[start + k])
         rows.append(row | {"factor": factor, "factor_std": factor * nuisance.sd * float(sd[start + k])})
     return rows
+
+
+def _comes_to(row: Mapping[str, object]) -> str:
+    """``0.0028 to 0.0028113 +- 0.00027 kg`` of what is stated; else a factor, or a shift, with its unit."""
+    if "stated" in row:
+        stated = f"{row['stated']:.6g} to {row['calibrated']:.6g} +- {row['calibrated_std']:.2g}"
+        return f"{stated} {row['unit']}".rstrip()
+    if "factor" in row:
+        return f"x {row['factor']:.6g} +- {row['factor_std']:.2g}"
+    return f"{row['shift']:+.6g} +- {row['shift_std']:.2g} {row['unit']}".rstrip()
 
 
 def _values(effect: NamedEffect) -> list[str]:
@@ -127,9 +140,13 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
         lines += _values(effect)
     for lead in verdict.leads:
         lines += [f"# a lead, not switched on here: {lead.name}", *_values(lead)]
-    lines += ["#", "# Calibrated within the scenario's tolerances (score in prior standard deviations):"]
     lines += [
-        f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}" for r in posterior_of(verdict.attribution.final)
+        "#",
+        "# Calibrated within the scenario's tolerances (score in prior standard deviations; what it comes to):",
+    ]
+    lines += [
+        f"#   {r['name']}: {r['score']:+.2f} +- {r['std_score']:.2f}; {_comes_to(r)}"
+        for r in posterior_of(verdict.attribution.final)
     ]
     lines.append("# Below stands what is likeliest beside whole cells, which may differ by a part of a deviation.")
     gains = len(gain_tables(verdict.scenario, at_whole_cells(verdict.attribution.final)))
