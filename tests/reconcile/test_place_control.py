@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, claimed, drawn_scores, problem, roving_scenario
 
+from vgvt.cli.reconcile_tables import effects_table
 from vgvt.effects import available_effects
 from vgvt.reconcile.decision import place_control
 from vgvt.reconcile.decision.addition import Addition
@@ -19,11 +21,14 @@ from vgvt.reconcile.decision.place_control import (
     distinct_places,
     elsewhere,
     ends_of,
+    members_elsewhere,
     open_places,
     place_of,
 )
+from vgvt.reconcile.decision.verdict import _effect_document, named_effects
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import NEAR, fit
+from vgvt.reconcile.outcome import augment
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.search.candidates import freed
@@ -172,6 +177,58 @@ def test_where_else_is_said_by_points_or_by_the_settings_that_say_where(monkeypa
     ):
         addition: Any = Addition(round_of[0], tuple(round_of), tuple(round_of), None)
         assert open_places(addition) == words
+
+
+def test_the_winner_elsewhere_is_told_with_its_parameters_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other names alone were: of a mass that does as well on the other wing nothing was told but a sentence."""
+    case = problem(tmp_path, 3)
+    size, sides = {"mass_kg": 0.05, "x_m": 0.75}, (-0.9, 0.9)
+    rivals = tuple(
+        Rival(claimed(case, "added-mass", size | {"y_m": y}), 50.0 - k, 50.0, 50.0, 1.0) for k, y in enumerate(sides)
+    )
+    addition = Addition(rivals[0], rivals, rivals, 9.0)
+    found: Any = SimpleNamespace(rounds=(addition,), final=rivals[0].fit)
+    (effect,) = named_effects(found)
+    (there,) = effect.elsewhere
+    assert (there.not_there, there.where) == ("at x = 0.75 m, y = -0.90 m", "at x = 0.75 m, y = 0.90 m")
+    assert (effect.parameters["y_m"][0], there.parameters["y_m"][0]) == pytest.approx(sides)
+    assert there.parameters["y_m"][1] > 0 and set(there.ranges) == set(there.parameters)
+    assert effect.equivalent == () and "; as well: the same at x = 0.75 m, y = 0.90 m" in effect.in_words
+    document: Any = _effect_document(effect)
+    (told,) = document["elsewhere"]
+    assert told["where"] == there.where and told["parameters"]["y_m"]["value"] == pytest.approx(0.9)
+    (row,) = effects_table([document]).rows
+    assert row[-1] == "the same at x = 0.75 m, y = 0.90 m"
+    for name, stub in {"posterior_of": [], "gain_tables": (), "unwritten": ()}.items():
+        monkeypatch.setattr(augment, name, lambda *_, stub=stub: stub)
+    monkeypatch.setattr(augment, "at_whole_cells", lambda fit: fit)
+    verdict: Any = SimpleNamespace(
+        kind=SimpleNamespace(value="ambiguous"), reasons=(), effects=(effect,), leads=(), scenario=case.scenario,
+        attribution=SimpleNamespace(final=None), resimulated=SimpleNamespace(remark=""),
+    )  # fmt: skip
+    augment.write_reconciled(tmp_path / "reconciled.toml", verdict, {})
+    lines = (tmp_path / "reconciled.toml").read_text("utf-8").splitlines()
+    assert "# added-mass: 50.0 nats, equivalent: the same at x = 0.75 m, y = 0.90 m" in lines
+    second = lines.index("# the same at x = 0.75 m, y = 0.90 m, not switched on here:")
+    assert [any(line.startswith("#   y_m = 0.9 ") for line in part) for part in (lines[:second], lines[second:])] == [
+        False, True,
+    ]  # fmt: skip
+    (alone,) = named_effects(SimpleNamespace(rounds=(replace(addition, equivalent=rivals[:1]),), final=rivals[0].fit))  # type: ignore[arg-type]
+    assert alone.elsewhere == ()
+
+
+def test_of_settings_it_is_said_where_the_winner_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(place_control, "_touched", lambda fit: None)
+    sides = []
+    for side in ("left", "right"):
+        hypothesis = Hypothesis(available_effects()["root-compliance"], {"side": side})
+        fitted = SimpleNamespace(hypotheses=(hypothesis,), values=lambda k: {})
+        sides.append(SimpleNamespace(name=hypothesis.name, hypothesis=hypothesis, fit=fitted))
+    addition: Any = Addition(sides[0], tuple(sides), tuple(sides), None)  # type: ignore[arg-type]
+    (there,) = members_elsewhere(addition)
+    assert (there.where, there.not_there, there.rival) == ("with side = right", "with side = left", sides[1])
 
 
 def test_the_same_channels_in_other_words_are_one_place(tmp_path: Path) -> None:

@@ -8,10 +8,11 @@ from dataclasses import replace
 import pytest
 from account_by_hand import account, nameless
 
-from vgvt.view.reconcile_account import PosteriorRow
+from vgvt.view.reconcile_account import ElsewhereRow, PosteriorRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
 from vgvt.view.reconcile_figures import overlay_figure, posterior_figure, residual_map_figure
 from vgvt.view.reconcile_page import render_reconcile_page
+from vgvt.view.reconcile_sections import named_section
 from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence
 
 
@@ -30,6 +31,28 @@ def test_a_place_is_named_only_where_it_explains_enough() -> None:
     for denied in (nowhere, replace(told, places=())):
         assert "points at" not in verdict_sentence(denied)
         assert next_steps(denied) and not any("where to knock" in step for step in next_steps(denied))
+
+
+def test_a_name_whose_place_is_open_is_told_with_its_places_and_advice_of_its_own() -> None:
+    """Of one name "it is local-absorber" cannot be what the campaign cannot tell."""
+    here, there = "at x = 0.90 m, y = -1.29 m", "at x = 0.90 m, y = 1.29 m"
+    told = account()
+    alone = replace(told.effects[0], equivalent=(), elsewhere=(ElsewhereRow(there, here, {}, {}),))
+    open_place = replace(told, effects=(alone,))
+    assert f"it is added-mass {here} or {there}; held-out data" in verdict_sentence(open_place)
+    steps = next_steps(open_place)
+    assert steps[0].startswith("Next test: ")
+    assert steps[1] == f"added-mass may be {here} or {there}: look at each of these places first."
+    assert any("--only added-mass, which is tried at every place." in step for step in steps)
+    assert not any("for every name" in step for step in steps)
+    assert f"the same {there}" in named_section(open_place)
+    assert "nothing else that was tried" not in named_section(open_place)
+    both = replace(told, effects=(replace(alone, equivalent=("local-absorber",)),))
+    assert f"it is added-mass ({here} or {there}) or local-absorber; held-out" in verdict_sentence(both)
+    assert any("--only for every name" in step for step in next_steps(both))
+    assert f"local-absorber, the same {there}" in named_section(both)
+    settled = next_steps(replace(told, effects=(replace(alone, elsewhere=()),)))
+    assert any("--only for every name" in step for step in settled) and not any("may be" in step for step in settled)
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def error_table(document: Mapping[str, Any]) -> FittedTable:
 def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
     """What was named, or comes nearest, with its parameters, evidence and equals."""
     from vgvt.view.fitted_table import FittedTable
-    from vgvt.view.reconcile_wording import fitted_text, settings_texts
+    from vgvt.view.reconcile_wording import as_well, fitted_text, settings_texts
 
     rows = []
     for e in effects:
@@ -55,7 +55,8 @@ def effects_table(effects: Sequence[Mapping[str, Any]]) -> FittedTable:
             for k, p in e["parameters"].items()
         ]
         values += settings_texts(e["name"], e["settings"], e.get("run_numbers", {}))
-        rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", ", ".join(e["equivalent"])))
+        alike = ", ".join(as_well(e["equivalent"], [there["where"] for there in e.get("elsewhere", ())]))
+        rows.append((e["name"], ", ".join(values), f"{e['evidence_nats']:.0f}", alike))
     return FittedTable(
         columns=("effect", "parameters", "nats", "explains it as well"),
         rows=tuple(rows),

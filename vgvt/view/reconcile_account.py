@@ -112,11 +112,28 @@ class CandidateRow:
 
 
 @dataclass(frozen=True, slots=True)
+class ElsewhereRow:
+    """A named effect at another place where it does as well: ``where`` in words, and what it is there, as a name is.
+
+    ``parameters`` {name: (value, standard deviation, unit)}, ``ranges`` 95 % intervals; ``not_there`` is where the name
+    has it.
+    """
+
+    where: str
+    not_there: str
+    parameters: dict[str, tuple[float, float, str]]
+    settings: dict[str, object]
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    run_numbers: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class EffectRow:
     """An effect that was named: parameters {name: (value, standard deviation, unit)}, and what would separate it.
 
     ``ranges`` are 95 % intervals by parameter, ``tests_of_equivalent`` what would separate each ``equivalent``.
-    ``run_numbers`` has what the campaign calls the run that a setting counts from 1, by setting.
+    ``run_numbers`` has what the campaign calls the run that a setting counts from 1, by setting; ``elsewhere`` are
+    places where it does as well.
     """
 
     name: str
@@ -132,6 +149,7 @@ class EffectRow:
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     tests_of_equivalent: dict[str, str] = field(default_factory=dict)
     run_numbers: dict[str, int] = field(default_factory=dict)
+    elsewhere: tuple[ElsewhereRow, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from vgvt.view.reconcile_markup import listed, number, table
 from vgvt.view.reconcile_wording import (
     DATA_SETS,
     KINDS,
+    as_well,
     disproofs,
     held_once,
     next_steps,
@@ -51,7 +52,7 @@ def named_section(account: Account) -> str:
         (
             f"<b>{escaped(e.name)}</b><br>{escaped(e.summary)}", escaped(parameter_text(e)), f"{e.evidence_nats:.1f}",
             number(e.held_out_before, ".2f"), number(e.held_out_after, ".2f"),
-            escaped(", ".join(e.equivalent) or "nothing else that was tried"),
+            escaped(", ".join(as_well(e.equivalent, [p.where for p in e.elsewhere])) or "nothing else that was tried"),
         )
         for e in found
     ]  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from vgvt.view.reconcile_account import Account, EffectRow
 
@@ -90,6 +90,13 @@ def verdict_sentence(account: Account) -> str:
 def next_steps(account: Account) -> tuple[str, ...]:
     """What to do with the verdict."""
     steps = list(_NEXT[account.kind])
+    names = {name for e in account.effects for name in (e.name, *e.equivalent)}
+    if len(names) == 1 and account.effects[0].elsewhere:
+        only = f"--only {account.effects[0].name}, which is tried at every place"
+        steps = [step.replace("--only for every name", only) for step in steps]
+    for e in account.effects:
+        if e.elsewhere:
+            steps.insert(0, f"{e.name} may be {' or '.join(_places_of(e))}: look at each of these places first.")
     place, thing = account.pointed_at, account.nameless
     if thing is not None:
         # Fitted with all that is uncertain, and so better than where most of a residual is.
@@ -230,8 +237,22 @@ def _as_sharp_as_known(value: float, std: float) -> str:
     return f"{value:.{decimals}f} ± {std:.{decimals}f}"
 
 
+def as_well(equivalent: Sequence[str], elsewhere: Sequence[str]) -> list[str]:
+    """What explains the data as well as a name does: other names, and itself at other places, in words."""
+    return [*equivalent, *(f"the same {where}" for where in elsewhere)]
+
+
 def _with_rivals(effect: EffectRow) -> str:
-    return " or ".join((effect.name, *effect.equivalent))
+    name, where = effect.name, " or ".join(_places_of(effect))
+    if where:
+        name += f" ({where})" if effect.equivalent else f" {where}"
+    return " or ".join((name, *effect.equivalent))
+
+
+def _places_of(effect: EffectRow) -> tuple[str, ...]:
+    """All places where a name may be, its own first; none where that is settled."""
+    others = effect.elsewhere
+    return tuple(dict.fromkeys((*(p.not_there for p in others[:1]), *(p.where for p in others))))
 
 
 def _error_words(account: Account) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 from typing import TYPE_CHECKING
@@ -106,33 +106,59 @@ def ends_of(fit: Fit) -> Ends:
 
 def distinct_places(fits: Sequence[Fit]) -> tuple[Ends, ...]:
     """The places of the last effects of some fits, the first of those that are one place, in order."""
-    found: list[Ends] = []
-    for fitted in fits:
+    return tuple(ends_of(fits[k]) for k in _apart_from_all(fits))
+
+
+def _apart_from_all(fits: Sequence[Fit]) -> list[int]:
+    """Which fits have a place of their own, the first of those that are one place."""
+    found: dict[int, Ends] = {}
+    for k, fitted in enumerate(fits):
         place = ends_of(fitted)
-        if place and all(_moved(place, other) > APART_M for other in found):
-            found.append(place)
-    return tuple(found)
+        if place and all(_moved(place, other) > APART_M for other in found.values()):
+            found[k] = place
+    return list(found)
 
 
 def open_places(addition: Addition) -> tuple[str, ...]:
-    """Where else the winner's effect does as well, in words: other points, or settings that say where it is.
+    """Where else the winner's effect does as well, in words: other points, or settings that say where it is."""
+    return tuple(there.where for there in members_elsewhere(addition))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MemberElsewhere:
+    """A rival that is the winner's effect elsewhere: ``where`` in words, and ``not_there``, where the winner is."""
+
+    where: str
+    not_there: str
+    rival: Rival
+
+
+def members_elsewhere(addition: Addition) -> tuple[MemberElsewhere, ...]:
+    """The winner's effect at every other place where it does as well.
 
     Not what says the same of the same channels in other words, as a sensor's number does of the point where it sits.
     A/F is a quotient: what happens to its force, and what happens to all responses, is one place, too.
     """
     winner = addition.winner
     same = [r for r in addition.equivalent if r.name == winner.name and r is not winner]
-    points = distinct_places([winner.fit, *(r.fit for r in same)])[1:]
+    placed = [same[k - 1] for k in _apart_from_all([winner.fit, *(r.fit for r in same)])[1:]]
+    found = [MemberElsewhere(_at(ends_of(r.fit)), _at(ends_of(winner.fit)), r) for r in placed]
     own, touched = winner.hypothesis.settings, _touched(winner.fit) if same else None
-    others = [
-        {k: v for k, v in r.hypothesis.settings.items() if k in _WHERE and v != own.get(k)}
-        for r in same
-        if touched is None or _touched(r.fit) != touched
-    ]
-    return (
-        *("at " + " and ".join(f"x = {x:.2f} m, y = {y:.2f} m" for x, y in ends) for ends in points),
-        *dict.fromkeys("with " + ", ".join(f"{k} = {v}" for k, v in other.items()) for other in others if other),
-    )
+    by_settings: dict[str, MemberElsewhere] = {}
+    for r in same:
+        other = {k: v for k, v in r.hypothesis.settings.items() if k in _WHERE and v != own.get(k)}
+        if other and (touched is None or _touched(r.fit) != touched):
+            here = {k: own[k] for k in other if k in own}
+            by_settings.setdefault(_with(other), MemberElsewhere(_with(other), _with(here), r))
+    return (*found, *by_settings.values())
+
+
+def _at(ends: Ends) -> str:
+    return "at " + " and ".join(f"x = {x:.2f} m, y = {y:.2f} m" for x, y in ends)
+
+
+def _with(settings: Mapping[str, object]) -> str:
+    return "with " + ", ".join(f"{k} = {v}" for k, v in settings.items()) if settings else "as it was found"
 
 
 def _touched(fit: Fit) -> tuple[frozenset[str], ...] | None:

@@ -8,6 +8,7 @@ from vgvt.data.shown import counted, headed, listed
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.kinds import Kind
+from vgvt.reconcile.decision.place_control import MemberElsewhere, members_elsewhere
 from vgvt.reconcile.evidence.localise import Localisation, words_of_place
 from vgvt.reconcile.evidence.posterior import honest
 from vgvt.reconcile.evidence.residual import Residual
@@ -18,7 +19,8 @@ from vgvt.reconcile.next_test.suggest import Suggestion
 from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.scenario.model import Scenario
-from vgvt.view.reconcile_wording import fitted_text, setting_text
+from vgvt.view.reconcile_account import ElsewhereRow
+from vgvt.view.reconcile_wording import as_well, fitted_text, setting_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +32,7 @@ class NamedEffect:
 
     ``equivalent`` are the names of effects that explain the data as well; ``ranges`` are 95 % intervals by parameter.
     Settings count runs from 1, as a scenario does: ``run_numbers`` has what the campaign calls them, by setting.
+    ``elsewhere`` are places where the same effect explains the data as well.
     """
 
     name: str
@@ -42,6 +45,7 @@ class NamedEffect:
     held_out_after: float | None
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     run_numbers: dict[str, int] = field(default_factory=dict)
+    elsewhere: tuple[ElsewhereRow, ...] = ()
 
     def __repr__(self) -> str:
         return headed(f"NamedEffect {self.in_words}")
@@ -51,7 +55,8 @@ class NamedEffect:
         """Its sizes with their deviations and units, its settings and evidence, and what explains the data as well."""
         sizes = [fitted_text(name, *told, self.ranges.get(name)) for name, told in self.parameters.items()]
         sizes += [setting_text(name, value, self.run_numbers) for name, value in self.settings.items()]
-        others = f"; as well: {listed(self.equivalent, 3)}" if self.equivalent else ""
+        alike = as_well(self.equivalent, [there.where for there in self.elsewhere])
+        others = f"; as well: {listed(alike, 3)}" if alike else ""
         return f"{self.name}: {', '.join((*sizes, f'{self.evidence_nats:.0f} nats'))}{others}"
 
 
@@ -166,41 +171,64 @@ def _of_rounds(rounds: tuple[Addition, ...], fit: Fit) -> tuple[NamedEffect, ...
     for k, addition in enumerate(rounds):
         winner = addition.winner
         others = tuple(dict.fromkeys(r.name for r in addition.alike if r.name != winner.name))
-        cls, idle = winner.hypothesis.cls, idle_parameters(final, k).union(untold_parameters(final, k))
+        cls, (values, ranges) = winner.hypothesis.cls, _told(final, k)
         names.append(
             NamedEffect(
                 winner.name,
                 str(cls.summary),  # type: ignore[attr-defined]
-                {name: value for name, value in final.values(k).items() if name not in idle},
+                values,
                 dict(final.hypotheses[k].settings),
                 winner.gain_nats,
                 others,
                 addition.held_out_before,
                 winner.held_out,
-                {name: ends for name, ends in final.ranges(k).items() if name not in idle},
+                ranges,
                 final.hypotheses[k].run_numbers,
+                tuple(_elsewhere(there) for there in members_elsewhere(addition)),
             )
         )
     return tuple(names)
+
+
+def _elsewhere(there: MemberElsewhere) -> ElsewhereRow:
+    found = honest(there.rival.fit)
+    last = len(found.hypotheses) - 1
+    values, ranges = _told(found, last)
+    own = found.hypotheses[last]
+    return ElsewhereRow(there.where, there.not_there, values, dict(own.settings), ranges, own.run_numbers)
+
+
+def _told(fit: Fit, index: int) -> tuple[dict[str, tuple[float, float, str]], dict[str, tuple[float, float]]]:
+    """Values and 95 % intervals of a hypothesis' parameters without those that say nothing."""
+    idle = idle_parameters(fit, index).union(untold_parameters(fit, index))
+    values, ranges = fit.values(index), fit.ranges(index)
+    return {k: v for k, v in values.items() if k not in idle}, {k: v for k, v in ranges.items() if k not in idle}
 
 
 def _effect_document(e: NamedEffect) -> dict[str, object]:
     return {
         "name": e.name,
         "summary": e.summary,
-        "parameters": {
-            k: {"value": v, "std": sd, "unit": unit} | _interval(e, k) for k, (v, sd, unit) in e.parameters.items()
-        },
-        "settings": e.settings,
-        "run_numbers": e.run_numbers,
+        **_sizes_document(e),
         "evidence_nats": e.evidence_nats,
         "equivalent": list(e.equivalent),
+        "elsewhere": [{"where": p.where, "not_there": p.not_there, **_sizes_document(p)} for p in e.elsewhere],
         "held_out_before": e.held_out_before,
         "held_out_after": e.held_out_after,
     }
 
 
-def _interval(e: NamedEffect, parameter: str) -> dict[str, float]:
+def _sizes_document(e: NamedEffect | ElsewhereRow) -> dict[str, object]:
+    return {
+        "parameters": {
+            k: {"value": v, "std": sd, "unit": unit} | _interval(e, k) for k, (v, sd, unit) in e.parameters.items()
+        },
+        "settings": e.settings,
+        "run_numbers": e.run_numbers,
+    }
+
+
+def _interval(e: NamedEffect | ElsewhereRow, parameter: str) -> dict[str, float]:
     return dict(zip(("low", "high"), e.ranges.get(parameter, ()), strict=False))
 
 

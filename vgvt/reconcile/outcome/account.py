@@ -150,7 +150,7 @@ def _effects(effects: Sequence[NamedEffect], rounds: Sequence[Addition]) -> tupl
                 effect.name, effect.summary, effect.parameters, effect.settings, effect.evidence_nats,
                 effect.equivalent, effect.held_out_before, effect.held_out_after,
                 str(getattr(cls, "signature", "")), _separating_test(cls), effect.ranges, others,
-                effect.run_numbers,
+                effect.run_numbers, effect.elsewhere,
             )
         )  # fmt: skip
     return tuple(rows)

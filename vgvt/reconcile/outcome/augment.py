@@ -20,7 +20,8 @@ from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.write import to_toml
-from vgvt.view.reconcile_wording import setting_text
+from vgvt.view.reconcile_account import ElsewhereRow
+from vgvt.view.reconcile_wording import as_well, setting_text
 
 
 def augment(scenario: Scenario, found: Attribution) -> Scenario:
@@ -105,7 +106,7 @@ def _comes_to(row: Mapping[str, object]) -> str:
     return f"{row['shift']:+.6g} +- {row['shift_std']:.2g} {row['unit']}".rstrip()
 
 
-def _values(effect: NamedEffect) -> list[str]:
+def _values(effect: NamedEffect | ElsewhereRow) -> list[str]:
     """Settings and parameters of an effect as comments."""
     settings = [f"#   {_in_a_line(setting_text(k, v, effect.run_numbers))}" for k, v in effect.settings.items()]
     fitted = [_value(k, *told) + _interval(effect, k) for k, told in effect.parameters.items()]
@@ -119,7 +120,7 @@ def _value(name: str, value: float, sd: float, unit: str) -> str:
     return f"#   {name} = {value:.5g} +- {sd:.2g} {unit}".rstrip()
 
 
-def _interval(effect: NamedEffect, parameter: str) -> str:
+def _interval(effect: NamedEffect | ElsewhereRow, parameter: str) -> str:
     known = effect.ranges.get(parameter)
     return "" if known is None else f" (95 % from {known[0]:.4g} to {known[1]:.4g})"
 
@@ -134,10 +135,11 @@ def write_reconciled(path: Path, verdict: Verdict, provenance: Mapping[str, str]
     lines = [f"# {key}: {_in_a_line(value)}" for key, value in provenance.items()]
     lines += [f"# verdict: {verdict.kind.value}", *(f"# {_in_a_line(reason)}" for reason in verdict.reasons), "#"]
     for effect in verdict.effects:
-        lines.append(
-            f"# {effect.name}: {effect.evidence_nats:.1f} nats, equivalent: {', '.join(effect.equivalent) or 'none'}"
-        )
+        alike = ", ".join(as_well(effect.equivalent, [there.where for there in effect.elsewhere]))
+        lines.append(f"# {effect.name}: {effect.evidence_nats:.1f} nats, equivalent: {alike or 'none'}")
         lines += _values(effect)
+        for there in effect.elsewhere:
+            lines += [f"# the same {_in_a_line(there.where)}, not switched on here:", *_values(there)]
     for lead in verdict.leads:
         lines += [f"# a lead, not switched on here: {lead.name}", *_values(lead)]
     lines += [
