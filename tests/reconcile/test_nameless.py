@@ -199,6 +199,32 @@ def test_it_is_fitted_from_nothing_where_a_law_shows_and_is_what_is_there(plain:
     assert str(null.chi2_per_dof) not in found.in_words
 
 
+@pytest.mark.parametrize(("course", "when"), [((0.0, 0.0, 1.0, 1.0), "from run 3"), ((0.0, 0.0, 0.0, 1.0), "in run 4")])
+def test_of_courses_that_are_one_where_fitted_it_has_the_one_that_meets_held_out_data(
+    plain: Problem, course: tuple[float, ...], when: str
+) -> None:
+    """Of four runs the third is held out: fitted alone it was "in run 4 alone", and the third refused it."""
+    label, *_ = point(plain, 8)
+    law = 2j * np.pi * plain.measured.frequency_hz * SMALL
+    _, there, _ = changed(plain, label, course, law)
+    null = fit(plain, (), np.zeros(plain.size), np.zeros(0), ())
+    null = fit(with_data(replace(null, predicted=there), 0), (), np.zeros(plain.size), np.zeros(0), ())
+    where = still_explained(null)
+    assert where is not None and where.label == label
+    assert {where.when, *(s.when for s in where.alike)} == {"from run 3 on", "in run 4 alone"}
+    found = searched(null.problem, where)
+    assert found.where.when.startswith(when) and found.where.course == course and not found.where.alike
+    assert found.held_out_chi2_per_dof == pytest.approx(1, abs=0.25)
+    assert not_spoken_against(found, null)
+    # As it was: the other one misses what is held out, and all that is fitted is the same.
+    for other in (where, *where.alike):
+        alone = searched(null.problem, replace(other, alike=()))
+        assert alone.predicted[plain.split.train] == pytest.approx(found.predicted[plain.split.train])
+        assert alone.evidence_nats == pytest.approx(found.evidence_nats)
+        missed = alone.held_out_chi2_per_dof
+        assert missed is not None and (missed < 2) is (other.course == course)
+
+
 def test_its_evidence_is_laplaces_of_all_that_is_uncertain(plain: Problem) -> None:
     """Where the law changes nothing that is there, that of the fit without it."""
     case = with_data(fit(plain, (), np.zeros(plain.size), np.zeros(0), ()), 1)

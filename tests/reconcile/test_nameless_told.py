@@ -88,6 +88,18 @@ def test_a_delay_of_the_force_is_told_as_one_however_far_the_tolerances_were_ben
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("run", "when"), [(3, "from run 3 on"), (4, "in run 4 alone")])
+def test_what_begins_with_a_held_out_run_is_told_of_that(cache: Path, run: int, when: str) -> None:
+    """Begun one run later it explains as much of the others, and the held-out third run refused it at χ² 38."""
+    case = case_with(cache, KNOWN["payload-change"](from_run=run, mass_kg=0.05, **PLACE))
+    thing = nameless_told(unexplained(calibrate(case)), limits(case)).nameless
+    assert thing is not None
+    assert (thing.where.label, thing.where.when) == ("force at 8+Z", when)
+    assert thing.held_out_chi2_per_dof is not None and thing.held_out_chi2_per_dof < 1.2
+    assert f"a force at 8+Z {when} that is smooth" in thing.in_words
+
+
+@pytest.mark.slow
 def test_beside_a_lead_that_stands_beside_it(cache: Path) -> None:
     """Half of two is in the catalogue and was a lead, as it took too little: both together meet the data."""
     gain, damper = KNOWN["channel-gain"](gain_error=0.25, channels="18+Z"), KNOWN["nonproportional-damper"]

@@ -7,14 +7,15 @@ let go of it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.data.shown import headed
 from vgvt.reconcile.evidence.fitted_law import FittedLaw
-from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, free_places, with_mirror_images
+from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, FreePlace, free_places, with_mirror_images
 from vgvt.reconcile.evidence.lasting import lasting_evidence
 from vgvt.reconcile.evidence.nameless_descent import Slopes, State, walked
 from vgvt.reconcile.evidence.rivals import worth_of
@@ -82,7 +83,7 @@ class Nameless:
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""
         return {
-            "place": self.where.label,
+            "place": " or ".join([self.where.label, *self.where.or_on]),
             "kind": self.where.kind,
             "when": self.where.when,
             "instead_of": list(self.instead_of),
@@ -129,16 +130,17 @@ def with_nameless(
 
     ``stages`` come before, of a coarseness and so many steps each, for a start that is far.
     None where there is no such aircraft, or no such place on it. It is given up, wherever it has got to, where it
-    does not promise to reach a cost that is not ``worthless``.
+    does not promise to reach a cost that is not ``worthless``. Of what is one with it where fitted it is what meets
+    held-out data best.
     """
     structures = Structures(problem)
     try:
         here = anchor(problem, u, hypotheses, e, structures=structures)
-        places = with_mirror_images(free_places(problem, here, problem.split.train)).get(where.label)
-        if places is None:
+        known = with_mirror_images(free_places(problem, here, problem.split.train))
+        if where.label not in known:
             return None
-        terms = law_terms(problem.measured.frequency_hz)
-        state = State.at(here, SmoothLaw(places, np.array(where.course)), terms, u, e, np.zeros(TERMS, dtype=complex))
+        acting, terms = SmoothLaw(known[where.label], np.array(where.course)), law_terms(problem.measured.frequency_hz)
+        state = State.at(here, acting, terms, u, e, np.zeros(TERMS, dtype=complex))
     except NoStructureError:
         return None
     for coarse, steps in stages:
@@ -151,6 +153,7 @@ def with_nameless(
             state = walked(state, _STEPS, worthless)[0].at_the_end()
     except NoStructureError:
         return None
+    where, state = _met_best(state, where, known)
     slopes = Slopes.of(state)
     share = sum(float(np.log(h.share)) for h in hypotheses)
     scores = np.concatenate([state.u, state.e])
@@ -158,10 +161,32 @@ def with_nameless(
     lasting = lasting_evidence(problem, state.misfit, slopes.tangent, scores, share, aside=state.misfit_at)
     law = FittedLaw(
         problem.measured.frequency_hz, state.sizes, worth_of(problem, state.predicted) * slopes.of_law,
-        places[0].kind, places[0].turns,
+        state.acting.places[0].kind, state.acting.places[0].turns,
     )  # fmt: skip
     chi2 = float(state.misfit @ state.misfit)
     return Nameless(
         where, problem, hypotheses, state.u, state.e, slopes.covariance, law, state.predicted, chi2, state.cost,
         evidence, lasting,
     )  # fmt: skip
+
+
+def _met_best(
+    state: State, where: StillExplained, known: Mapping[str, tuple[FreePlace, ...]]
+) -> tuple[StillExplained, State]:
+    """The thing that meets held-out data best, of those that are one where fitted, and the state with it.
+
+    As names have it of their courses (:func:`vgvt.reconcile.search.courses.best_course`): the fit says nothing of which
+    it is, and what was held out must not refuse the thing for the one that was tried.
+    """
+    problem = state.here.problem
+    best, least = (replace(where, alike=()), state), held_out_chi2(problem, state.predicted)
+    for there in where.alike:
+        acting = SmoothLaw(known[there.label], np.array(there.course))
+        try:
+            also = State.at(state.here, acting, state.terms, state.u, state.e, state.sizes)
+        except NoStructureError:
+            continue
+        missed = held_out_chi2(problem, also.predicted)
+        if least is not None and missed is not None and missed < least:
+            best, least = (there, also), missed
+    return best

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,9 @@ class StillExplained:
 
     Chance would do as much in one of exp(nats) campaigns at any of the places. ``kind`` is as a free place's, ``when``
     says when the law acts, nothing where alike in all runs, and ``course`` (R,) by how much in each run.
-    ``asked`` is how many places and courses over the runs there were to choose from.
+    ``asked`` is how many places and courses over the runs there were to choose from. Those of ``alike`` do the same to
+    all that is fitted and another thing to what is held out, which may choose among them; what is called ``or_on`` does
+    the same to all data.
     """
 
     label: str
@@ -55,12 +58,22 @@ class StillExplained:
     when: str = ""
     course: tuple[float, ...] = ()
     asked: int = 1
+    alike: tuple[StillExplained, ...] = ()
+    or_on: tuple[str, ...] = ()
+
+    @property
+    def at(self) -> str:
+        """Where and when it acts."""
+        label = f"{self.label.removesuffix(EVERY_RUN)} {self.when}" if self.when else self.label
+        return f"the {label}" if self.kind == "drive" else label
 
     @property
     def words(self) -> str:
         """The place, as part of a sentence."""
-        label = f"{self.label.removesuffix(EVERY_RUN)} {self.when}" if self.when else self.label
-        return label if self.kind == "structure" else f"factor on {'the ' if self.kind == 'drive' else ''}{label}"
+        same = [s.when for s in self.alike if s.label == self.label]
+        others = [f"on {at}" for at in (*self.or_on, *(s.at for s in self.alike if s.label != self.label))]
+        at = f"{self.at.removesuffix(EVERY_RUN)}{EVERY_RUN}" if same and not self.when else self.at
+        return f"{'' if self.kind == 'structure' else 'factor on '}{' or '.join([at, *same, *others])}"
 
 
 @lru_cache(maxsize=8)
@@ -87,26 +100,63 @@ def still_explained(found: Fit) -> StillExplained | None:
         (replace(places[k], label=f"{places[k].label}{ON_BOTH_SIDES}"), columns[k] + columns[j])
         for k, j in mirror_images(places)
     ]
-    told: list[StillExplained] = []
+    told: list[_Acting] = []
     for place, acting in asked:
-        courses = _courses(place, run_of[keep if place.mask is None else keep & place.mask], numbers)
+        here_too = np.ones(keep.size, dtype=bool) if place.mask is None else place.mask
+        courses = _courses(place, run_of[keep & here_too], run_of[problem.measured.used & here_too], numbers)
+        if not courses:
+            continue
         nats = np.min([view.nats(acting, run_of[keep], [c for _, c in courses]) for view in views], axis=0)
-        told += [
-            StillExplained(place.label, place.kind, float(n), when, tuple(map(float, course)))
-            for n, (when, course) in zip(nats, courses, strict=True)
-        ]
-    best = max(told, key=lambda s: s.nats)
-    return replace(best, nats=best.nats - float(np.log(len(told))), asked=len(told))
+        for n, (when, course) in zip(nats, courses, strict=True):
+            one = StillExplained(place.label, place.kind, float(n), when, tuple(map(float, course)))
+            told.append(_Acting(one, "" if place.mask is not None else place.label, here_too * course[run_of]))
+    return _best(told, keep, problem.measured.used)
 
 
-def _courses(place: FreePlace, acting: NDArray[np.intp], numbers: Mapping[int, int]) -> list[tuple[str, Array]]:
+class _Acting(NamedTuple):
+    """A law with a course, and what it does: by how much it acts on every channel (C,), and where ``on`` the structure.
+
+    A factor on channels is the same factor whatever it is called.
+    """
+
+    told: StillExplained
+    on: str
+    share: Array
+
+
+def _best(told: Sequence[_Acting], fitted: NDArray[np.bool_], used: NDArray[np.bool_]) -> StillExplained:
+    """What takes most, with all that fitted channels (C,) cannot tell from it, those once that no ``used`` ones can.
+
+    What is not the same to held-out data counts as asked, for each may be chosen by these.
+    """
+    groups: dict[tuple[str, bytes], dict[bytes, list[StillExplained]]] = {}
+    for one in told:
+        group = groups.setdefault((one.on, one.share[fitted].tobytes()), {})
+        group.setdefault(one.share[used].tobytes(), []).append(one.told)
+    best = max(groups.values(), key=lambda group: next(iter(group.values()))[0].nats)
+    asked = sum(map(len, groups.values()))
+    nats = next(iter(best.values()))[0].nats - float(np.log(asked))
+    first, *others = (
+        replace(one, nats=nats, asked=asked, or_on=tuple(o.at for o in same)) for one, *same in best.values()
+    )
+    return replace(first, alike=tuple(others))
+
+
+def _courses(
+    place: FreePlace, fitted: NDArray[np.intp], used: NDArray[np.intp], numbers: Mapping[int, int]
+) -> list[tuple[str, Array]]:
     """How a law may act over the runs (R,), in words and numbers, at a place with something to act on in some of them.
 
-    ``acting`` are those runs, counted from 0, and ``numbers`` what the campaign calls its runs.
+    ``fitted`` are runs of channels there that are fitted, counted from 0, ``used`` those of held-out ones, too, and
+    ``numbers`` what the campaign calls its runs. What begins with a held-out run is one of them.
     """
-    every, seen = np.arange(max(numbers) + 1), np.unique(acting)
+    every, seen, heard = np.arange(max(numbers) + 1), np.unique(fitted), np.unique(used)
+    if not seen.size or (heard.size == 1 and place.kind == "sensor" and place.label.endswith(EVERY_RUN)):
+        # One sensor in one run is a place of its own.
+        return []
     courses = [("", np.ones(every.size))]
-    courses += [(f"from run {numbers[first]} on", np.where(every >= first, 1.0, 0.0)) for first in seen[1:-1]]
+    first = heard[1:-1][heard[1:-1] <= seen[-1]]
+    courses += [(f"from run {numbers[run]} on", np.where(every >= run, 1.0, 0.0)) for run in first]
     if place.kind != "sensor" and seen.size > 1:
         # One sensor in one run is a place of its own.
         courses += [(f"in run {numbers[run]} alone", np.where(every == run, 1.0, 0.0)) for run in seen]
