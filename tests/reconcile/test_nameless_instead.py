@@ -163,6 +163,7 @@ def test_what_each_has_to_gain(
 
     def judged(lasting: float | None = None, against_it: bool = False) -> Any:
         monkeypatch.setattr(nameless_instead, "bends_at_one_level", lambda found: False)
+        monkeypatch.setattr(nameless_instead, "places_differ", lambda problem: True)
         monkeypatch.setattr(nameless_instead, "still_explained", lambda fit: SimpleNamespace(nats=still))
         monkeypatch.setattr(nameless_instead, "against", lambda *_: (names,))
         monkeypatch.setattr(nameless_instead, "best_beside", lambda *_: gains(2, beside))
@@ -208,6 +209,7 @@ def test_of_three_names_what_is_fewer_things_need_only_be_ahead(
         return iter([there])
 
     monkeypatch.setattr(nameless_instead, "bends_at_one_level", lambda found: False)
+    monkeypatch.setattr(nameless_instead, "places_differ", lambda problem: True)
     monkeypatch.setattr(nameless_instead, "still_explained", lambda fit: SimpleNamespace(nats=0.0))
     monkeypatch.setattr(nameless_instead, "against", lambda *_: (names,))
     monkeypatch.setattr(nameless_instead, "each_beside", beside)

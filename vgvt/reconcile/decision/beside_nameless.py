@@ -97,8 +97,11 @@ def starts_beside(last: Fit, kept: tuple[int, ...], alone: Fit) -> list[tuple[Ar
 
 
 def places_beside(last: Fit, alone: Fit) -> list[StillExplained]:
-    """Where a nameless thing may be: where most is left beside all names, and beside those that are kept."""
-    found = [s for s in (still_explained(last), still_explained(alone)) if s is not None]
+    """Where a nameless thing may be: where most is left beside all names, and beside those that are kept.
+
+    Nowhere where no place can be told.
+    """
+    found = [s for s in (still_explained(last), still_explained(alone)) if s is not None and s.label]
     return list({(s.label, s.when): s for s in found}.values())
 
 

@@ -16,6 +16,7 @@ from vgvt.reconcile.decision.beside_nameless import Array, Beside, best_beside, 
 from vgvt.reconcile.decision.leads import led_by_all
 from vgvt.reconcile.decision.one_level import bends_at_one_level
 from vgvt.reconcile.evidence.confirmation import not_spoken_against
+from vgvt.reconcile.evidence.free_places import places_differ
 from vgvt.reconcile.evidence.residual import residual
 from vgvt.reconcile.evidence.rivals import against
 from vgvt.reconcile.evidence.still_explained import still_explained
@@ -32,9 +33,13 @@ def set_against_nameless(found: Attribution, thresholds: Thresholds, tell: Progr
     of them has to gain as much beside it. Where none does, the fewest names that stand with a nameless thing must be
     ahead of all of them by that, or at all where the two are fewer things: on one that does as well alone, two and
     three names have gained nothing. Either way by both views of the model's own error, and held-out data must not speak
-    for the names. What depends on level at one place waits for a second level.
+    for the names. What depends on level at one place waits for a second level. Where one point alone is fitted a thing
+    could be anywhere, and takes no names: what is left beside these is asked in
+    :mod:`vgvt.reconcile.decision.beyond_names`, which tells no place then.
     """
     if not found.rounds or bends_at_one_level(found) or not all(h.linear for h in found.final.hypotheses):
+        return found
+    if not places_differ(found.final.problem):
         return found
     still, named, each = still_explained(found.final), len(found.rounds), thresholds.evidence_nats
     (names,) = against(found.null, [found.final])

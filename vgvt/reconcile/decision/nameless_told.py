@@ -11,6 +11,7 @@ from vgvt.reconcile.decision.beside_nameless import Array, each_alone, gained, p
 from vgvt.reconcile.decision.kinds import Kind, kind_of
 from vgvt.reconcile.decision.leads import NEARLY_ALL
 from vgvt.reconcile.evidence.confirmation import not_spoken_against, shares_taken, too_much
+from vgvt.reconcile.evidence.free_places import places_differ
 from vgvt.reconcile.evidence.nameless import Nameless, with_nameless
 from vgvt.reconcile.evidence.residual import Residual
 from vgvt.reconcile.evidence.rivals import worth_of
@@ -41,7 +42,8 @@ def nameless_told(found: Attribution, thresholds: Thresholds, tell: Progress = s
     Not beside what depends on level, nor where nothing is held out, or one point alone was fitted: then it could be
     anywhere. It stands instead of no name, and changes no verdict.
     """
-    if found.nameless is not None or not _places_differ(found.null):
+    case = found.null.problem
+    if found.nameless is not None or not (case.split.held.any() and places_differ(case)):
         return found
     kind, each = kind_of(found), thresholds.evidence_nats
     told: Nameless | None = None
@@ -60,12 +62,6 @@ class _Model(NamedTuple):
 
     fit: Fit
     left: Residual
-
-
-def _places_differ(null: Fit) -> bool:
-    """Whether data could tell places, and confirm what is told of them."""
-    split, channels = null.problem.split, null.problem.measured.channels
-    return bool(split.held.any()) and len({c.dof for c, kept in zip(channels, split.train, strict=True) if kept}) > 1
 
 
 def _told_of_the_unknown(found: Attribution, each: float, tell: Progress) -> Nameless | None:

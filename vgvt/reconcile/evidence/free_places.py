@@ -89,6 +89,12 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
     return found
 
 
+def places_differ(problem: Problem) -> bool:
+    """Whether fitted data could tell one place from another: they are of two points or more, in however many runs."""
+    channels = problem.measured.channels
+    return len({c.dof for c, fitted in zip(channels, problem.split.train, strict=True) if fitted}) > 1
+
+
 def on_centre_line(problem: Problem) -> list[tuple[float, float]]:
     """Three points (x, y) of the body, from nose to tail."""
     body = problem.scenario.airframe.body

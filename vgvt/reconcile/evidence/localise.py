@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.mode_numbers import number_text
 from vgvt.data.shown import counted, headed
-from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved
+from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved, places_differ
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
@@ -102,7 +102,7 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     No place where one point alone was fitted, in however many runs: a free force anywhere explains all that it has.
     """
     problem = null.problem
-    if len({c.dof for c, fitted in zip(problem.measured.channels, problem.split.train, strict=True) if fitted}) < 2:
+    if not places_differ(problem):
         return Localisation((), problem.measured.frequency_hz, null.chi2_per_dof)
     here = anchor(problem, null.u, null.hypotheses, null.e)
     keep = problem.split.train

@@ -25,6 +25,7 @@ from vgvt.reconcile.evidence.free_places import (
     free_places,
     mirror_images,
     moved,
+    places_differ,
 )
 from vgvt.reconcile.evidence.lasting import lasting
 from vgvt.reconcile.evidence.rivals import worth_to
@@ -49,7 +50,7 @@ class StillExplained:
     says when the law acts, nothing where alike in all runs, and ``course`` (R,) by how much in each run.
     ``asked`` is how many places and courses over the runs there were to choose from. Those of ``alike`` do the same to
     all that is fitted and another thing to what is held out, which may choose among them; what is called ``or_on`` does
-    the same to all data.
+    the same to all data. Where one point alone is fitted it could be anywhere: then it has no label, kind or course.
     """
 
     label: str
@@ -70,6 +71,8 @@ class StillExplained:
     @property
     def words(self) -> str:
         """The place, as part of a sentence."""
+        if not self.label:
+            return "thing somewhere (the one point that was fitted tells no place)"
         same = [s.when for s in self.alike if s.label == self.label]
         others = [f"on {at}" for at in (*self.or_on, *(s.at for s in self.alike if s.label != self.label))]
         at = f"{self.at.removesuffix(EVERY_RUN)}{EVERY_RUN}" if same and not self.when else self.at
@@ -110,7 +113,8 @@ def still_explained(found: Fit) -> StillExplained | None:
         for n, (when, course) in zip(nats, courses, strict=True):
             one = StillExplained(place.label, place.kind, float(n), when, tuple(map(float, course)))
             told.append(_Acting(one, "" if place.mask is not None else place.label, here_too * course[run_of]))
-    return _best(told, keep, problem.measured.used)
+    best = _best(told, keep, problem.measured.used)
+    return best if places_differ(problem) else StillExplained("", "", best.nats, asked=best.asked)
 
 
 class _Acting(NamedTuple):
