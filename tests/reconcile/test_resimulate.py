@@ -134,6 +134,35 @@ def test_nearly_as_many_cells_as_stated_are_as_many(asked: float, written: int) 
     assert {b.cells for b in with_cells(meshed(scenario), found).airframe.beam} == {written}  # type: ignore[arg-type]
 
 
+def test_a_file_keeps_what_its_fit_keeps_with_any_number_of_cells(cache: Path, tmp_path: Path) -> None:
+    """Halfway from the stated chain to a continuum is no chain: one of as many cells left 1.87, the fit 0.64."""
+    scenario = small_scenario()
+    finer = with_beams(scenario, ["wing"], lambda b: b.model_copy(update={"cells": 24}))
+    found = calibrate(make_problem(campaign_of(finer, 4), scenario, lines=150, cache=cache))
+    written = augmented(scenario, found, tmp_path)
+    assert {b.cells for b in written.airframe.beam} != {12}
+    again = resimulated(written, found).comparison
+    assert again is not None and again.held_out is not None
+    fitted = compare(found.foretold, found.problem.measured, found.problem.split)
+    assert fitted.held_out is not None
+    assert again.train.chi2_per_dof < 1.02 * found.chi2_per_dof
+    assert again.held_out.chi2_per_dof < 1.02 * fitted.held_out.chi2_per_dof
+    # Nothing is bent for it.
+    others = [k for k, name in enumerate(found.problem.names) if name != CELLS.name]
+    assert np.abs((at_whole_cells(found).u - found.u)[others]).max() < 0.5
+
+
+def test_cells_that_a_fit_does_not_know_are_those_that_are_likeliest_as_they_are(cache: Path) -> None:
+    """Data of the stated chain, and a score halfway: all three are looked at, not the score alone."""
+    scenario = small_scenario()
+    found = calibrate(make_problem(campaign_of(scenario, 1), scenario, lines=60, cache=cache))
+    score = found.problem.names.index(CELLS.name)
+    halfway = np.where(np.arange(found.u.size) == score, -1.0, found.u)
+    unsure = fit(found.problem, (), halfway, np.zeros(0), ())
+    assert {b.cells for b in with_cells(scenario, unsure).airframe.beam} == {18}
+    assert {b.cells for b in with_cells(scenario, at_whole_cells(unsure)).airframe.beam} == {12}
+
+
 def test_what_goes_with_a_tenth_of_a_cell_is_not_written_beside_whole_ones(cache: Path, tmp_path: Path) -> None:
     """Data of the stated chain, whose end no score reaches: stiffness, masses and gains had taken up the rest of it."""
     scenario = small_scenario()
