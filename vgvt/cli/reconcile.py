@@ -271,10 +271,12 @@ def _tried(verdict: Verdict, effects: Mapping[str, type]) -> tuple[Hypothesis, .
 
 
 def _power(verdict: Verdict, tried: tuple[Hypothesis, ...], report: Any) -> tuple[Any, ...]:
-    """Detectability around the calibrated scenario."""
+    """Detectability around the model that a verdict ends with, of what has no name in it: no name is given twice."""
     from vgvt.reconcile.next_test.power import power as detectability
 
-    return detectability(verdict.attribution.null, tried, report, verdict.thresholds)
+    final = verdict.attribution.final
+    named = {hypothesis.name for hypothesis in final.hypotheses}
+    return detectability(final, [h for h in tried if h.name not in named], report, verdict.thresholds)
 
 
 def _facts(campaign: Campaign, scenario: Scenario, tried: tuple[Hypothesis, ...], spent_s: float) -> dict[str, str]:

@@ -79,7 +79,10 @@ def render_reconcile_page(account: Account) -> str:
         "modes": ("Mode by mode", modes_section(account)),
         "responses": ("Responses", _responses(account, data)),
         "tests": ("The next test", parts.tests_section(account)),
-        "power": ("What this campaign could see", parts.power_section(account.power)),
+        "power": (
+            "What this campaign could see",
+            parts.power_section(account.power, [e.name for e in account.effects]),
+        ),
         "unexplained": ("What stays unexplained", parts.unexplained_section(account)),
         "disproof": ("What would disprove it", parts.disproof_section(account)),
         "calibration": ("Calibrated within the tolerances", _calibration(account, data)),

@@ -129,8 +129,11 @@ def candidates_table(account: Account, rows: Sequence[CandidateRow]) -> str:
     return table(heads, cells, words=(0, 1, 7))
 
 
-def power_section(power: Sequence[PowerRow]) -> str:
-    """Detectability: the sizes of each effect that could be seen and named, and what it would be taken for."""
+def power_section(power: Sequence[PowerRow], beside: Sequence[str] = ()) -> str:
+    """Detectability: the sizes of each effect that could be seen and named, and what it would be taken for.
+
+    ``beside`` are the names that are part of the model and have no row.
+    """
     if not power:
         return ""
     heads = (
@@ -158,6 +161,8 @@ def power_section(power: Sequence[PowerRow]) -> str:
         "default of whatever else an effect has, as a frequency or an angle. Hard to tell from: cosine of the two "
         "signatures."
     )
+    if beside:
+        note = f"Beside what was named ({', '.join(beside)}), which is in the model and has no row here. {note}"
     return f'<p class="note">{escaped(note)}</p>{table(heads, rows, words=(0, 7))}'
 
 

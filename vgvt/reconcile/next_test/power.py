@@ -91,7 +91,7 @@ def power(
     progress: Callable[[float, str], None] | None = None,
     thresholds: Thresholds | None = None,
 ) -> tuple[Power, ...]:
-    """Detectability and confusability of every variant around a fit: from derivatives (5 / |q|), looked at there.
+    """Detectability and confusability of every variant beside what a fit has: from slopes (5 / |q|), looked at there.
 
     Of what grows with the square of its size, from the second one. ``thresholds`` (default: those that are shipped)
     say what a name needs.

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 def account_of(
     verdict: Verdict, *, title: str, facts: Mapping[str, str] | None = None, power: tuple[Power, ...] = ()
 ) -> Account:
-    """What the page of a verdict shows; ``facts`` head it, ``power`` is what ``power`` says of the calibrated model."""
+    """What the page of a verdict shows; ``facts`` head it, ``power`` is what ``power`` says beside the names."""
     found = verdict.attribution
     problem = found.null.problem
     split, measured, limits = problem.split, problem.measured, verdict.thresholds
