@@ -127,11 +127,16 @@ def tell_of_cut(asked: tuple[float, float] | None, used: tuple[float, float], na
 
 
 def _places(row: PowerRow) -> dict[str, object]:
-    """What is just visible at the best, the median and the worst of an effect's variants; None is never."""
+    """What is just visible at the best, the median and the worst of an effect's variants; None is never.
+
+    And from which others the best is not told.
+    """
     sizes = {"best": row.smallest, "median": row.median, "worst": row.worst}
     told: dict[str, object] = {k: v if math.isfinite(v) else None for k, v in sizes.items()}
     what = {"effect": row.effect, "parameter": row.parameter, "unit": row.unit, "variants": row.variants}
-    return what | told | {"best_variant": row.variant, "worst_variant": row.worst_variant, "reason": row.reason}
+    elsewhere = [{"variant": label, "cosine": cosine} for label, cosine in row.elsewhere]
+    variants = {"best_variant": row.variant, "worst_variant": row.worst_variant, "not_told_from": elsewhere}
+    return what | told | variants | {"reason": row.reason}
 
 
 def _write(out: Path, scenario: Scenario, document: Mapping[str, Any], rows: Any) -> None:

@@ -72,7 +72,9 @@ def power_table(rows: Sequence[PowerRow]) -> FittedTable:
     cells, several = [], any(p.variants > 1 for p in rows)
     for p in rows:
         smallest, named, worst = p.sizes
-        alike = ", ".join(f"{name} {cosine:.2f}" for name, cosine in p.alike[:3])
+        likes = [f"{name} {cosine:.2f}" for name, cosine in p.alike[:3]]
+        likes += [f"itself at {place} {cosine:.2f}" for place, cosine in p.other_places[:1]]
+        alike = ", ".join(likes)
         plausible = f"{p.low:g} to {p.high:g}"
         cells.append((p.effect, p.parameter, smallest, named, worst, p.unit, plausible, p.shows, alike))
     longest = max((len(p.parameter) for p in rows), default=0)

@@ -216,7 +216,7 @@ class PowerRow:
 
     Of the ``variant`` that shows best, of so many ``variants``; ``median`` and ``worst`` are what is just visible at
     others. Infinite is never; what is not a number is not known, and ``reason`` says why. ``alike`` are effects of
-    nearly the same signature.
+    nearly the same signature, ``elsewhere`` variants of its own at other places, each with its cosine.
     """
 
     effect: str
@@ -233,6 +233,22 @@ class PowerRow:
     worst: float = math.nan
     worst_variant: str = ""
     reason: str = ""
+    elsewhere: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def place(self) -> str:
+        """Which of several variants shows best, without the effect's name; nothing where there is one."""
+        return self.settings_of(self.variant) if self.variants > 1 else ""
+
+    @property
+    def other_places(self) -> tuple[tuple[str, float], ...]:
+        """``elsewhere`` without the effect's name."""
+        return tuple((self.settings_of(label), cosine) for label, cosine in self.elsewhere)
+
+    def settings_of(self, label: str) -> str:
+        """What a variant's label says beside the effect's name."""
+        begin = f"{self.effect} ("
+        return label.removeprefix(begin).removesuffix(")") if label.startswith(begin) else label
 
     @property
     def visible(self) -> bool:

@@ -150,6 +150,10 @@ def power_section(power: Sequence[PowerRow], beside: Sequence[str] = ()) -> str:
         # The unit once: in every cell it would leave the last column room for single words.
         unit = f", {escaped(p.unit)}" if p.unit else ""
         what = f"<b>{escaped(p.effect)}</b><br>{escaped(p.parameter)}{unit}"
+        if p.place:
+            what += f"<br>best at {escaped(p.place)}"
+        others = "; ".join(f"{escaped(place)} ({cosine:.2f})" for place, cosine in p.other_places)
+        alike = "<br>".join(text for text in (alike, others and f"place not told from {others}") if text)
         rows.append((what, smallest, named, median, worst, f"{p.low:g} to {p.high:g}", mark, alike))
     note = (
         "Just visible: five standard deviations beyond what the scenario's tolerances can imitate, by both views of "
@@ -159,7 +163,8 @@ def power_section(power: Sequence[PowerRow], beside: Sequence[str] = ()) -> str:
         "visible fewer than half do, as a rule. Never: it leaves the ratio of acceleration to force alone. By level, "
         "not foretold: what it does hangs on the level of force, and not on its size alone. Sizes hold at the "
         "default of whatever else an effect has, as a frequency or an angle. Hard to tell from: cosine of the two "
-        "signatures."
+        "signatures. Place not told from: where else (at which place, side or channel) the same effect would look like "
+        "the one that shows best, with that cosine, three at most."
     )
     if beside:
         note = f"Beside what was named ({', '.join(beside)}), which is in the model and has no row here. {note}"

@@ -23,6 +23,9 @@ from vgvt.reconcile.work.one_thread import one_thread
 
 _SIGMA = 5.0
 _ALIKE = 0.6
+# Settings that say where an effect sits, and how many such places are told.
+_WHERE = ("x_m", "y_m", "other_x_m", "other_y_m", "side", "item", "node", "channels", "sensors")
+_ELSEWHERE = 3
 # Times the largest plausible size.
 _ABSURD = 1e3
 
@@ -36,7 +39,8 @@ class Power:
 
     ``named`` is the size that gets its name in 95 of 100 such campaigns; ``low`` and ``high`` bound what is plausible;
     ``alike`` are effects with a variant, ``alike_variants``, whose signature has a cosine above 0.6 with it, after what
-    the unknowns can imitate. Sizes hold ``at`` the defaults of whatever has no neutral value: a frequency, an angle.
+    the unknowns can imitate; ``elsewhere`` are up to three variants of the same effect at another place, side or
+    channel that look as alike. Sizes hold ``at`` the defaults of whatever has no neutral value: a frequency, an angle.
     ``smallest`` is infinite for what A/F does not show, and ``named`` for what would have to be absurdly large; either
     is not a number where no size keeps what slopes promise: ``by_level`` as an answer may hang on the level of force.
     """
@@ -53,6 +57,7 @@ class Power:
     by_level: bool = False
     alike_variants: tuple[str, ...] = ()
     at: tuple[tuple[str, float], ...] = ()
+    elsewhere: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
         sizes = (("just visible", self.smallest), ("named from", self.named))
@@ -129,7 +134,8 @@ def power(
         beside = tuple(start_values(h).items())
         found.append(
             Power(
-                h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, names, not h.linear, variants, beside
+                h.name, h.label, p.name, p.unit, smallest, named, p.low, p.high, names, not h.linear, variants, beside,
+                _elsewhere(k, rows, signatures),
             )
         )  # fmt: skip
     return tuple(found)
@@ -220,3 +226,27 @@ def _alike(
             if cosine > best.get(name, (_ALIKE, ""))[0]:
                 best[name] = cosine, hypothesis.label
     return sorted(((name, cosine, label) for name, (cosine, label) in best.items()), key=lambda found: -found[1])
+
+
+def _elsewhere(
+    k: int, rows: list[tuple[Hypothesis, Parameter, float, float]], signatures: list[np.ndarray | None]
+) -> tuple[tuple[str, float], ...]:
+    """Where else the same effect looks alike, the most alike first, by variant and cosine: the best one of a place."""
+    own, (mine, size, *_) = signatures[k], rows[k]
+    if own is None:
+        return ()
+    here, best = _where(mine), dict[tuple[str, ...], tuple[str, float]]()
+    for (hypothesis, p, *_), other in zip(rows, signatures, strict=True):
+        if other is None or hypothesis.cls is not mine.cls or p.name != size.name:
+            continue
+        there = _where(hypothesis)
+        if there != here:
+            cosine = abs(float(own @ other))
+            if cosine > best.get(there, ("", _ALIKE))[1]:
+                best[there] = hypothesis.label, cosine
+    return tuple(sorted(best.values(), key=lambda found: -found[1])[:_ELSEWHERE])
+
+
+def _where(hypothesis: Hypothesis) -> tuple[str, ...]:
+    """Where a variant sits, by its settings."""
+    return tuple(repr(hypothesis.settings.get(name)) for name in _WHERE)

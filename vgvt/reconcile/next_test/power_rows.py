@@ -15,7 +15,8 @@ def power_rows(power: Iterable[Power]) -> tuple[PowerRow, ...]:
 
     Of its variants (places, sides, channels) the row is of the one that shows at the smallest size, and says what is
     just visible at the median and the worst of them. Where one is known, those that are not do not count. It is hard to
-    tell from what any of its variants is hard to tell from.
+    tell from what any of its variants is hard to tell from; ``elsewhere`` is where else it could be by all that the one
+    that shows best does.
     """
     variants: dict[tuple[str, str], list[Power]] = {}
     for p in power:
@@ -44,6 +45,7 @@ def _row(variants: list[Power]) -> PowerRow:
         worst=worst.smallest,
         worst_variant=worst.label,
         reason=best.reason,
+        elsewhere=best.elsewhere,
     )
 
 
