@@ -12,7 +12,7 @@ from vgvt.cli.reconcile_tables import error_table, power_table
 from vgvt.effects.parameter import parameters_of
 from vgvt.effects.registry import available_effects
 from vgvt.reconcile.next_test.power_rows import invisible
-from vgvt.view.reconcile_account import PowerRow
+from vgvt.view.power_account import PowerRow
 
 _ALIKE = (("drive-point-offset", 0.99), ("stinger-moment", 0.97), ("sensor-position-error", 0.91))
 

@@ -156,7 +156,7 @@ def test_a_stiffness_that_does_nothing_is_not_told(case: Problem) -> None:
 
 def _addition(hypothesis: Hypothesis) -> Any:
     winner = SimpleNamespace(name=hypothesis.name, hypothesis=hypothesis, gain_nats=9.0, held_out=None)
-    return SimpleNamespace(winner=winner, alike=(), held_out_before=None)
+    return SimpleNamespace(winner=winner, alike=(), equivalent=(), held_out_before=None)
 
 
 def test_a_joint_that_the_scenario_has_leaves_tables_as_they_are(case: Problem) -> None:

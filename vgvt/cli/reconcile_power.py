@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from vgvt.reconcile.question.hypothesis import Hypothesis
     from vgvt.reconcile.question.thresholds import Thresholds
     from vgvt.scenario.model import Scenario
-    from vgvt.view.reconcile_account import PowerRow
+    from vgvt.view.power_account import PowerRow
 
 _SIMULATED, _LINED_UP = 0.2, 0.3
 # Options that mean nothing without what was measured, and why.

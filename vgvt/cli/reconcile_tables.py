@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vgvt.view.fitted_table import FittedTable
-    from vgvt.view.reconcile_account import PowerRow
+    from vgvt.view.power_account import PowerRow
 
 _SETS = {"train": "fitted", "held_out": "held out", "held_runs": "  whole runs", "held_channels": "  single channels"}
 # Longer names of parameters fold: beside the longest effect's they would be cut in 80 columns.

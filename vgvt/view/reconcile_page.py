@@ -12,7 +12,8 @@ from vgvt.files.atomically import replacing
 from vgvt.view import reconcile_figures as figures_of
 from vgvt.view import reconcile_sections as parts
 from vgvt.view.html_page import escaped, figure_data, figure_element, html_page
-from vgvt.view.reconcile_account import Account, PowerRow
+from vgvt.view.power_account import PowerRow
+from vgvt.view.reconcile_account import Account
 from vgvt.view.reconcile_drawing import places_drawing, places_key
 from vgvt.view.reconcile_law import law_figure
 from vgvt.view.reconcile_modes import modes_section

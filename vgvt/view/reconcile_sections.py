@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from vgvt.view.html_page import escaped
-from vgvt.view.reconcile_account import Account, CandidateRow, PowerRow
+from vgvt.view.power_account import PowerRow
+from vgvt.view.reconcile_account import Account, CandidateRow
 from vgvt.view.reconcile_markup import listed, number, table
 from vgvt.view.reconcile_wording import (
     DATA_SETS,

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from statistics import median_high
 
 from vgvt.reconcile.next_test.power import Power
-from vgvt.view.reconcile_account import PowerRow
+from vgvt.view.power_account import PowerRow
 
 
 def power_rows(power: Iterable[Power]) -> tuple[PowerRow, ...]:

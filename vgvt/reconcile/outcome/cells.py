@@ -56,6 +56,9 @@ def at_whole_cells(found: Fit) -> Fit:
     if not problem.stated.airframe.beam or CELLS.rate(float(found.u[cells])) <= 0:
         return found
     asked = _times(found)
+    if not found.converged:
+        # On its way down there is nowhere to be likeliest: all else is written as it is.
+        return replace(found, u=_with_score(found.u, cells, asked))
     tried = [_beside(found, times) for times in sorted({1.0, asked, _most_times(found)})]
     least = min(cost for cost, _ in tried)
     if math.isfinite(least):

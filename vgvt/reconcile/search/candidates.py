@@ -65,7 +65,7 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
             continue
         spans = reach(parameters_of(cls), box)
         count = len({tuple(v.get(name) for name in _TIED) for v in variants})
-        share = 1.0 / _of_all_runs(problem, variants)
+        share = 1.0 / max(_of_all_runs(problem, variants), 1.0)
         found += [Hypothesis(cls, chosen, share, spans, count, numbers) for chosen in variants]
     return tuple(found)
 
