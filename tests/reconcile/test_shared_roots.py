@@ -145,7 +145,7 @@ def test_a_law_that_the_scenario_states_comes_first(case: Problem, tmp_path: Pat
 def test_a_stiffness_that_does_nothing_is_not_told(case: Problem) -> None:
     """It was told as the middle of its prior give or take half of it, as if the data had said so."""
     found = fitted(case, law("root-friction", 500.0, "right"), law("cubic-root-stiffness", 900.0, "right"))
-    rounds = tuple(_addition(h) for h in found.hypotheses)
+    rounds = tuple(_addition(h, found) for h in found.hypotheses)
     first, second = named_effects(SimpleNamespace(rounds=rounds, final=found))  # type: ignore[arg-type]
     assert set(first.parameters) == set(first.ranges) == {"friction_n_m", GIVEN}
     assert set(second.parameters) == set(second.ranges) == {"cubic_n_m_per_rad3"}
@@ -154,8 +154,8 @@ def test_a_stiffness_that_does_nothing_is_not_told(case: Problem) -> None:
     assert idle_parameters(both, 1) == frozenset()
 
 
-def _addition(hypothesis: Hypothesis) -> Any:
-    winner = SimpleNamespace(name=hypothesis.name, hypothesis=hypothesis, gain_nats=9.0, held_out=None)
+def _addition(hypothesis: Hypothesis, found: Fit) -> Any:
+    winner = SimpleNamespace(name=hypothesis.name, hypothesis=hypothesis, gain_nats=9.0, held_out=None, fit=found)
     return SimpleNamespace(winner=winner, alike=(), equivalent=(), held_out_before=None)
 
 
