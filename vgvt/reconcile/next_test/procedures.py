@@ -154,7 +154,7 @@ def _averages(problem: Problem) -> list[Procedure]:
 
 def _other_runs(problem: Problem) -> list[Procedure]:
     """What tells an instrument from the point where it sat, and what happened in the meantime from either."""
-    runs, numbers = problem.measured.runs, _numbers(problem)
+    runs, numbers = problem.measured.runs, problem.measured.run_numbers
 
     def measured(after: Runs) -> Callable[[Scenario], Scenario]:
         changes = {"runs": after, "repeats": 1}
@@ -171,12 +171,6 @@ def _other_runs(problem: Problem) -> list[Procedure]:
         words = "exchange the sensors: every run again with their places in reverse order"
         found.append(Procedure(words, measured(tuple(run[::-1] for run in runs)), lab_minutes(problem)))
     return found
-
-
-def _numbers(problem: Problem) -> list[int]:
-    """What the runs are called by in the campaign."""
-    known = {c.run: c.run_number for c in problem.measured.channels}
-    return [known.get(k, k + 1) for k in range(len(problem.measured.runs))]
 
 
 def changed(problem: Problem, procedure: Procedure) -> Problem:
@@ -239,7 +233,7 @@ def _rearranged(problem: Problem, scenario: Scenario, again: int | None) -> Prob
     # By its index: several runs may have the same sensors, at other levels of force.
     came = [*range(len(first.runs)), *([] if again is None else [again])]
     # Unknowns are known by their channels' labels: what was there keeps its number.
-    numbers = _numbers(problem)
+    numbers = list(first.run_numbers)
     numbers += [max(numbers) + 1 + k for k in range(len(runs) - len(numbers))]
     channels, index = [], []
     for k, run in enumerate(runs):
