@@ -65,6 +65,8 @@ def test_what_fitted_data_cannot_tell_is_asked_together_and_what_no_data_can_onc
         ("sensor-1 in every run", "from run 3 on", 5, ()),
     ]
     assert best.alike[0].words == "factor on the force channel in run 4 alone or on run 4, 4+Z"
-    assert best.words == ("factor on the force channel from run 3 on or in run 4 alone or on sensor-1 from run 3 on")
+    assert best.words == (
+        "factor on the force channel from run 3 on or in run 4 alone or on sensor-1 from run 3 on or on run 4, 4+Z"
+    )
     one = replace(best, label="force at 5+Z", kind="structure", when="", alike=(told[0].told,))
     assert one.words == "force at 5+Z in every run or from run 3 on"

@@ -10,7 +10,7 @@ from vgvt.cli.reconcile_power import _places
 from vgvt.cli.reconcile_tables import power_table
 from vgvt.effects import available_effects
 from vgvt.reconcile.next_test.before_test import expected_fit
-from vgvt.reconcile.next_test.power import Power, _where, power
+from vgvt.reconcile.next_test.power import Power, _one_in_the_ratio, _where, power
 from vgvt.reconcile.next_test.power_rows import power_rows
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.scenario import load_scenario
@@ -69,7 +69,7 @@ def test_a_row_says_where_it_shows_best_and_where_else_it_could_be(seen: dict[st
     place, elsewhere = (p.label.removeprefix("added-mass (").removesuffix(")") for p in (best, other))
     assert (row.place, row.other_places[0][0]) == (place, elsewhere)
     page = power_section([row])
-    assert f"best at {place}" in page and f"place not told from {elsewhere} (" in page
+    assert f"best with {place}" in page and f"place not told from {elsewhere} (" in page
     assert f"itself at {elsewhere}" in str(power_table([row]).rows)
     told = _places(row)["not_told_from"]
     assert told == [{"variant": label, "cosine": cosine} for label, cosine in best.elsewhere]
@@ -82,3 +82,15 @@ def test_a_change_from_another_run_on_is_no_other_place() -> None:
     drift = KNOWN["gain-drift"]
     early, late = (Hypothesis(drift, {"channels": "6+Z", "from_run": k}) for k in (2, 3))
     assert _where(early) == _where(late) != _where(Hypothesis(drift, {"channels": "7+Z", "from_run": 2}))
+
+
+def test_the_force_and_all_responses_are_one_place() -> None:
+    """No test tells one from the other by A/F: it is a quotient."""
+    delay = available_effects()["channel-delay"]
+
+    def on(channels: str) -> Hypothesis:
+        return Hypothesis(delay, {"channels": channels})
+
+    assert _one_in_the_ratio(on("force"), on("response")) and _one_in_the_ratio(on("response"), on("force"))
+    assert not _one_in_the_ratio(on("force"), on("sensor-1"))
+    assert not _one_in_the_ratio(on("force"), on("force"))

@@ -53,8 +53,38 @@ def test_what_no_test_was_compared_for_is_told() -> None:
     assert said(("a", "b", "c")) == said(("alone",), ("a", "b")) == ()
     (fourth,) = said(("a", "b", "c", "d"))
     assert "compared for a, b, c; d explains the data as well" in fourth
-    (other,) = said(("e", "f"), ("a", "b"))
-    assert other.startswith("Which of e or f is there")
+    (more,) = said(("a", "b", "c", "d", "e"))
+    assert "d, e explain" in more
+    # A name may be in two sets.
+    for earlier in (("e", "f"), ("a", "f")):
+        (other,) = said(earlier, ("a", "b"))
+        assert other.startswith(f"Which of {earlier[0]} or f is there")
+
+
+def test_what_only_stands_beside_an_earlier_name_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests are compared for what is in its place beside all others; what explained its round is to be told, too."""
+
+    def rival(name: str, beside: tuple[str, ...] = ()) -> Any:
+        hypotheses = tuple(SimpleNamespace(name=n, same=lambda other: True) for n in (*beside, name))
+        return SimpleNamespace(name=name, fit=SimpleNamespace(hypotheses=hypotheses), hypothesis=hypotheses[-1])
+
+    first, later = (rival("a"), rival("b")), (rival("a", ("z",)), rival("c", ("z",)))
+    found: Any = SimpleNamespace(rounds=[Addition(first[0], first, (), None, later)])
+    (said,) = words_of_the_rest(found)
+    assert "compared for a, c; b explains" in said
+
+
+def test_places_are_what_one_effect_at_several_is_called_by() -> None:
+    mass = freed(Hypothesis(available_effects()["added-mass"], {"x_m": 0.1, "y_m": 0.2}))
+
+    def rival(x_m: float) -> Any:
+        values = {"mass_kg": (0.1, 0.01, "kg"), "x_m": (x_m, 0.001, "m"), "y_m": (0.2, 0.001, "m")}
+        fit = SimpleNamespace(hypotheses=(mass,), values=lambda k: values)
+        return SimpleNamespace(name="added-mass", fit=fit, hypothesis=Hypothesis(mass.cls, {"x_m": x_m}))
+
+    rivals = tuple(map(rival, (0.1, 0.5, 0.9, 1.3)))
+    (said,) = words_of_the_rest(SimpleNamespace(rounds=[Addition(rivals[0], rivals, (), None)]))  # type: ignore[arg-type]
+    assert said.count("x_m = ") == 4 and "added-mass (x_m = 1.3, y_m = 0.2) explains" in said
 
 
 def test_two_starts_that_met_are_one_explanation_and_two_places_are_two(monkeypatch: pytest.MonkeyPatch) -> None:

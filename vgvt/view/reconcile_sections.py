@@ -151,8 +151,8 @@ def power_section(power: Sequence[PowerRow], beside: Sequence[str] = ()) -> str:
         # The unit once: in every cell it would leave the last column room for single words.
         unit = f", {escaped(p.unit)}" if p.unit else ""
         what = f"<b>{escaped(p.effect)}</b><br>{escaped(p.parameter)}{unit}"
-        if p.place:
-            what += f"<br>best at {escaped(p.place)}"
+        if p.place and np.isfinite(p.smallest):
+            what += f"<br>best with {escaped(p.place)}"
         others = "; ".join(f"{escaped(place)} ({cosine:.2f})" for place, cosine in p.other_places)
         alike = "<br>".join(text for text in (alike, others and f"place not told from {others}") if text)
         rows.append((what, smallest, named, median, worst, f"{p.low:g} to {p.high:g}", mark, alike))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vgvt.data.shown import listed
+from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.place_control import distinct_places
 from vgvt.reconcile.evidence.rivals import Rival
 from vgvt.reconcile.fitting.fit import Fit
-from vgvt.reconcile.next_test.suggest import COMPARED
+from vgvt.reconcile.next_test.suggest import COMPARED, in_its_place
 from vgvt.reconcile.question.hypothesis import Hypothesis
 
 
@@ -19,6 +20,11 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
     Where no round does, all that the last one with several holds: one effect at several places. Else what the last
     round holds: an effect that is alone, at one level. Nothing where there is no round: no name, nothing to tell.
     """
+    return _compared(found)[1]
+
+
+def _compared(found: Attribution) -> tuple[Addition | None, tuple[Fit, ...]]:
+    """:func:`undecided` with the round that names them, None where none does."""
     for addition in reversed(found.rounds):
         best: dict[str, Fit] = {}
         rivals = (addition.winner, *addition.equivalent)
@@ -30,28 +36,41 @@ def undecided(found: Attribution) -> tuple[Fit, ...]:
         for r in rivals:
             best.setdefault(r.name, r.fit)
         if len(best) > 1:
-            return tuple(best.values())
-    apart = [_apart(addition.equivalent) for addition in reversed(found.rounds)]
+            return addition, tuple(best.values())
+    apart = [(addition, _apart(addition.equivalent)) for addition in reversed(found.rounds)]
     if not apart:
-        return ()
-    return tuple(r.fit for r in next((several for several in apart if len(several) > 1), apart[0]))
+        return None, ()
+    of, rivals_apart = next((several for several in apart if len(several[1]) > 1), apart[0])
+    return of, tuple(r.fit for r in rivals_apart)
 
 
 def words_of_the_rest(found: Attribution) -> tuple[str, ...]:
-    """What is said of explanations that no test was compared for: the fourth of a round, and those of other rounds."""
-    said, last = list[str](), [fit.hypotheses[-1] for fit in undecided(found)]
-    names = [h.name for h in last]
-    if len(last) > COMPARED:
-        called = names if len(set(names)) == len(names) else [h.label for h in last]
+    """What is said of explanations that no test was compared for: those of a round beyond three, and of other rounds.
+
+    An effect at several places is called by these.
+    """
+    of, fits = _compared(found)
+    names = [fit.hypotheses[-1].name for fit in fits]
+    called = names if len(set(names)) == len(names) else [in_its_place(fit) for fit in fits]
+    rest = [*called[COMPARED:], *(() if of is None else (n for n in _names(of) if n not in names))]
+    said = list[str]()
+    if rest:
+        verb = "explains" if len(rest) == 1 else "explain"
         said.append(
-            f"Tests were compared for {listed(called[:COMPARED], COMPARED)}; {listed(called[COMPARED:], len(called))} "
-            "explains the data as well, and is to be told from what is left of them"
+            f"Tests were compared for {listed(called[:COMPARED], COMPARED)}; {listed(rest, len(rest))} {verb} the data "
+            "as well, to be told from what is left of them"
         )
-    several = [list(dict.fromkeys(r.name for r in addition.alike)) for addition in found.rounds]
-    for alike in several:
-        if len(alike) > 1 and not set(alike) & set(names):
-            said.append(f"Which of {' or '.join(alike)} is there no test was compared for: it is the next question")
+    for other in found.rounds:
+        if other is not of and len(_names(other)) > 1:
+            said.append(
+                f"Which of {' or '.join(_names(other))} is there is the next question: no test was compared for it"
+            )
     return tuple(said)
+
+
+def _names(addition: Addition) -> list[str]:
+    """Names of all that explains the data as well in a round, each once."""
+    return list(dict.fromkeys(r.name for r in addition.alike))
 
 
 def _all_same(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> bool:

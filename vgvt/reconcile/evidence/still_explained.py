@@ -74,7 +74,8 @@ class StillExplained:
         if not self.label:
             return "thing somewhere (the one point that was fitted tells no place)"
         same = [s.when for s in self.alike if s.label == self.label]
-        others = [f"on {at}" for at in (*self.or_on, *(s.at for s in self.alike if s.label != self.label))]
+        elsewhere = (*(s.at for s in self.alike if s.label != self.label), *(at for s in self.alike for at in s.or_on))
+        others = [f"on {at}" for at in dict.fromkeys((*self.or_on, *elsewhere))]
         at = f"{self.at.removesuffix(EVERY_RUN)}{EVERY_RUN}" if same and not self.when else self.at
         return f"{'' if self.kind == 'structure' else 'factor on '}{' or '.join([at, *same, *others])}"
 

@@ -240,11 +240,16 @@ def _elsewhere(
         if other is None or hypothesis.cls is not mine.cls or p.name != size.name:
             continue
         there = _where(hypothesis)
-        if there != here:
+        if there != here and not _one_in_the_ratio(mine, hypothesis):
             cosine = abs(float(own @ other))
             if cosine > best.get(there, ("", _ALIKE))[1]:
                 best[there] = hypothesis.label, cosine
     return tuple(sorted(best.values(), key=lambda found: -found[1])[:_ELSEWHERE])
+
+
+def _one_in_the_ratio(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether one is of the force and the other of all responses: A/F is a quotient, and knows of one place there."""
+    return {one.settings.get("channels"), other.settings.get("channels")} == {"force", "response"}
 
 
 def _where(hypothesis: Hypothesis) -> tuple[str, ...]:

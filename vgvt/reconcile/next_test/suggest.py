@@ -91,10 +91,10 @@ class _Test:
 def _names(one: Fit, other: Fit) -> tuple[str, str]:
     """What two fits say: their effects' names, and where these are one, with the settings and place of each."""
     first, second = one.hypotheses[-1].name, other.hypotheses[-1].name
-    return (first, second) if first != second else (_in_its_place(one), _in_its_place(other))
+    return (first, second) if first != second else (in_its_place(one), in_its_place(other))
 
 
-def _in_its_place(fit: Fit) -> str:
+def in_its_place(fit: Fit) -> str:
     """The label of a fit's effect; a place that was fitted is told as one that was chosen."""
     hypothesis, found = fit.hypotheses[-1], fit.values(len(fit.hypotheses) - 1)
     # Plus nothing, lest the centre line reads -0.

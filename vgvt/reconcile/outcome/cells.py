@@ -15,8 +15,10 @@ from vgvt.reconcile.fitting.descent import moved, solved
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import data_misfit
 from vgvt.reconcile.mechanics.refinement import MOST_CELLS, Refinement
+from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.problem import CELLS, Nominal, Problem
+from vgvt.reconcile.question.thresholds import FAR_OFF
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.reduced import Layouts, structure
@@ -56,10 +58,12 @@ def at_whole_cells(found: Fit) -> Fit:
     if not problem.stated.airframe.beam or CELLS.rate(float(found.u[cells])) <= 0:
         return found
     asked = _times(found)
-    if not found.converged:
-        # On its way down there is nowhere to be likeliest: all else is written as it is.
+    if not found.converged and found.chi2_per_dof > FAR_OFF:
+        # What cells make of a fit that is on its way, and far, is nothing to what it leaves: it is written as it is.
         return replace(found, u=_with_score(found.u, cells, asked))
-    tried = [_beside(found, times) for times in sorted({1.0, asked, _most_times(found)})]
+    # Of one that is nearly there costs compare how far it is: it has the cells that it asks for.
+    choices = {1.0, asked, _most_times(found)} if found.converged else {asked}
+    tried = [_beside(found, times) for times in sorted(choices)]
     least = min(cost for cost, _ in tried)
     if math.isfinite(least):
         return next(written for cost, written in tried if cost <= least + _AS_LIKELY)
@@ -130,7 +134,7 @@ def _likeliest(found: Fit, chain: Problem, amount: float) -> tuple[float, Array,
     """The least cost, and scores u and e of it, where a chain as it is foretells; that of its cells counts nothing.
 
     From the fit, or from where its slopes lead with an ``amount`` of cells, which is nearer to it far away. Where a fit
-    was not at its bottom, as far from it as it was. NoStructureError where there is no such aircraft.
+    was not at its bottom, as far from it as it was. Infinite where there is no such aircraft at either start.
     """
     tangent = found.tangent
     cells = found.problem.unknowns.index(CELLS)
@@ -141,7 +145,10 @@ def _likeliest(found: Fit, chain: Problem, amount: float) -> tuple[float, Array,
 
     def reached(u: Array, e: Array) -> tuple[float, Array]:
         """Cost and the gradient (scores - 1,) of half of it, but for what the fit itself has of one."""
-        predicted = anchor(chain, u, found.hypotheses, e, slopes=False).predict(u, e)
+        try:
+            predicted = anchor(chain, u, found.hypotheses, e, slopes=False).predict(u, e)
+        except NoStructureError:
+            return np.inf, np.zeros(others.size - 1)
         misfit, scores = data_misfit(chain, predicted, found.sigma), np.concatenate([u, e])
         rest = scores[others]
         cost = float(misfit @ misfit + rest @ rest - 2 * still @ rest)
