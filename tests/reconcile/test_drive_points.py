@@ -19,7 +19,8 @@ MIDDLE, MIRROR = "excite on the centre line", "excite at the mirror image of the
 def excited(scenario: Scenario) -> dict[str, Scenario]:
     """What every move of the shaker makes of a scenario."""
     runs = scenario.acquisition.run_nodes
-    problem: Any = SimpleNamespace(scenario=scenario, measured=SimpleNamespace(runs=runs, channels=()))
+    measured = SimpleNamespace(runs=runs, run_numbers=tuple(range(1, len(runs) + 1)))
+    problem: Any = SimpleNamespace(scenario=scenario, measured=measured)
     return {p.words: p.edit(scenario) for p in procedures(problem) if p.words.startswith("excite")}
 
 
