@@ -25,10 +25,12 @@ from vgvt.reconcile.question.uncertain import prepared, unknowns_of_the_rig
 from vgvt.reconcile.search.candidates import places
 from vgvt.scenario.airframe import Airframe
 from vgvt.scenario.base import Point
+from vgvt.scenario.full_scale import expected_overloads
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.placement import EDGE_TOLERANCE_M, placement_problems
 from vgvt.scenario.planform import distance_off_m, part_at
+from vgvt.simulation.command import peak_command_v
 from vgvt.simulation.pushed import pushed_beams
 from vgvt.simulation.reduced import Layouts, structure
 
@@ -61,7 +63,7 @@ class Procedure:
 
 
 def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
-    """Sweeps at other levels, where one of the fits holds an effect that depends on it."""
+    """Sweeps at other levels that the instruments take, where one of the fits holds an effect that depends on it."""
     if all(h.linear for fit in fits for h in fit.hypotheses):
         return ()
     problem = fits[0].problem
@@ -69,7 +71,16 @@ def levels_to_try(fits: Sequence[Fit]) -> tuple[Procedure, ...]:
     return tuple(
         Procedure(f"sweep again with {words} the force", lambda s: s, minutes, factor)
         for words, factor in (("twice", 2.0), ("half", 0.5), ("a quarter of", 0.25))
+        if factor <= 1 or not _overloads(problem, factor)
     )
+
+
+def _overloads(problem: Problem, factor: float) -> bool:
+    """Whether so many times the largest that was recorded, and the command that is stated, is cut off somewhere."""
+    measured, stated = problem.measured, problem.stated
+    force = float(np.abs(measured.pushed).max(initial=0.0))
+    peaks = (force, measured.largest_m_per_s2, peak_command_v(stated))
+    return bool(expected_overloads(stated, *(factor * peak for peak in peaks)))
 
 
 def procedures(problem: Problem) -> tuple[Procedure, ...]:

@@ -75,7 +75,8 @@ def _beside(found: Fit, times: float) -> tuple[float, Fit]:
     cells = found.problem.unknowns.index(CELLS)
     try:
         cost, u, e = _likeliest(found, _as_they_are(found.problem, times), _amount(times))
-    except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
+    except (InputError, RuntimeError, np.linalg.LinAlgError):
+        # Cut like that it cannot be, or does not hang; anything else is a fault of the code, and shows.
         return math.inf, found
     return cost, replace(found, u=_with_score(u, cells, times), e=e)
 

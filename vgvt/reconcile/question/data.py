@@ -64,6 +64,7 @@ class Measured:
     ``harmonics`` are those that no linear answer explains, and those that one does, of every run that is a sweep.
     ``endings`` are those of the runs' records, by which these leave something out. ``of_force`` (C, L) is the root
     of the share of ``noise`` that the force's makes, which a run's channels have in common, in phase with ``values``.
+    ``largest_m_per_s2`` is the largest acceleration in any record; nothing where none is at hand.
     """
 
     frequency_hz: Array
@@ -83,6 +84,7 @@ class Measured:
     endings: tuple[Ending, ...] = ()
     lost: NDArray[np.bool_] | None = None
     of_force: ComplexArray | None = None
+    largest_m_per_s2: float = 0.0
 
     def __repr__(self) -> str:
         f, points = self.frequency_hz, len({c.dof for c in self.channels})
@@ -180,7 +182,7 @@ def measured_frfs(
         spectra.pushed, (*remarks, *said), _harmonics(runs, spectra, rate, (low, high)),
         tuple(
             Ending.of(end.force, rate, end.tapered, frequency[chosen], force[r]) for r, end in enumerate(spectra.ends)
-        ), of_force=in_phase(of_force, values),
+        ), of_force=in_phase(of_force, values), largest_m_per_s2=spectra.largest,
     )  # fmt: skip
     return _with_mounted(found, runs)
 

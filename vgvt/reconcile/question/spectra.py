@@ -48,7 +48,7 @@ class Spectra:
     """Spectra on common lines: force (R, K), response (all channels in order, K), what the taper touches (R, K).
 
     ``pushed`` (R, N) is the force that they are of, along the positive axis; ``ends`` are those of the
-    records, ``own`` their own lines.
+    records, ``own`` their own lines. ``largest`` is the farthest that any response's record is from its mean.
     """
 
     force: ComplexArray
@@ -57,6 +57,7 @@ class Spectra:
     pushed: Array
     ends: tuple[End, ...]
     own: tuple[OwnSpectra, ...]
+    largest: float
 
     @property
     def samples(self) -> int:
@@ -79,12 +80,14 @@ def spectra_of(
     own: list[OwnSpectra] = []
     remarks: list[str] = []
     ends: list[End] = []
+    largest = 0.0
     for r, run in enumerate(runs):
         signals = np.array([run.reference_samples[0], *run.response_samples], dtype=float)
         # All that comes of the force does so here: A/F, levels, and what marches and endings are pushed with.
         signals[0] *= _sign_of_force(run)
         signals -= signals.mean(axis=1, keepdims=True)
         pushed[r, : run.samples] = signals[0]
+        largest = max(largest, float(np.abs(signals[1:]).max(initial=0.0)))
         window = _window(signals, rate) if tapers_s is None else _taper(signals.shape[1], round(tapers_s[r] * rate))
         ends.append(End(signals[0], 0 if window is None else int((window < 1).sum())))
         if window is not None:
@@ -96,7 +99,7 @@ def spectra_of(
         alone = common[-1] if run.samples == samples else np.fft.rfft(signals, axis=1)
         own.append(OwnSpectra(run.samples, alone[0], alone[1:]))
     force, response = np.array([c[0] for c in common]), np.concatenate([c[1:] for c in common])
-    return Spectra(force, response, touched, pushed, tuple(ends), tuple(own)), tuple(remarks)
+    return Spectra(force, response, touched, pushed, tuple(ends), tuple(own), largest), tuple(remarks)
 
 
 def _sign_of_force(run: UsableRun) -> int:
