@@ -202,9 +202,11 @@ def test_what_is_open_and_what_is_screened(case: CASE) -> None:
 
 
 def test_modes_of_a_model_are_a_table() -> None:
-    modes = ModelModes(np.array([3.0, 5.5]), np.array([0.01, np.nan]), np.ones((2, 4), complex))
+    hz, damping = np.array([3.0, 5.5]), np.array([0.01, np.nan])
+    modes = ModelModes(hz, damping, np.ones((2, 4), complex), hz, damping)
     assert [line.split() for line in repr(modes).splitlines()[2:]] == [["1", "3.000", "1.00"], ["2", "5.500", "nan"]]
-    assert repr(ModelModes(np.empty(0), np.empty(0), np.empty((0, 4), complex))) == "<ModelModes: no modes>"
+    none = np.empty(0)
+    assert repr(ModelModes(none, none, np.empty((0, 4), complex), none, none)) == "<ModelModes: no modes>"
 
 
 def test_an_unused_channel_is_counted(case: CASE) -> None:

@@ -179,8 +179,8 @@ class PosteriorRow:
 class SeenRow:
     """A mode as records show it, and how far both models are from that, before and after, by the same fit of each.
 
-    Frequency and damping errors in per cent of what was measured, MAC of the shapes over all channels; None where a
-    model does not show the mode.
+    Deviations hold what such a fit is off on the responses of the model itself. Frequency and damping errors in per
+    cent of what was measured, MAC of the shapes over all channels; None where a model does not show the mode.
     """
 
     frequency_hz: float

@@ -13,8 +13,9 @@ _ERRORS = ("error fitted, %", "error held out, %")
 _MODELS = (
     "Modes of the models are those of their first run{paired}. In brackets stands by how many per cent they are off "
     "what was measured, by the same local fit of both responses, run by run; of the records its mean over the runs "
-    "with one standard deviation, and nothing where they do not show the mode. Errors: median over channels of "
-    "|predicted - measured| relative to |measured|, in a window of three half-power widths around the mode."
+    "with one standard deviation, in which is what such a fit is off on the model's own responses, and nothing where "
+    "they do not show the mode. Errors: median over channels of |predicted - measured| relative to |measured|, in a "
+    "window of three half-power widths around the mode."
 )
 
 

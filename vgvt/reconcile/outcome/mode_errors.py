@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from vgvt.data.shown import counted, in_columns
 from vgvt.reconcile.fitting.fit import Fit
-from vgvt.reconcile.mechanics.response import poles_of
+from vgvt.reconcile.mechanics.response import Poles, poles_of
 from vgvt.reconcile.outcome.measured_modes import SeenMode, mac_of_residues, seen_modes
-from vgvt.reconcile.prediction.surrogate import anchor
+from vgvt.reconcile.prediction.surrogate import Reduced, anchor
 from vgvt.reconcile.question.problem import Problem
 from vgvt.view.reconcile_account import ModeRow, SeenRow
 
@@ -28,11 +28,16 @@ _MOST_DAMPED = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelModes:
-    """Modes of a fitted model in its first run: Hz (M,), damping ratios (M,), shapes (M, P) at the grid's points."""
+    """Modes of a fitted model in its first run: Hz (M,), damping ratios (M,), shapes (M, P) at the grid's points.
+
+    ``mean_hz`` (M,) and ``mean_damping`` (M,) are the means of all runs, each with its accelerometers where they sit.
+    """
 
     frequency_hz: Array
     damping_ratio: Array
     shapes: ComplexArray
+    mean_hz: Array
+    mean_damping: Array
 
     def __repr__(self) -> str:
         numbers = zip(self.frequency_hz, self.damping_ratio, strict=True)
@@ -46,20 +51,38 @@ def model_modes(fit: Fit) -> ModelModes:
     here = anchor(fit.problem, fit.u, fit.hypotheses, fit.e, slopes=False)
     group, whole = here.groups[0], here.assembled[0]
     band = fit.problem.measured.frequency_hz
-    matrices = group.matrices
-    if group.roving:
-        rows = group.runs[0]
-        seated = matrices.axis[rows]
-        matrices = replace(matrices, mass=matrices.mass + seated.T @ (group.masses_kg[rows][:, None] * seated))
-    found = poles_of(matrices, 2 * np.pi * band[:1])
-    frequency = np.abs(found.poles) / (2 * np.pi)
-    damping = -found.poles.real / np.abs(found.poles)
+    found = _seated(group, 0, band)
+    frequency, damping = _numbers(found)
     inside = (found.poles.imag > 0) & (frequency >= band[0]) & (frequency <= band[-1]) & (damping < _MOST_DAMPED)
     index = np.flatnonzero(inside)[np.argsort(frequency[inside])]
     # At every point, those of other runs too: where runs differ in structure a group has some of the channels only.
     points = [whole.structure.places.index(p.site) for p in whole.plan.grid]
     shapes = (whole.structure.axis[points] @ group.basis @ found.vectors[:, index]).T
-    return ModelModes(frequency[index], damping[index], shapes)
+    poles = found.poles[index]
+    by_run = np.array([_nearest(_seated(g, k, band), poles) for g in here.groups for k in range(len(g.runs))])
+    return ModelModes(frequency[index], damping[index], shapes, *by_run.mean(axis=0))
+
+
+def _seated(group: Reduced, run: int, band_hz: Array) -> Poles:
+    """The poles of a group, with the accelerometers of one of its runs on it."""
+    matrices = group.matrices
+    if group.roving:
+        rows = group.runs[run]
+        seated = matrices.axis[rows]
+        matrices = replace(matrices, mass=matrices.mass + seated.T @ (group.masses_kg[rows][:, None] * seated))
+    return poles_of(matrices, 2 * np.pi * band_hz[:1])
+
+
+def _numbers(found: Poles) -> tuple[Array, Array]:
+    """Hz and damping ratios of all poles."""
+    size = np.abs(found.poles)
+    return size / (2 * np.pi), -found.poles.real / size
+
+
+def _nearest(found: Poles, poles: ComplexArray) -> Array:
+    """Hz and damping ratios (2, M) of the poles that are nearest to some (M,)."""
+    nearest = np.abs(found.poles[:, None] - poles).argmin(axis=0)
+    return np.array([values[nearest] for values in _numbers(found)])
 
 
 def mode_rows(before: Fit, after: Fit) -> tuple[ModeRow, ...]:
@@ -102,11 +125,33 @@ def _seen(
     earlier = [None if i is None else (first, i) for i, _ in pairs]
     later = [None if j is None else (second, j) for _, j in pairs]
     records = shown(measured.values, [j or i for i, j in zip(earlier, later, strict=True)])
-    models = (shown(foretold[0], earlier), shown(foretold[1], later))
+    models = list(zip(shown(foretold[0], earlier), shown(foretold[1], later), strict=True))
     return [
-        None if found is None else _seen_row(found, (before, after))
-        for found, before, after in zip(records, *models, strict=True)
+        None if found is None else _seen_row(_as_sure(found, reversed(both), (after, before)), both)
+        for found, both, before, after in zip(records, models, earlier, later, strict=True)
     ]
+
+
+def _as_sure(
+    found: SeenMode, told: Iterable[SeenMode | None], modes_of: Sequence[tuple[ModelModes, int] | None]
+) -> SeenMode:
+    """A mode with deviations that hold what the local fit errs by, as it does of the first model that shows the mode.
+
+    ``told`` is what such fits say of models whose modes are known. Between few lines a sharp peak is anywhere, and a
+    mode beside it bends what the fit takes for a background: that is no noise, and runs do not scatter by it.
+    """
+    known = ((t, mode) for t, mode in zip(told, modes_of, strict=True) if t is not None and mode is not None)
+    told_of, mode = next(known, (None, None))
+    if told_of is None or mode is None:
+        return found
+    modes, k = mode
+    off_hz = told_of.frequency_hz - float(modes.mean_hz[k])
+    off_damping = told_of.damping_ratio - float(modes.mean_damping[k])
+    return replace(
+        found,
+        frequency_std_hz=float(np.hypot(found.frequency_std_hz, off_hz)),
+        damping_std=float(np.hypot(found.damping_std, off_damping)),
+    )
 
 
 def _seen_row(found: SeenMode, models: tuple[SeenMode | None, SeenMode | None]) -> SeenRow:
