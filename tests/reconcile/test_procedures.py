@@ -23,6 +23,7 @@ from vgvt.reconcile.next_test.suggest import Suggestion, expected_nats, known_in
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import noise_share
 from vgvt.reconcile.question.uncertain import prepared
 from vgvt.scenario import load_scenario
 
@@ -187,8 +188,10 @@ def test_expected_nats_are_what_a_fit_of_the_changed_campaign_finds(case: Proble
     # Judged as data of that size would be: a rule of the records, not of this test.
     data = replace(after.measured, values=true.predicted, of_force=None)
     told = replace(after, measured=data.with_floor(case.scenario.tolerances.model_form))
-    ends = [fit(told, f.hypotheses, f.u, f.e, NEAR).cost for f in (right, wrong)]
-    left = 0.5 * (ends[1] - ends[0])
+    ends = [fit(told, f.hypotheses, f.u, f.e, NEAR) for f in (right, wrong)]
+    # As a verdict counts it: by what a value is worth that the model's form is judged by.
+    worth = noise_share(told.measured, told.split.train).worth
+    left = 0.5 * (ends[1].cost - ends[0].cost - (1 - worth) * (ends[1].chi2 - ends[0].chi2))
     assert left > 1
     assert expected == pytest.approx(left, rel=0.1)
 

@@ -18,12 +18,14 @@ from reconciled_case import (
 from vgvt.data import Campaign
 from vgvt.effects import Effect, available_effects
 from vgvt.effects.conformance import table_of
-from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
+from vgvt.reconcile.evidence.rivals import against
+from vgvt.reconcile.fitting.fit import NEAR, TO_THE_END, Fit, fit
 from vgvt.reconcile.next_test import suggest as suggesting
 from vgvt.reconcile.next_test.procedures import Procedure, changed, procedures
 from vgvt.reconcile.next_test.suggest import expected_nats, foretold_by, found_nats, known_in, words_of_none
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import noise_share
 from vgvt.scenario import Scenario
 from vgvt.simulation import simulated_campaign
 
@@ -65,6 +67,29 @@ def test_an_explanation_is_not_told_from_itself(case: Problem) -> None:
     assert expected_nats(found, found, case) == pytest.approx(0.0, abs=0.01)
     # Half of |u|² is 30 and more; what is left is how straight the way is.
     assert found_nats(found, found, case) == pytest.approx(0.0, abs=1.5)
+
+
+@pytest.mark.parametrize("words", ["half as stiff", "average 16 sweeps"])
+def test_nats_are_promised_as_a_verdict_counts_them(case: Problem, words: str) -> None:
+    """Of data that are judged by the model's form, where one value is worth a third of one, or a fifth."""
+    size = np.abs(case.measured.values) ** 2
+    quiet = replace(case.measured, noise=0.3 * 0.004**2 * size).with_floor(0.004)
+    loud = replace(case, measured=quiet)
+    right = claimed(loud, "channel-delay", DELAY)
+    wrong = claimed(loud, "channel-gain", {"gain_error": 0.0})
+    after = changed(loud, next(p for p in procedures(loud) if words in p.words))
+    data = replace(after.measured, values=fit(after, right.hypotheses, right.u, right.e, ()).predicted)
+    data = data.with_floor(0.004)
+    counted = []
+    for seed in (1, 2, 3):
+        drawn = np.random.default_rng(seed).standard_normal((2, *data.values.shape)) * data.sigma / np.sqrt(2)
+        told = replace(after, measured=replace(data, values=data.values + drawn[0] + 1j * drawn[1]))
+        fits = [fit(told, f.hypotheses, f.u, f.e, NEAR) for f in (right, wrong)]
+        nats = {r.name: r.gain_nats for r in against(fit(told, (), right.u, np.zeros(0), ()), fits)}
+        counted.append(nats["channel-delay"] - nats["channel-gain"])
+    assert noise_share(after.measured, after.split.train).worth < 0.4
+    for promised in (expected_nats(right, wrong, after), found_nats(right, wrong, after)):
+        assert promised == pytest.approx(np.mean(counted), rel=0.2)
 
 
 @pytest.mark.parametrize(("count", "hollow", "unfollowed"), [(12, 8, 0), (12, 12, 0), (30, 30, 6)])
@@ -113,8 +138,10 @@ def test_a_campaign_brings_the_nats_that_were_promised(
     brought = []
     for seed in (2, 3, 4):
         again = make_problem(_recorded(edited, seed, effect), edited, lines=200, cache=tmp_path)
-        ends = [fit(again, f.hypotheses, known_in(again, f), f.e, TO_THE_END).cost for f in (one, other)]
-        brought.append(0.5 * (ends[1] - ends[0]))
+        without = fit(again, (), known_in(again, one), np.zeros(0), TO_THE_END)
+        ends = [fit(again, f.hypotheses, known_in(again, f), f.e, TO_THE_END) for f in (one, other)]
+        nats = {rival.name: rival.gain_nats for rival in against(without, ends)}
+        brought.append(nats[name] - nats["channel-gain"])
     assert promised is not None
     assert np.mean(brought) / 1.5 < promised < np.mean(brought) * 1.5
 

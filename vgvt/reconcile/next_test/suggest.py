@@ -193,7 +193,8 @@ def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
 
     Half the square distance of the two predictions, after the other's own parameters have taken what they can (Box and
     Hill, Technometrics 9, 1967, for normal errors). By that campaign alone: what the first one knew of the unknowns
-    is left out, as where it is reconciled by itself.
+    is left out, as where it is reconciled by itself; and as a verdict on it counts nats: of data that are judged by
+    the model's form rather than by noise a value is worth less than one.
     """
     other_u = known_in(problem, other)
     try:
@@ -203,11 +204,7 @@ def expected_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
     except (InputError, NoStructureError, ValueError, KeyError):
         return None
     gap = data_misfit(told, predicted)
-    tangent = jacobian(second, other_u, other.e, predicted)
-    scores = np.concatenate([other_u, other.e])
-    gradient = tangent.T @ gap + scores
-    taken = float(gradient @ solved(tangent.T @ tangent + np.eye(scores.size), gradient))
-    return 0.5 * (float(gap @ gap + scores @ scores) - taken - own)
+    return 0.5 * (_tempered_bottom(told, gap, jacobian(second, other_u, other.e, predicted), other_u, other.e) - own)
 
 
 def found_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
@@ -217,12 +214,12 @@ def found_nats(one: Fit, other: Fit, problem: Problem) -> float | None:
         ended = fit(told, other.hypotheses, known_in(problem, other), other.e, NEAR)
     except (InputError, NoStructureError, ValueError, KeyError):
         return None
-    return 0.5 * (ended.cost - own)
+    return 0.5 * (ended.cost - (1 - _worth(told)) * ended.chi2 - own)
 
 
 @lru_cache(maxsize=8)
 def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
-    """A problem whose data are what a fit foretells, and what the fit itself would then cost.
+    """A problem whose data are what a fit foretells, and what the fit itself would then cost, tempered.
 
     The data have no noise but are judged by it, as measured ones are: by the noise of A/F that instruments add and the
     floor beside it. The fit gives way to its own priors as any other may, to first order.
@@ -233,10 +230,24 @@ def foretold_by(true: Fit, problem: Problem) -> tuple[Problem, float]:
     of_force = None if measured.of_force is None else in_phase(np.abs(measured.of_force) ** 2, values)
     judged = replace(measured, values=values, of_force=of_force)
     told = replace(problem, measured=judged.with_floor(noise_share(measured, measured.used).floor))
-    scores = np.concatenate([u, true.e])
     tangent = jacobian(replace(here, problem=told), u, true.e, values)
-    taken = float(scores @ solved(tangent.T @ tangent + np.eye(scores.size), scores))
-    return told, float(scores @ scores) - taken
+    return told, _tempered_bottom(told, np.zeros(tangent.shape[0]), tangent, u, true.e)
+
+
+def _tempered_bottom(told: Problem, gap: Array, tangent: Array, u: Array, e: Array) -> float:
+    """What a fit costs where its linearised parameters, at ``u`` and ``e`` now, have taken what they can of a ``gap``.
+
+    They take by χ² as it is, as a fit does; counted is what of that is worth anything.
+    """
+    scores = np.concatenate([u, e])
+    step = solved(tangent.T @ tangent + np.eye(scores.size), tangent.T @ gap + scores)
+    left, there = gap - tangent @ step, scores - step
+    return float(_worth(told) * (left @ left) + there @ there)
+
+
+def _worth(told: Problem) -> float:
+    """What one of the values to be fitted is worth to a verdict on them."""
+    return noise_share(told.measured, told.split.train).worth
 
 
 def known_in(problem: Problem, fit: Fit) -> Array:
