@@ -7,9 +7,10 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.planning.informed import estimates
-from vgvt.planning.prediction import predict
+from vgvt.planning.prediction import Prediction, predict
 from vgvt.planning.system import seen_by, systems_of
 from vgvt.scenario import load_scenario
+from vgvt.scenario.rig import Excitation
 from vgvt.simulation.assembly import plans
 from vgvt.simulation.command import sample_times_s, sent_commands
 from vgvt.simulation.command_spectra import command_spectra
@@ -96,6 +97,23 @@ def test_the_bound_of_the_truth_is_what_the_best_fit_is_predicted_to_reach(light
     for k, mode in enumerate(predict(light).modes):
         assert 0.98 < tested.natural_frequency_std_hz[k] / mode.frequency_std_hz <= 1 + 1e-9
         assert 0.98 < tested.damping_ratio_std[k] / mode.damping_ratio_std <= 1 + 1e-9
+
+
+@pytest.mark.parametrize("kind", ["linear-chirp", "random"])
+def test_a_band_that_begins_at_0_hz_is_foretold_as_one_that_begins_beside_it(light, kind) -> None:
+    """An accelerance is nothing there, and no more is told: yet no mode was seen, and the drive point moved by nan."""
+
+    def expected(start_hz: float) -> Prediction:
+        e = Excitation(kind=kind, start_hz=start_hz, stop_hz=35.0, duration_s=17.5, amplitude_v=0.3, ring_down_s=2.0)
+        return predict(light.model_copy(update={"excitation": e}))
+
+    zero, beside = expected(0.0), expected(0.01)
+    assert len(zero.modes) == len(beside.modes)
+    # Rigid-body motions hang on the few lines that there are so far down, of noise above all.
+    for mode, other in list(zip(zero.modes, beside.modes, strict=True))[-3:]:
+        assert mode.relative_damping_std == pytest.approx(other.relative_damping_std, rel=0.1)
+    assert zero.peak_drive_mm == pytest.approx(beside.peak_drive_mm, rel=0.1)
+    assert zero.peak_force_n == pytest.approx(beside.peak_force_n, rel=0.05)
 
 
 @pytest.mark.slow

@@ -68,12 +68,15 @@ class RunInformation:
 
 
 def lines_for(band_hz: tuple[float, float], poles: Complex) -> Lines:
-    """Lines (K,) over a band, dense where ``poles`` (M,) rad/s make the responses change, for the trapezoidal rule."""
+    """Lines (K,) over a band, dense where ``poles`` (M,) rad/s make the responses change, for the trapezoidal rule.
+
+    None at 0 Hz, where an accelerance is nothing and what stands for the modes below has no end.
+    """
     low, high = band_hz
     angle = np.linspace(-0.496, 0.496, 2 * _NEAR + 1) * np.pi
     near = [np.abs(p) - p.real * np.tan(angle) for p in poles]
     every = np.concatenate([np.linspace(low, high, _SPREAD), *(w / (2 * np.pi) for w in near)])
-    frequency = np.unique(every[(every >= low) & (every <= high)])
+    frequency = np.unique(every[(every >= low) & (every <= high) & (every > 0)])
     half = np.diff(frequency) / 2
     return Lines(frequency, np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half]))
 
