@@ -8,6 +8,9 @@ from vgvt.data import InputError
 from vgvt.planning import planner
 from vgvt.planning.budget import Budget
 from vgvt.planning.planner import Order, plan_test
+from vgvt.planning.sweeps import affordable_sweeps
+from vgvt.planning.wish import Wish
+from vgvt.scenario.rig import Excitation
 
 VOLTS = 2.0
 
@@ -77,3 +80,31 @@ def test_what_keeps_the_limits_exactly_is_not_refused(light) -> None:
 def test_minutes_that_leave_no_time_for_a_sweep_are_refused(light) -> None:
     with pytest.raises(InputError, match=r"--minutes: 1\.2 min leave 0 s"):
         plan_test(light, order("sweep-time,band,mount", 1.2, 10))
+
+
+def test_no_sweep_goes_beyond_what_the_converter_can_follow(light) -> None:
+    """A tenth above a mode at 31.8 Hz is beyond the 34 Hz of 68 samples a second: no file of it could be read."""
+    slow = light.model_copy(
+        update={
+            "acquisition": light.acquisition.model_copy(update={"sample_rate_hz": 68.0}),
+            "excitation": light.excitation.model_copy(update={"stop_hz": 33.0}),
+        }
+    )
+    wish = Wish(frozenset({"band"}), Budget(20, 10), 10, VOLTS, targets=(("2nd symmetric bending", 31.8),))
+    (sweeps,) = affordable_sweeps(slow, wish).values()
+    assert len(sweeps) > 1
+    assert max(sweep.excitation.band_hz[1] for sweep in sweeps) < 34.0
+
+
+def test_minutes_that_leave_too_little_for_dwells_are_refused(light) -> None:
+    """A hundred dwells of three seconds, two to settle; in eight minutes less than two are left for each."""
+    dwells = {"kind": "stepped-sine", "points": 100, "settle_s": 2.0, "duration_s": 300.0}
+    keys = light.excitation.model_dump(exclude_none=True) | dwells
+    stepped = light.model_copy(update={"excitation": Excitation.model_validate(keys)})
+    with pytest.raises(InputError, match=r"--minutes: 8 min leave an excitation of 148 s, for which .*settle_s is 2"):
+        plan_test(stepped, order("sweep-time", 8, 10))
+    # Other sweeps need no dwells; and what cannot be made stands beside no plan.
+    found = plan_test(stepped, order("sweep-time,band", 8, 10))
+    assert found.plans and found.with_budget is None
+    assert {plan.scenario.excitation.kind for plan in found.plans} <= {"linear-chirp", "logarithmic-chirp"}
+    assert plan_test(stepped, order("sweep-time", 20, 10)).plans

@@ -6,8 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import ValidationError
+
 from vgvt.data import InputError
+from vgvt.data.key_paths import key_path
+from vgvt.scenario.explain import problems_of
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.rig import Excitation
 
 MOUNT_EFFECT = "mount-compliance"
 
@@ -58,7 +63,10 @@ class Budget:
         return self._fixed(count, mount) + records
 
     def sweep(self, scenario: Scenario, runs: int, mount: Mount) -> tuple[float, int]:
-        """Seconds of one sweep and how often each run repeats it, so that ``runs`` fill the budget."""
+        """Seconds of one sweep and how often each run repeats it, so that ``runs`` fill the budget.
+
+        InputError where they leave less than a sweep takes, or less than what a scenario's excitation is made of.
+        """
         excitation = scenario.excitation
         silence = excitation.lead_in_s + excitation.ring_down_s
         each = (self.minutes - self._fixed(runs, mount)) * 60 / runs
@@ -70,7 +78,23 @@ class Budget:
                 f"{self.minutes:g} min leave {max(each, 0):.0f} s for each of {runs} runs with their silences",
                 "give more minutes, more accelerometers at once, or fewer points",
             )
+        self._check_fits(excitation, duration)
         return duration, repeats
+
+    def _check_fits(self, excitation: Excitation, duration_s: float) -> None:
+        """InputError where dwells, blocks or a taper need a longer excitation: no file of such a plan could be read."""
+        keys = excitation.model_dump(exclude_none=True) | {"duration_s": duration_s}
+        try:
+            Excitation.model_validate(keys)
+        except ValidationError as error:
+            first = problems_of(error)[0]
+            advice = first.advice[:1].lower() + first.advice[1:]
+            raise InputError(
+                "--minutes",
+                f"{self.minutes:g} min leave an excitation of {duration_s:g} s, for which excitation."
+                f"{key_path(first.key)} {first.text}",
+                f"give more minutes, a longer --longest-sweep, or change the scenario: {advice}",
+            ) from None
 
     @staticmethod
     def shortest_sweep_s(scenario: Scenario) -> float:

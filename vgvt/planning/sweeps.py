@@ -38,7 +38,7 @@ def affordable_sweeps(scenario: Scenario, wish: Wish) -> dict[Mount, tuple[Sweep
     found, refused = {}, []
     for mount in wish.mounts:
         sweeps = []
-        for excitation in _excitations(scenario.excitation, wish, most_given_v(scenario)):
+        for excitation in _excitations(scenario, wish):
             try:
                 sweeps.append(_at_level(scenario, _timed(scenario, excitation, wish, mount), wish))
             except InputError as error:
@@ -50,8 +50,9 @@ def affordable_sweeps(scenario: Scenario, wish: Wish) -> dict[Mount, tuple[Sweep
     return found
 
 
-def _excitations(e: Excitation, wish: Wish, most_v: float) -> Iterator[Excitation]:
-    """The scenario's own and, with a free band, sweeps around the targets, linear and logarithmic."""
+def _excitations(scenario: Scenario, wish: Wish) -> Iterator[Excitation]:
+    """The scenario's own and, with a free band, sweeps around the targets that its converter can follow."""
+    e, most_v, most_hz = scenario.excitation, most_given_v(scenario), scenario.acquisition.sample_rate_hz / 2
     yield e
     if "band" not in wish.free:
         return
@@ -62,7 +63,7 @@ def _excitations(e: Excitation, wish: Wish, most_v: float) -> Iterator[Excitatio
     stops = {round(high * factor, 1) for factor in _ABOVE} | {e.band_hz[1]}
     for kind in ("linear-chirp", "logarithmic-chirp"):
         for start in sorted(s for s in starts if s > 0):
-            for stop in sorted(s for s in stops if s > start):
+            for stop in sorted(s for s in stops if start < s < most_hz):
                 keys = {"kind": kind, "start_hz": start, "stop_hz": stop, "amplitude_v": amplitude_v}
                 kept = {key: getattr(e, key) for key in ("lead_in_s", "ring_down_s", "taper_s", "unrecorded_s")}
                 yield Excitation(duration_s=e.duration_s, **keys, **kept)  # type: ignore[arg-type]
