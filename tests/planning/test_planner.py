@@ -80,6 +80,15 @@ def test_orders_that_no_test_can_meet(light, changes, words) -> None:
         plan_test(light, order(**changes))
 
 
+def test_a_transducer_without_mass_is_not_tried_on_clay() -> None:
+    """As the bundled teaching beam's: all that is free by default includes the mount, and there was no plan at all."""
+    beam = load_scenario("teaching-beam")
+    result = plan_test(beam, Order(Budget(20, 20), frozenset({"level", "mount"}), largest_peak_v=2.0, seeds=0))
+    assert result.plans and all(plan.mount is AS_DESCRIBED for plan in result.plans)
+    with pytest.raises(InputError, match="no mass on the structure's side"):
+        plan_test(beam, Order(Budget(20, 20), frozenset({"mount"}), seeds=0))
+
+
 def test_free_words_are_checked() -> None:
     with pytest.raises(InputError, match="shakr"):
         checked_free(["shakr"])

@@ -7,18 +7,19 @@ from dataclasses import dataclass, replace
 
 from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
-from vgvt.planning.budget import AS_DESCRIBED, Budget
+from vgvt.planning.budget import AS_DESCRIBED, MOUNTS, Budget
 from vgvt.planning.confirmation import confirm
 from vgvt.planning.limits import check_generator_gives, check_what_stays
 from vgvt.planning.places import sensor_places, with_places
 from vgvt.planning.prediction import predict
 from vgvt.planning.proposal import Proposal, elastic, proposal
 from vgvt.planning.result import PlanningResult
-from vgvt.planning.search import best_plans
+from vgvt.planning.search import best_plans, with_mount
 from vgvt.planning.selection import dealt
 from vgvt.planning.wish import FREE, Wish
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.sampling import MOST_SAMPLES
+from vgvt.simulation.assembly import plans as layouts_of
 from vgvt.simulation.command import peak_command_v
 
 Progress = Callable[[float, str], None]
@@ -65,7 +66,7 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     check_generator_gives(scenario, order.largest_peak_v)
     _check_size(scenario, order.budget)
     peak_v = order.largest_peak_v or peak_command_v(scenario)
-    wish = Wish(order.free, order.budget, _points(scenario, order), peak_v, order.largest_mac)
+    wish = Wish(_that_can_be(order.free, scenario), order.budget, _points(scenario, order), peak_v, order.largest_mac)
     check_what_stays(scenario, wish)
     report(0.0, "the scenario as it is")
     prediction = predict(scenario)
@@ -84,6 +85,23 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
 
         confirmed[plan.name] = confirm(plan, order.identifier, order.seeds, of_plan)
     return PlanningResult(now, full, tuple(plans), confirmed)
+
+
+def _that_can_be(free: frozenset[str], scenario: Scenario) -> frozenset[str]:
+    """What is free, less the mount where the scenario's transducer has no mass that could ride on another one.
+
+    InputError where nothing else is free.
+    """
+    if "mount" not in free:
+        return free
+    try:
+        for mount in MOUNTS:
+            layouts_of(with_mount(scenario, mount))
+    except InputError:
+        if free == {"mount"}:
+            raise
+        return free - {"mount"}
+    return free
 
 
 def _check_size(scenario: Scenario, budget: Budget) -> None:
