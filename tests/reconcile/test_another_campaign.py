@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from reconciled_case import campaign_of, claimed, roving_problem, small_scenario
 
-from vgvt.reconcile.next_test.procedures import Procedure, changed, levels_to_try, procedures
+from vgvt.reconcile.next_test.procedures import Procedure, changed, lab_minutes, levels_to_try, procedures
 from vgvt.reconcile.next_test.suggest import known_in
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.problem import Problem, make_problem
@@ -49,6 +49,16 @@ def test_no_campaign_that_is_made_anew_is_quicker_than_one_sweep_of_every_run(ca
     assert by_words["excite on the centre line"] == pytest.approx(20.0 + once)
     assert by_words["sweep again with half the force"] == pytest.approx(5.0 + once)
     assert [p.minutes for p in procedures(case) if p.again is not None] == pytest.approx([3.0 + sweep_min] * 4)
+
+
+def test_sensors_that_stay_for_the_next_run_are_moved_once(case: Problem) -> None:
+    """Each of two places of the sensors is swept three times, as a plan with three repeats costs them, too."""
+    runs = ((1, 2), (1, 2), (1, 2), (3, 4), (3, 4), (3, 4))
+    repeated = replace(case, measured=replace(case.measured, runs=runs))
+    sweep_min = case.scenario.excitation.whole_s / 60
+    assert lab_minutes(repeated) == pytest.approx(2 * 3.0 + 6 * sweep_min)
+    assert lab_minutes(repeated, 4) == pytest.approx(2 * 3.0 + 24 * sweep_min)
+    assert lab_minutes(case) == pytest.approx(4 * (3.0 + sweep_min))
 
 
 def test_of_runs_with_the_same_sensors_the_one_that_is_named_comes_once_more(tmp_path: Path) -> None:

@@ -149,10 +149,15 @@ def _beside_m(airframe: Airframe, part: str, at: Point) -> float:
     return float(np.linalg.norm(arm - along[:, None] * step, axis=1).min())
 
 
-def lab_minutes(problem: Problem, sweeps: int = 1, runs: int | None = None) -> float:
-    """How long runs of some sweeps take, by default all that the campaign has; nobody sets up a run for nothing."""
-    count = len(problem.measured.runs) if runs is None else runs
-    return count * (_BETWEEN_RUNS_MIN + sweeps * problem.scenario.excitation.whole_s / 60)
+def lab_minutes(problem: Problem, sweeps: int = 1) -> float:
+    """How long all runs of a campaign take, of some sweeps each; sensors that stay for the next run are not moved."""
+    runs = problem.measured.runs
+    moved = sum(k == 0 or run != runs[k - 1] for k, run in enumerate(runs))
+    return moved * _BETWEEN_RUNS_MIN + len(runs) * sweeps * _sweep_min(problem)
+
+
+def _sweep_min(problem: Problem) -> float:
+    return problem.scenario.excitation.whole_s / 60
 
 
 def _averages(problem: Problem) -> list[Procedure]:
@@ -173,7 +178,7 @@ def _other_runs(problem: Problem) -> list[Procedure]:
 
     found = []
     if len(runs) > 1:
-        one = lab_minutes(problem, runs=1)
+        one = _BETWEEN_RUNS_MIN + _sweep_min(problem)
         found += [
             Procedure(f"make run {numbers[k]} once more after the last", measured((*runs, run)), one, again=k)
             for k, run in enumerate(runs)
