@@ -46,6 +46,27 @@ def test_a_tape_tells_not_when_a_drive_point_was_moved(case: Problem) -> None:
         assert reading_nats(one, other, tape) == pytest.approx(0.0, abs=0.5)
 
 
+@pytest.mark.parametrize("channels", ["sensor-1", "response"])
+def test_a_reference_sensor_tells_not_when_a_gain_changed(case: Problem, channels: str) -> None:
+    """It comes beside the sensors after the last run, and finds all of them as that left them."""
+    always = claimed(case, "channel-gain", {"gain_error": 0.05}, channels=channels)
+    later = claimed(case, "gain-drift", {"drift": 0.05}, channels=channels, shape="step", from_run=3)
+    never = claimed(case, "channel-gain", {"gain_error": 0.0}, channels=channels)
+    reference = check(case, "reference accelerometer")
+    for one, other in ((always, later), (later, always)):
+        assert reading_nats(one, other, reference) == pytest.approx(0.0, abs=1.0)
+    assert (reading_nats(later, never, reference) or 0.0) > 5.0
+
+
+def test_what_is_read_beside_runs_or_before_them_follows_them(case: Problem) -> None:
+    later = claimed(case, "temperature-change", {"warming_k": 2.0}, shape="step", from_run=3)
+    assert read_by(later, later.scores, check(case, "thermistor")) == pytest.approx([0.0, 0.0, 2.0, 2.0])
+    # Nor is a scale that is read before and after one that is read after alone.
+    heavier = claimed(case, "payload-change", {"mass_kg": 0.05}, x_m=0.5, y_m=0.0, from_run=3)
+    first, last = read_by(heavier, heavier.scores, check(case, "weigh the aircraft"))
+    assert last - first == pytest.approx(0.05)
+
+
 @pytest.fixture(scope="module")
 def plain(case: Problem) -> Fit:
     """What a campaign leaves of a gain that is not there, beside everything else."""

@@ -64,7 +64,8 @@ class Seen:
 class Check:
     """A reading, in words, its lab time, and ``read(runs) -> (K,)``, known to ``covariance(K) -> (K, K)``.
 
-    ``of_gains`` where it shows what a fit makes of the sensors' gains within their tolerances.
+    ``of_gains`` where it shows what a fit makes of the sensors' gains within their tolerances. It is read after the
+    campaign, of a rig and of sensors as the last run left them, unless it ``follows_runs``.
     """
 
     words: str
@@ -72,6 +73,7 @@ class Check:
     read: Callable[[Sequence[Seen]], Array]
     covariance: Callable[[int], Array]
     of_gains: bool = False
+    follows_runs: bool = False
 
 
 def seen(scenario: Scenario, effects: Sequence[Effect]) -> tuple[Seen, ...]:
@@ -96,7 +98,7 @@ def checks(problem: Problem) -> tuple[Check, ...]:
         Check("shake every accelerometer across its axis, on a calibrator", 10.0 * max(map(len, problem.measured.runs)),
               _cross_sensitivities, _alike(_ACROSS)),
         Check("weigh the aircraft before and after", 30.0,
-              lambda r: np.array([_aircraft_kg(r[0]), _aircraft_kg(r[-1])]), _alike(_SCALE_KG)),
+              lambda r: np.array([_aircraft_kg(r[0]), _aircraft_kg(r[-1])]), _alike(_SCALE_KG), follows_runs=True),
         Check("weigh an accelerometer with what moves of its cable", 10.0,
               lambda r: np.array([r[-1].scenario.accelerometers.mass_kg]), _alike(_BALANCE_KG)),
         Check("split one noise signal between all channels, up to 5 kHz", 15.0,
@@ -108,7 +110,10 @@ def checks(problem: Problem) -> tuple[Check, ...]:
         # Nobody reads afterwards how warm it was: what drifts, or warms, has to do so once more.
         words = "make the runs anew, and log the temperature of the structure with a thermistor"
         minutes = 5.0 + lab_minutes(problem)
-        found.append(Check(words, minutes, lambda r: np.array([_warming_k(s) for s in r]), _alike(_THERMISTOR_K)))
+        found.append(
+            Check(words, minutes, lambda r: np.array([_warming_k(s) for s in r]), _alike(_THERMISTOR_K),
+                  follows_runs=True)
+        )  # fmt: skip
     if scenario.hammer is None:
         found += [
             Check("measure with a tape where the shaker pushes", 5.0,
@@ -186,13 +191,19 @@ def read_by(fit: Fit, scores: Array, check: Check) -> Array | None:
             return None
         known = len(problem.unknowns)
         base = edited(problem.scenario, problem.unknowns, u[:known])
-        found = seen(base, made)
+        found = seen(base if check.follows_runs else _as_left(base), made)
         if check.of_gains:
             gains = _gains(problem, u[known:])
             found = tuple(replace(one, gains=gains[one.run]) for one in found)
         return check.read(found)
     except (NoStructureError, ValueError):
         return None
+
+
+def _as_left(scenario: Scenario) -> Scenario:
+    """The scenario after its runs: whatever changes from run to run is in each as far as in the last."""
+    runs = len(scenario.acquisition.run_nodes)
+    return scenario.model_copy(update={"acquisition": scenario.acquisition.counted_as((runs,) * runs)})
 
 
 def _of_sensors(nuisance: Nuisance) -> bool:
