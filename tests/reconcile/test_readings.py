@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,28 @@ def test_a_reference_sensor_tells_not_when_a_gain_changed(case: Problem, channel
     for one, other in ((always, later), (later, always)):
         assert reading_nats(one, other, reference) == pytest.approx(0.0, abs=1.0)
     assert (reading_nats(later, never, reference) or 0.0) > 5.0
+
+
+@pytest.mark.parametrize(
+    ("words", "name", "values", "settings"),
+    [
+        ("where every sensor sits", "sensor-position-error", {"dx_m": 0.01}, {"node": 5}),
+        ("level to every sensor", "sensor-tilt", {"angle_rad": 0.05}, {"sensors": "5+Z"}),
+        ("reference accelerometer", "channel-gain", {"gain_error": 0.05}, {"channels": "5+Z"}),
+    ],
+)
+def test_a_sensor_that_stays_for_three_runs_is_read_once(
+    case: Problem, words: str, name: str, values: dict[str, float], settings: dict[str, Any]
+) -> None:
+    """Whatever the campaign repeats: a second look at it says nothing new, and takes no minutes."""
+    runs = tuple(run for run in case.measured.runs for _ in range(3))
+    once = case.scenario
+    thrice = once.model_copy(update={"acquisition": once.acquisition.model_copy(update={"runs": runs})})
+    repeated = replace(case, measured=replace(case.measured, runs=runs))
+    made = [available_effects()[name](**values, **settings)]
+    few, many = check(case, words), check(repeated, words)
+    assert many.minutes == few.minutes
+    assert many.read(seen(thrice, made)) == pytest.approx(few.read(seen(once, made)))
 
 
 def test_what_is_read_beside_runs_or_before_them_follows_them(case: Problem) -> None:

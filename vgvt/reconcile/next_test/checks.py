@@ -86,7 +86,9 @@ def seen(scenario: Scenario, effects: Sequence[Effect]) -> tuple[Seen, ...]:
 def checks(problem: Problem) -> tuple[Check, ...]:
     """What can be read off the rig of a campaign, with the minutes that it takes."""
     scenario, runs = problem.scenario, len(problem.measured.runs)
-    points, gains = len(problem.measured.channels), scenario.tolerances
+    # Where a sensor stays for several runs it is read once.
+    points = len({seat for run in problem.measured.runs for seat in enumerate(run)})
+    gains = scenario.tolerances
     lowest, highest = problem.measured.frequency_hz[[0, -1]]
     band = np.geomspace(lowest, highest, _FREQUENCIES)
     wide = np.geomspace(lowest, _HIGHEST_HZ, _FREQUENCIES)
@@ -255,12 +257,18 @@ def _inputs(runs: Sequence[Seen], frequency_hz: Array) -> Array:
     return np.concatenate([np.mean([rows[k] for rows in found if k < len(rows)], axis=0) for k in each])
 
 
+def _seats(runs: Sequence[Seen]) -> dict[tuple[int, int], Seen]:
+    """The last run of every sensor at each of its points, by its place among the sensors and the point's node."""
+    return {(k, node): one for one in runs for k, node in enumerate(one.scenario.acquisition.run_nodes[one.run])}
+
+
 def _beside_all(runs: Sequence[Seen], frequency_hz: Array) -> Array:
-    """What all filters do to every response of every run, over one, as real numbers.
+    """What all filters do to the response of every sensor at each of its points, over one, as real numbers.
 
     No accelerometer shows what the force gauge says.
     """
-    return np.concatenate([_filters(one, frequency_hz, tuple(Family), force=False).ravel() for one in runs])
+    by_run = {one.run: _filters(one, frequency_hz, tuple(Family), force=False) for one in runs}
+    return np.concatenate([by_run[one.run][place] for (place, _), one in _seats(runs).items()])
 
 
 def _filters(one: Seen, frequency_hz: Array, families: tuple[Family, ...], *, force: bool) -> Array:
@@ -287,21 +295,19 @@ def _filters(one: Seen, frequency_hz: Array, families: tuple[Family, ...], *, fo
 
 
 def _sensor_places(runs: Sequence[Seen]) -> Array:
-    """Where the sensors of all runs sit, aft and right, m."""
+    """Where every sensor sits at each of its points, aft and right, m."""
     found = []
-    for one in runs:
+    for (_, node), one in _seats(runs).items():
         places = {p.dof.node: np.array(p.position_m) for p in sensor_points(one.scenario)}
-        for node in one.scenario.acquisition.run_nodes[one.run]:
-            errors = [p for a in one.actions for p in a.points if p.node == node]
-            at = next((p.at_node for p in errors if p.at_node is not None), node)
-            found.append((places[at] + sum((np.array(p.shift_m) for p in errors), np.zeros(3)))[:2])
+        errors = [p for a in one.actions for p in a.points if p.node == node]
+        at = next((p.at_node for p in errors if p.at_node is not None), node)
+        found.append((places[at] + sum((np.array(p.shift_m) for p in errors), np.zeros(3)))[:2])
     return np.concatenate(found)
 
 
 def _sensor_leans(runs: Sequence[Seen]) -> Array:
-    """How the sensors of all runs lean, as unit vectors' changes in aircraft axes."""
-    nodes = [(one, node) for one in runs for node in one.scenario.acquisition.run_nodes[one.run]]
-    return np.concatenate([_lean(one, node) for one, node in nodes])
+    """How every sensor leans at each of its points, as unit vectors' changes in aircraft axes."""
+    return np.concatenate([_lean(one, node) for (_, node), one in _seats(runs).items()])
 
 
 def _cross_sensitivities(runs: Sequence[Seen]) -> Array:
