@@ -82,6 +82,13 @@ def test_minutes_that_leave_no_time_for_a_sweep_are_refused(light) -> None:
         plan_test(light, order("sweep-time,band,mount", 1.2, 10))
 
 
+def test_a_longest_sweep_that_is_none_is_told_by_its_option(light) -> None:
+    """No minutes help: ten cycles of 3 Hz take more than three seconds."""
+    short = Order(Budget(20, 10, longest_sweep_s=3.0), frozenset({"sweep-time"}), seeds=0)
+    with pytest.raises(InputError, match=r"--longest-sweep: is 3 s, but from 3 Hz on a sweep takes 3\.33 s at least"):
+        plan_test(light, short)
+
+
 def test_no_sweep_goes_beyond_what_the_converter_can_follow(light) -> None:
     """A tenth above a mode at 31.8 Hz is beyond the 34 Hz of 68 samples a second: no file of it could be read."""
     slow = light.model_copy(

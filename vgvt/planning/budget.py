@@ -68,11 +68,18 @@ class Budget:
         InputError where they leave less than a sweep takes, or less than what a scenario's excitation is made of.
         """
         excitation = scenario.excitation
-        silence = excitation.lead_in_s + excitation.ring_down_s
+        silence, shortest_s = excitation.lead_in_s + excitation.ring_down_s, self.shortest_sweep_s(scenario)
+        if self.longest_sweep_s < shortest_s:
+            raise InputError(
+                "--longest-sweep",
+                f"is {self.longest_sweep_s:g} s, but from {excitation.band_hz[0]:g} Hz on a sweep takes "
+                f"{shortest_s:.3g} s at least",
+                f"write {math.ceil(shortest_s)} or more",
+            )
         each = (self.minutes - self._fixed(runs, mount)) * 60 / runs
         repeats = max(math.ceil(each / (self.longest_sweep_s + silence)), 1)
         duration = math.floor(10 * (each / repeats - silence)) / 10
-        if duration < self.shortest_sweep_s(scenario):
+        if duration < shortest_s:
             raise InputError(
                 "--minutes",
                 f"{self.minutes:g} min leave {max(each, 0):.0f} s for each of {runs} runs with their silences",
