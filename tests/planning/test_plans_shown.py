@@ -34,6 +34,15 @@ def test_a_result_has_a_line_a_plan(light) -> None:
     assert repr(plan(light, "now", 2e-5)) == f"<Proposal {first}>"
 
 
+def test_repeats_are_no_runs_of_their_own(light) -> None:
+    """As in the table, on the card and in JSON: of a run that is swept three times the sensors are placed once."""
+    thrice = light.model_copy(update={"acquisition": light.acquisition.model_copy(update={"repeats": 3})})
+    once, often = (plan(s, "p", 2e-5) for s in (light, thrice))
+    assert ", 1 run, shaker at" in once.in_words
+    assert ", 1 run, 3 times each, shaker at" in often.in_words
+    assert len(often.as_dict()["runs"]) == 1
+
+
 def test_a_prediction_is_a_table(light) -> None:
     found = plan(light, "now", 2e-5).prediction
     assert repr(found.modes[0]) == (

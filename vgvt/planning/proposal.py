@@ -39,7 +39,9 @@ class Proposal:
         x, y, z = self.scenario.shaker.position_m
         worst = self.worst_relative_damping_std if self.targets else np.inf
         known = f"std(ζ)/ζ of the worst mode {100 * worst:.2g} %" if np.isfinite(worst) else "not all modes are seen"
-        runs = counted(len(self.scenario.acquisition.run_nodes), "run")
+        acquisition = self.scenario.acquisition
+        runs = counted(len(acquisition.runs), "run")
+        runs += f", {acquisition.repeats} times each" if acquisition.repeats > 1 else ""
         return f"{self.name}: {self.minutes:.3g} min, {runs}, shaker at ({x:.3f}, {y:.3f}, {z:.3f}) m, {known}"
 
     @property
