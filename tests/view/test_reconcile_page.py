@@ -130,6 +130,18 @@ def test_a_test_that_tells_nothing_is_no_step() -> None:
     assert next_steps(told)[0].startswith("Next test: tape a dummy mass")
     hollow = replace(told, tests=tuple(replace(t, nats=4.0) for t in told.tests))
     assert not any("tape a dummy mass" in step for step in next_steps(hollow))
+    none = "None of the tests that were compared", "Make runs at another level"
+    for case, words in zip((hollow, replace(told, tests=())), none, strict=True):
+        steps = next_steps(case)
+        assert not any("Make the first of the suggested tests" in step for step in steps)
+        by_hand = steps.index("Whether it is added-mass: Weigh it.")
+        assert steps[by_hand - 1].startswith(words)
+
+
+def test_what_a_test_does_not_tell_is_nought_and_not_less() -> None:
+    told = account("ambiguous")
+    told = replace(told, tests=tuple(replace(t, nats=-0.046) for t in told.tests))
+    assert not re.search(r">-0[<.]", visible(render_reconcile_page(told)))
 
 
 def test_what_is_refuted_names_the_separating_test_and_the_limit() -> None:

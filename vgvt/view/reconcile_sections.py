@@ -175,9 +175,10 @@ def power_section(power: Sequence[PowerRow], beside: Sequence[str] = ()) -> str:
 def tests_section(account: Account) -> str:
     """The suggested tests, best first."""
     rows = [
-        (escaped(t.test), escaped(" against ".join(t.rivals)), *(f"{n:.0f}" for n in (t.nats, t.minutes)),
-         f"{t.nats / t.minutes:.1f}")
-        for t in account.tests
+        (escaped(t.test), escaped(" against ".join(t.rivals)), f"{nats:.0f}", f"{t.minutes:.0f}",
+         f"{nats / t.minutes:.1f}")
+        # A little below nothing is nothing: followed by fits it is what the two were apart before.
+        for t in account.tests for nats in (max(t.nats, 0.0),)
     ]  # fmt: skip
     if not rows:
         return ""

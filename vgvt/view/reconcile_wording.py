@@ -47,6 +47,12 @@ _NEXT = {
     ),
     "unknown": ("An effect of your own, written for it, can be tried with the same command.",),
 }
+# In place of the first test, where not even that promises to tell them.
+_NONE_TELLS = (
+    "None of the tests that were compared is expected to tell all of them apart: look by hand, or make runs at another "
+    "level where the reasons ask for them."
+)
+_NONE_COMPARED = "Make runs at another level where the reasons ask for them, or look by hand: no test was compared."
 # A factor of all responses is the same factor of the force, turned over: a ratio is all that is looked at.
 _FACTORS = frozenset(
     ("sign-flip", "channel-gain", "gain-drift", "anti-alias-delay", "channel-delay", "high-pass-mismatch")
@@ -105,30 +111,32 @@ def next_steps(account: Account) -> tuple[str, ...]:
         article = "the " if place.kind == "drive" else ""
         steps.insert(0, f"The residual points at {article}{place.label}: {_LOOK[place.kind]}")
     best = account.tests[0] if account.tests else None
-    if best is not None and best.nats >= account.limits["set_nats"]:
+    tells = best is not None and best.nats >= account.limits["set_nats"]
+    if account.kind == "ambiguous" and not tells:
+        first = steps.index(_NEXT["ambiguous"][0])
+        steps[first : first + 1] = [_NONE_TELLS if account.tests else _NONE_COMPARED, *_tests_by_hand(account.effects)]
+    if best is not None and tells:
         words = (
             f"{best.test}: {best.nats:.0f} nats between {best.rivals[0]} and {best.rivals[1]} in {best.minutes:.0f} min"
         )
         steps.insert(0, f"Next test: {words}.")
     if account.leads:
         steps.insert(1, "What comes nearest is a lead: what is missing may act like it, or sit where it does.")
-        steps[2:2] = _tests_of_leads(account)
+        # How far apart they are in another campaign says little where both miss this one by more.
+        steps[2:2] = _tests_by_hand(account.leads)
     return tuple(steps)
 
 
-def _tests_of_leads(account: Account) -> list[str]:
-    """What would show each lead, and what comes nearly as near, to be there or not: by hand, whatever the model misses.
-
-    How far apart they are in another campaign says little where both miss this one by more.
-    """
+def _tests_by_hand(effects: Sequence[EffectRow]) -> list[str]:
+    """What would show each effect, and what does as well or nearly so, to be there or not: by hand, once each."""
     known: dict[str, str] = {}
-    for lead in account.leads:
-        known |= {name: test for name, test in _own_tests(lead).items() if name not in known}
+    for effect in effects:
+        known |= {name: test for name, test in _own_tests(effect).items() if name not in known}
     return [f"Whether it is {name}: {_sentence(test)}" for name, test in known.items() if test]
 
 
-def _own_tests(lead: EffectRow) -> dict[str, str]:
-    return {lead.name: lead.separating_test, **lead.tests_of_equivalent}
+def _own_tests(effect: EffectRow) -> dict[str, str]:
+    return {effect.name: effect.separating_test, **effect.tests_of_equivalent}
 
 
 def disproofs(account: Account) -> tuple[str, ...]:
