@@ -131,8 +131,24 @@ def test_a_run_that_is_just_long_enough_is_no_matter() -> None:
     ],
 )
 def test_records_of_another_aircraft_are_remarked_on(records: str, scenario: str, odd: bool) -> None:
-    campaign: Any = SimpleNamespace(notes={"aircraft": records} if records else {})
-    believed: Any = SimpleNamespace(name="mine", airframe=SimpleNamespace(name=scenario))
+    notes = {"aircraft": records} if records else {}
+    campaign: Any = SimpleNamespace(notes=notes, geometry=Geometry((), np.zeros((0, 3))), response_dofs=())
+    nowhere = SimpleNamespace(grid=SimpleNamespace(node=(), x_m=(), y_m=()))
+    believed: Any = SimpleNamespace(name="mine", airframe=SimpleNamespace(name=scenario), accelerometers=nowhere)
     said = remarks(campaign, believed)
     assert bool(said) == odd
     assert all(records in text and scenario in text for text in said)
+
+
+@pytest.mark.parametrize(("off_m", "told"), [(0.009, False), (0.03, True)])
+def test_a_point_that_the_two_have_elsewhere_is_remarked_on(off_m: float, told: bool) -> None:
+    """Three centimetres on a plank had been an unknown sensor of one's own making, and nothing had been said of it."""
+    believed = load_scenario("quick")
+    grid = believed.accelerometers.grid
+    place = {n: (x, y, 0.0) for n, x, y in zip(grid.node, grid.x_m, grid.y_m, strict=True)}
+    x, y, _ = place[2]
+    positions = np.array([place[1], (x, y + off_m, 0.0), (0.0, 0.0, 0.0)])
+    said = remarks(replace(campaign(), geometry=Geometry((1, 2, 100), positions)), believed)
+    assert bool(said) == told
+    for remark in said:
+        assert remark.startswith(f"bench has node 2 at ({x:.3f}, {y + off_m:.3f}), not ({x:.3f}, {y:.3f}) m, as scen")

@@ -16,8 +16,12 @@ FEWEST_LINES = 32
 """Lines of the band that a record must tell apart: twice as many as one local model of a channel's noise takes."""
 # Further apart than this is another point, not a badly placed sensor.
 _ANOTHER_POINT_M = 0.10
+# Nearer than this may be one place, written in whole centimetres by one of the two.
+_SAME_PLACE_M = 0.01
 # A scenario's shaker stands below its point and pushes up.
 _PUSHES = Direction.PLUS_Z
+# So many points are told, and the others counted.
+_TOLD = 4
 _DRIVE_SD, _DRIVE_AT_LEAST_M = 5.0, 0.02
 _MEASURES = {
     ChannelRole.RESPONSE: (Quantity.ACCELERATION,),
@@ -41,7 +45,14 @@ def check_suitable(campaign: Campaign, scenario: Scenario) -> None:
 
 
 def remarks(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
-    """What is odd about a pair, and may be meant: another aircraft by name, as far as the records name one."""
+    """What is odd about a pair, and may be meant: another aircraft by name, as far as the records name one.
+
+    And points that the two have at other places, if not so far apart that they are others.
+    """
+    return (*_other_aircraft(campaign, scenario), *_other_places(campaign, scenario))
+
+
+def _other_aircraft(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
     said, name = campaign.notes.get("aircraft", ""), scenario.airframe.name
     here, there = _words(name), _words(said)
     if here <= there or there <= here:
@@ -50,6 +61,37 @@ def remarks(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
         f"the records are of {said}, and scenario {scenario.name} is of {name}: all that differs between the two will "
         "be taken for something that is missing",
     )
+
+
+def _other_places(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
+    """The points that a campaign has elsewhere than its scenario: which of the two is wrong only a tape can say."""
+    apart = [
+        f"{node} at ({there[0]:.3f}, {there[1]:.3f}), not ({here[0]:.3f}, {here[1]:.3f}) m"
+        for node, there, here, away in _places_apart(campaign, scenario)
+        if away > _SAME_PLACE_M
+    ]
+    if not apart:
+        return ()
+    more = f" and {len(apart) - _TOLD} more" if len(apart) > _TOLD else ""
+    return (
+        f"{campaign.name} has node {'; node '.join(apart[:_TOLD])}{more}, as scenario {scenario.name} has: the "
+        "scenario's places are taken, and what that misses will be taken for something that is missing",
+    )
+
+
+def _places_apart(
+    campaign: Campaign, scenario: Scenario
+) -> list[tuple[int, tuple[float, float], tuple[float, float], float]]:
+    """Each point that both know: its node, where the campaign and the scenario have it, and how far apart, m."""
+    grid, geometry = scenario.accelerometers.grid, campaign.geometry
+    places = {n: (x, y) for n, x, y in zip(grid.node, grid.x_m, grid.y_m, strict=True)}
+    found = []
+    for node in dict.fromkeys(d.node for d in campaign.response_dofs):
+        if node in geometry.nodes and node in places:
+            there, here = geometry.position_m(node), places[node]
+            away = float(np.hypot(there[0] - here[0], there[1] - here[1]))
+            found.append((node, (float(there[0]), float(there[1])), here, away))
+    return found
 
 
 def _words(text: str) -> set[str]:
@@ -234,22 +276,15 @@ def _check_points(campaign: Campaign, scenario: Scenario) -> None:
                 f"measures node {d.node} along {direction}, but the campaign measured {d}",
                 f"write the campaign's direction for node {d.node} in direction",
             )
-    _check_places(campaign, scenario, measured)
+    _check_places(campaign, scenario)
 
 
-def _check_places(campaign: Campaign, scenario: Scenario, measured: tuple[Dof, ...]) -> None:
-    grid, geometry = scenario.accelerometers.grid, campaign.geometry
-    place = {n: (x, y) for n, x, y in zip(grid.node, grid.x_m, grid.y_m, strict=True)}
-    for d in measured:
-        if d.node not in geometry.nodes:
-            continue
-        there = geometry.position_m(d.node)
-        away = float(np.hypot(there[0] - place[d.node][0], there[1] - place[d.node][1]))
+def _check_places(campaign: Campaign, scenario: Scenario) -> None:
+    for node, there, (x, y), away in _places_apart(campaign, scenario):
         if away > _ANOTHER_POINT_M:
-            x, y = place[d.node]
             raise InputError(
                 f"scenario {scenario.name}: accelerometers.grid",
-                f"puts node {d.node} at x = {x:.3f}, y = {y:.3f} m, {away:.2f} m from where {campaign.name} has it "
+                f"puts node {node} at x = {x:.3f}, y = {y:.3f} m, {away:.2f} m from where {campaign.name} has it "
                 f"({there[0]:.3f}, {there[1]:.3f})",
                 "write the same places, in metres aft of the nose and to the right",
             )
