@@ -116,6 +116,15 @@ def test_an_effect_that_the_scenario_has_is_not_tried_again(vgvt, tmp_path: Path
     assert not (tmp_path / "reconciled").exists()
 
 
+def test_an_effect_that_was_asked_for_beside_others_is_told_where_it_is_not_tried(vgvt, tmp_path, beam, asked) -> None:
+    """It had been left out without a word, and its verdict read as if it had been refused."""
+    arguments = ("reconcile", written(tmp_path, measured(beam)), "--scenario", beam)
+    told = vgvt(*arguments, "--only", "channel-gain", "--only", "added-mass").err
+    assert "--only: scenario coarse-beam has channel-gain in [[effect]] already: not tried a second time" in told
+    assert "already" not in vgvt(*arguments, "--only", "added-mass").err
+    assert "already" not in vgvt(*arguments).err
+
+
 def test_what_was_tried_is_counted(vgvt, tmp_path: Path, beam: Path, asked) -> None:
     """Not what was asked for: a campaign of one sensor a run has no two that could be taken for one another."""
     arguments = ("reconcile", written(tmp_path, measured(beam)), "--scenario", beam)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -93,7 +93,10 @@ def reconcile(
     if not scenario:
         raise InputError("--scenario", "is missing", "write --scenario NAME or --scenario FILE.toml: what is believed")
     believed = resolved_scenario(scenario, seed, None, own_runs=campaign is None)
-    effects = undeclared(believed, chosen_effects(only or [], without or []))
+    chosen = chosen_effects(only or [], without or [])
+    effects = undeclared(believed, chosen)
+    if only:
+        tell_of_declared(believed, sorted(chosen.keys() - effects.keys()))
     limits = None if thresholds is None else thresholds_of(thresholds)
     if placebos is not None:
         refuse_beside_placebos(
@@ -194,6 +197,13 @@ def undeclared(scenario: Scenario, effects: Mapping[str, type]) -> dict[str, typ
             "choose another effect, or take that table out of the scenario to have its size found",
         )
     return kept
+
+
+def tell_of_declared(scenario: Scenario, names: Sequence[str]) -> None:
+    """Say which of the effects that were asked for by name are part of what is believed, and not tried."""
+    if names:
+        has = f"scenario {scenario.name} has {', '.join(names)} in [[effect]] already"
+        log(f"--only: {has}: not tried a second time; take a table out to have its size found")
 
 
 def _reconciled(
