@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import pytest
 from coarse_beam import BEAM, written
 
+from vgvt.cli.reconcile import own_folder
 from vgvt.cli.reconcile_folder import ReconcileFolder, fingerprint_of
 from vgvt.data import Campaign, InputError
 from vgvt.effects import Action, parameter
@@ -123,6 +124,22 @@ def test_an_effect_that_was_asked_for_beside_others_is_told_where_it_is_not_trie
     assert "--only: scenario coarse-beam has channel-gain in [[effect]] already: not tried a second time" in told
     assert "already" not in vgvt(*arguments, "--only", "added-mass").err
     assert "already" not in vgvt(*arguments).err
+
+
+@pytest.mark.parametrize(
+    ("named", "folder"),
+    [
+        ("wing-test", "wing-test-mine"),
+        ("GVT 2/3", "GVT 2-3-mine"),
+        ("../up", "up-mine"),
+        ("/wing", "wing-mine"),
+        ("C:\\test", "C-test-mine"),
+        ("..", "campaign-mine"),
+    ],
+)
+def test_records_of_any_name_have_one_folder_of_their_own(named: str, folder: str) -> None:
+    """A sidecar's name is free text: a slash had made folders of it, outside ``reconciled``, too."""
+    assert own_folder(named, "mine") == Path("reconciled") / folder
 
 
 def test_what_was_tried_is_counted(vgvt, tmp_path: Path, beam: Path, asked) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -124,7 +125,7 @@ def reconcile(
     for remark in remarks(measured, believed):
         log(remark)
     tell_of_cut(band, measured.band_hz, measured.name)
-    folder = ReconcileFolder(out if out is not None else Path("reconciled") / f"{measured.name}-{believed.name}")
+    folder = ReconcileFolder(out if out is not None else own_folder(measured.name, believed.name))
     options = {"lines": lines, "power": power, "thresholds": None if limits is None else asdict(limits)}
     fingerprint = fingerprint_of(measured, believed, effects, options)
     with none_left_empty(folder.cache), _alone(folder):
@@ -145,6 +146,12 @@ def reconcile(
         return 0
     _show(document, folder)
     return 0
+
+
+def own_folder(campaign: str, scenario: str) -> Path:
+    """``reconciled/CAMPAIGN-SCENARIO``: one folder, and there, whatever records are called (``GVT 2/3``, ``../a``)."""
+    name = re.sub(r'[\x00-\x1f\x7f/\\:*?"<>|]+', "-", campaign).lstrip("-. ")
+    return Path("reconciled") / f"{name or 'campaign'}-{scenario}"
 
 
 @contextmanager
