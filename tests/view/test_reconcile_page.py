@@ -125,6 +125,16 @@ def test_every_lead_and_what_comes_nearly_as_near_has_its_own_test_once() -> Non
     assert tests == ["Whether it is added-mass: Weigh it.", "Whether it is local-absorber: tape it down."]
 
 
+def test_where_nothing_is_held_out_the_catalogue_is_not_blamed() -> None:
+    """A delay of 4097 nats had been "no effect of the catalogue", and the step an effect of one's own."""
+    told = replace(account("unknown", named=False), tests=())
+    without = {key: None if key.startswith("held") else m for key, m in told.before.merits.items()}
+    alone = replace(told, before=replace(told.before, merits=without), after=replace(told.after, merits=without))
+    assert verdict_sentence(alone).startswith("Something is missing, and nothing could be held out that would confirm")
+    assert next_steps(alone)[0].startswith("Add a second run, or more channels")
+    assert not any("second run" in step for step in next_steps(told))
+
+
 def test_a_test_that_tells_nothing_is_no_step() -> None:
     told = account("ambiguous")
     assert next_steps(told)[0].startswith("Next test: tape a dummy mass")

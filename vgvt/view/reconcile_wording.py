@@ -90,6 +90,8 @@ def verdict_sentence(account: Account) -> str:
         where = f"; one thing without a name, a {thing.words}, fits it best"
     leads = " and ".join(_with_rivals(e) for e in account.leads)
     nearest = f"; what comes nearest, {leads}, is a lead and no name" if leads else ""
+    if _nothing_held(account):
+        return f"Something is missing, and nothing could be held out that would confirm what it is{where}{nearest}."
     return f"Something is missing that no effect of the catalogue explains{where}{nearest}{error}."
 
 
@@ -110,6 +112,8 @@ def next_steps(account: Account) -> tuple[str, ...]:
     elif account.kind == "unknown" and place is not None:
         article = "the " if place.kind == "drive" else ""
         steps.insert(0, f"The residual points at {article}{place.label}: {_LOOK[place.kind]}")
+    if account.kind == "unknown" and _nothing_held(account):
+        steps.insert(0, "Add a second run, or more channels, and reconcile again: without them no name is confirmed.")
     best = account.tests[0] if account.tests else None
     tells = best is not None and best.nats >= account.limits["set_nats"]
     if account.kind == "ambiguous" and not tells:
@@ -261,6 +265,11 @@ def _places_of(effect: EffectRow) -> tuple[str, ...]:
     """All places where a name may be, its own first; none where that is settled."""
     others = effect.elsewhere
     return tuple(dict.fromkeys((*(p.not_there for p in others[:1]), *(p.where for p in others))))
+
+
+def _nothing_held(account: Account) -> bool:
+    """Whether no data were left to confirm a name, so that whatever explains them best has none."""
+    return account.before.merits.get("held_out") is None
 
 
 def _error_words(account: Account) -> str:
