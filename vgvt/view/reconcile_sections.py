@@ -63,8 +63,8 @@ def named_section(account: Account) -> str:
     )
     if not account.effects:
         note = (
-            "No names: held-out data confirm them, but they take less than half, each, of what is too much, or are no "
-            "plausible thing: the reasons say which. Nothing else on this page includes them. " + note
+            "No names: held-out data confirm them, but something else speaks against each, and the reasons say what. "
+            "Nothing else on this page includes them. " + note
         )
     return f'<p class="note">{escaped(note)}</p>{table(heads, rows, words=(0, 1, 5))}'
 
