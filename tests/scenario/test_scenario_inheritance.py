@@ -74,6 +74,16 @@ def test_the_file_that_wrote_the_mistake_is_named(tmp_path: Path) -> None:
     assert "suspension.free_length_m: " in caught.value.advice
 
 
+def test_what_is_missing_is_missing_from_the_file_that_asks_for_it(tmp_path: Path) -> None:
+    """The parent, whole by itself, had been blamed: a bundled file, that nobody should edit."""
+    random = _write(tmp_path, "random", 'extends = "quick"\n[excitation]\nkind = "burst-random"\n')
+    above = _write(tmp_path, "above", 'extends = "random.toml"\nseed = 3\n')
+    for scenario in (random, above):
+        with pytest.raises(InputError) as caught:
+            load_scenario(scenario)
+        assert caught.value.where == f"{random}: excitation.blocks"
+
+
 def test_a_correction_clears_the_parents_mistake(tmp_path: Path) -> None:
     _write(tmp_path, "base", 'extends = "quick"\n[suspension]\nstiffness_n_per_m = -1.0\n')
     child = _write(tmp_path, "child", 'extends = "base.toml"\n[suspension]\nstiffness_n_per_m = 65.0\n')

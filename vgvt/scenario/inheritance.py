@@ -30,10 +30,12 @@ class Source:
     written_in: dict[KeyPath, Path]
 
     def file_of(self, key: KeyPath) -> Path:
-        """The file that wrote a key, or the nearest table around it."""
+        """The file that wrote a key; of one that is missing, the last to write in the nearest table around it."""
         for length in range(len(key), 0, -1):
             if key[:length] in self.written_in:
-                return self.written_in[key[:length]]
+                # What a file changes in a table may ask for more there than its parent wrote.
+                below = [f for k, f in self.written_in.items() if len(k) > length and k[:length] == key[:length]]
+                return below[-1] if below and length < len(key) else self.written_in[key[:length]]
         return self.path
 
 
