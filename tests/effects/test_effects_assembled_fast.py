@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from effect_rig import FREQUENCY_HZ, Complex, effect_rig, largest_error, responses
+from effect_rig import accelerance, effect_rig, largest_error, responses
 from hung_hati import with_effect
 
 from vgvt.scenario import Scenario, load_scenario
@@ -30,13 +30,6 @@ def assembled(scenario: Scenario) -> Structure:
     """The structure of the first run with rows for its sensors."""
     layout = plans(scenario)[0]
     return structure(layout, layout.run_points(0))
-
-
-def accelerance(s: Structure) -> Complex:
-    """What weightless sensors read per force, (sensors, lines), by direct solution."""
-    omega = 2 * np.pi * FREQUENCY_HZ[:, None, None]
-    motion = np.linalg.solve(s.stiffness + 1j * omega * s.damping - omega**2 * s.mass, s.drive[None, :, None])
-    return np.asarray(((s.tilt - omega**2 * s.axis) @ motion)[..., 0].T)
 
 
 def weightless_bff() -> Scenario:

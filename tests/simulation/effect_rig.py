@@ -14,6 +14,7 @@ from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.effect import EffectTable
 from vgvt.simulation import truth_of
 from vgvt.simulation.assembly import Rig, driven_rig, plans
+from vgvt.simulation.reduced import Structure
 from vgvt.simulation.state_space import state_space
 
 Complex = NDArray[np.complex128]
@@ -79,6 +80,13 @@ def responses(scenario: Scenario) -> tuple[Complex, Complex]:
     states = [np.linalg.solve(2j * np.pi * f * identity - model.state_matrix, model.input_matrix) for f in FREQUENCY_HZ]
     outputs = np.array(states) @ model.output_matrix.T + model.feedthrough
     return (outputs[:, :-1] / outputs[:, -1:]).T, outputs[:, -1]
+
+
+def accelerance(s: Structure) -> Complex:
+    """What weightless sensors read per force, (sensors, lines), by direct solution."""
+    omega = 2 * np.pi * FREQUENCY_HZ[:, None, None]
+    motion = np.linalg.solve(s.stiffness + 1j * omega * s.damping - omega**2 * s.mass, s.drive[None, :, None])
+    return np.asarray(((s.tilt - omega**2 * s.axis) @ motion)[..., 0].T)
 
 
 def elastic(scenario: Scenario) -> ModalModel:

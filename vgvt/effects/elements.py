@@ -34,6 +34,7 @@ class PointMass:
 class GroundSpring:
     """Spring and dashpot from a point of the aircraft to the ground, along a direction, at rest as hung.
 
+    The direction is fixed in space, up by default, or ``turns_with_part`` to how that hangs.
     With a ``node`` it holds the accelerometer of that label, wherever other effects put this.
     """
 
@@ -44,6 +45,7 @@ class GroundSpring:
     direction: Vector = _UP
     owner: Owner = "rig"
     node: int | None = None
+    turns_with_part: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,7 @@ class RotationSpring:
 class Absorber:
     """A mass on a spring and dashpot that slides along a direction fixed to the aircraft; ``kind`` names its mode.
 
+    One that is ``upright`` slides up and down instead, however the aircraft hangs.
     Where an effect lets the suspension's frame move, spring and dashpot act on what the mass slides by less
     ``frame_share`` of what the frame rises by.
     """
@@ -78,6 +81,7 @@ class Absorber:
     kind: Literal["absorber", "surge"] = "absorber"
     owner: Owner = "airframe"
     frame_share: float = 0.0
+    upright: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -108,7 +108,7 @@ class EntrainedAir:
             area = length / beam.cells * float(np.interp(arc, axis.arc_length_m, chord_m(stations)))
             place, normal = _vector(axis.position_m[segment] + along + aft), _vector(axis.normal[segment])
             damper = self.drag_n_s_per_m3 * area
-            found.append(GroundSpring(beam.name, place, 0.0, damper, normal, owner="airframe"))
+            found.append(GroundSpring(beam.name, place, 0.0, damper, normal, owner="airframe", turns_with_part=True))
         return found
 
 

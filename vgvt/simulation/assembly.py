@@ -20,7 +20,8 @@ from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts, Pushed
-from vgvt.simulation.elements import TRIMMED, add_elements, trim_ground_springs
+from vgvt.simulation.as_hung import laid_as_hung, rest_as_hung, trimmed
+from vgvt.simulation.elements import add_elements
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
 from vgvt.simulation.no_rest import no_rest
@@ -194,9 +195,9 @@ def gauged_rig(layout: Plan, run: int, at_rest: NDArray[np.float64]) -> Rig:
 
     ``at_rest`` (nq,) is the equilibrium of the driven rig of the same run.
     """
-    spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
+    spec = _hung_spec(layout, run, _transducer_side_mass(layout))
     qpos = at_rest[: spec.compile().nq]
-    _trim(spec, springs, qpos)
+    laid_as_hung(spec, layout.elements, layout.drives, qpos)
     return Rig(spec.compile(), qpos)
 
 
@@ -208,13 +209,12 @@ def hung_rig(layout: Plan, run: int, at_rest: NDArray[np.float64] | None = None)
     ``at_rest`` (nq,), where it is known already.
     """
     if at_rest is None:
-        whole, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
-        at_rest = _settle(layout, whole, springs)
+        at_rest = _settle(layout, _hung_spec(layout, run, _transducer_side_mass(layout)))
     end_mass = 0.0 if layout.strike is not None else layout.scenario.transducer.end_mass_kg
-    structure_side, springs = _hung_spec(layout, run, end_mass)
+    structure_side = _hung_spec(layout, run, end_mass)
     # Armature and coil come after the coordinates of the hung aircraft.
     qpos = at_rest[: structure_side.compile().nq]
-    _trim(structure_side, springs, qpos)
+    laid_as_hung(structure_side, layout.elements, layout.drives, qpos)
     return Rig(structure_side.compile(), qpos)
 
 
@@ -230,9 +230,9 @@ def driven_spec(layout: Plan, run: int) -> tuple[mujoco.MjSpec, NDArray[np.float
 
     The coordinates of armature and coil come after those and are zero there.
     """
-    spec, springs = _hung_spec(layout, run, _transducer_side_mass(layout))
-    qpos = _settle(layout, spec, springs)
-    _trim(spec, springs, qpos)
+    spec = _hung_spec(layout, run, _transducer_side_mass(layout))
+    qpos = _settle(layout, spec)
+    laid_as_hung(spec, layout.elements, layout.drives, qpos)
     hung = spec.compile()
     data = mujoco.MjData(hung)
     data.qpos[:] = qpos
@@ -270,13 +270,16 @@ def _transducer_side_mass(layout: Plan) -> float:
     return 0.0 if layout.strike is not None else scenario.transducer.mass_kg + 0.5 * scenario.stinger.mass_kg
 
 
-def _settle(layout: Plan, spec: mujoco.MjSpec, springs: list[str]) -> NDArray[np.float64]:
+def _settle(layout: Plan, spec: mujoco.MjSpec) -> NDArray[np.float64]:
     """The equilibrium (nq,) without the springs that will be trimmed to it: put on last, they hold nothing."""
-    model = spec.compile()
-    for name in springs:
-        model.tendon_stiffness[model.tendon(name).id] = 0.0
-    try:
+
+    def rest(model: mujoco.MjModel, _: NDArray[np.float64] | None) -> NDArray[np.float64]:
+        for name in trimmed(layout.elements):
+            model.tendon_stiffness[model.tendon(name).id] = 0.0
         return settle(model)
+
+    try:
+        return rest_as_hung(spec, layout.elements, layout.drives, rest)[1]
     except RuntimeError as error:
         cg = rigid_body(bare_rig(layout)).centre_of_gravity_m
         raise no_rest(layout.scenario, cg, str(error)) from error
@@ -291,8 +294,8 @@ def _airframe_with_points(layout: Plan) -> mujoco.MjSpec:
     return spec
 
 
-def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoco.MjSpec, list[str]]:
-    """The instrumented aircraft on its spring, and the names of tendons to trim once it is at rest."""
+def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> mujoco.MjSpec:
+    """The instrumented aircraft on its spring."""
     scenario = layout.scenario
     spec = _airframe_with_points(layout)
     airframe_mass = rigid_body(bare_rig(layout)).mass_kg
@@ -310,7 +313,7 @@ def _hung_spec(layout: Plan, run: int, transducer_mass_kg: float) -> tuple[mujoc
     for point in () if layout.strike is None else (*layout.drives, layout.strike):
         _add_site(spec, layout, point)
     add_elements(spec, layout.parts, ((n, e) for n, e in layout.elements if e.owner == "rig"), layout.drives)
-    return spec, [name for name, element in layout.elements if isinstance(element, TRIMMED)]
+    return spec
 
 
 def _add_site(spec: mujoco.MjSpec, layout: Plan, point: MeasurementPoint) -> None:
@@ -318,11 +321,6 @@ def _add_site(spec: mujoco.MjSpec, layout: Plan, point: MeasurementPoint) -> Non
     spec.body(point.carrier).add_site(name=point.site, pos=point.position_m - layout.parts.origin_m[point.carrier])
     for (name, _), seat in zip(point.weighted_sites if point.seats else (), point.seats, strict=True):
         spec.body(seat.carrier).add_site(name=name, pos=seat.position_m - layout.parts.origin_m[seat.carrier])
-
-
-def _trim(spec: mujoco.MjSpec, springs: list[str], qpos: NDArray[np.float64]) -> None:
-    if springs:
-        trim_ground_springs(spec, spec.compile(), qpos, springs)
 
 
 def _add_sensors(spec: mujoco.MjSpec, layout: Plan, run: int) -> None:

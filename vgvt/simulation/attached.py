@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vgvt.effects.elements import Absorber, Element, GroundSpring, HingedFlap, PointMass, RotationSpring
+from vgvt.simulation.as_hung import AXES
 from vgvt.simulation.assembly import Plan
-from vgvt.simulation.elements import sharing, turned_by
+from vgvt.simulation.elements import sharing
 from vgvt.simulation.felt import felt_by
 from vgvt.simulation.reduced import Structure
 from vgvt.simulation.seats import MeasurementPoint, seats_at
 
 Array = NDArray[np.float64]
+_UP = np.array([0.0, 0.0, 1.0])
 _Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
 
 
@@ -38,9 +40,8 @@ def attach(base: Structure, layout: Plan, elements: Sequence[tuple[str, Element]
     wide = replace(wide, mass=wide.mass.copy(), damping=wide.damping.copy(), stiffness=wide.stiffness.copy())
     for name, element in simple:
         if isinstance(element, RotationSpring):
-            turned = np.zeros(wide.drive.size)
-            for joint in map(wide.joints.index, turned_by(element, layout.drives[element.exciter].carrier)):
-                turned += _turn(wide, joint)
+            k = wide.body_names.index(layout.drives[element.exciter].carrier)
+            turned = (wide.attitude[k].T @ wide.bodies[k, 3:])[AXES[element.axis]]
             _spring(wide, turned, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)
             # What the gauge feels of the moment is on the force's side of the equation.
             felt = element.gauge_per_m * np.outer(wide.drive, turned)
@@ -67,12 +68,13 @@ def carried_rows(structure: Structure, layout: Plan, carrier: str, position_m: A
     return moved + np.cross(turned, arm, axis=0), turn
 
 
-def _seated_rows(structure: Structure, layout: Plan, part: str, position_m: Array) -> Array:
-    """Displacement rows (3, n) of a point (3,) of a part as the beam between two links moves, in world axes."""
-    moved = np.zeros((3, structure.drive.size))
-    for seat in seats_at(layout.parts, part, position_m):
-        moved += seat.weight * carried_rows(structure, layout, seat.carrier, seat.position_m)[0]
-    return moved
+def _held_row(structure: Structure, layout: Plan, spring: GroundSpring) -> Array:
+    """What a spring to the ground is stretched by (n,), of a place that moves as the beam between two links does."""
+    held, direction = np.zeros(structure.drive.size), _unit(spring.direction)
+    for seat in seats_at(layout.parts, spring.part, np.array(spring.position_m)):
+        moved, turn = carried_rows(structure, layout, seat.carrier, seat.position_m)
+        held += seat.weight * (turn @ direction if spring.turns_with_part else direction) @ moved
+    return held
 
 
 def sensed_at(structure: Structure, layout: Plan, point: MeasurementPoint) -> tuple[Array, Array, Array]:
@@ -103,26 +105,16 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
             s.mass[:] += share * element.mass_kg * rows.T @ rows
         s.mass[frame, frame] += element.frame_kg
     elif isinstance(element, GroundSpring):
-        held = _unit(element.direction) @ _seated_rows(s, layout, element.part, np.array(element.position_m))
+        held = _held_row(s, layout, element)
         _spring(s, held, element.stiffness_n_per_m, element.damping_n_s_per_m)
     else:
         moved, own = rows.copy(), np.zeros(s.drive.size)
         joint = s.joints.index(_own_joint(name, element))
-        moved[:, joint] += turn @ _unit(element.direction)
+        moved[:, joint] += _UP if element.upright else turn @ _unit(element.direction)
         own[joint] = 1.0
         own[frame] = -element.frame_share
         s.mass[:] += element.mass_kg * moved.T @ moved
         _spring(s, own, element.stiffness_n_per_m, element.damping_n_s_per_m)
-
-
-def _turn(s: Structure, joint: int) -> Array:
-    """The row (n,) of a joint's own angle: those of the root are not the coordinates."""
-    row = np.zeros(s.drive.size)
-    if joint < len(s.root):
-        row[: len(s.root)] = s.root[joint]
-    else:
-        row[joint] = 1.0
-    return row
 
 
 def _flap(s: Structure, layout: Plan, joint: int, element: HingedFlap) -> None:

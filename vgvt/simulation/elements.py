@@ -51,12 +51,8 @@ from vgvt.simulation.damping import MODAL_DAMPING
 from vgvt.simulation.halves import pitched_by
 from vgvt.simulation.relaxation_elements import add_relaxations, add_warm_up, warm_springs
 from vgvt.simulation.rig import add_point_mass
-from vgvt.simulation.seated_tendon import WORLD, reach
+from vgvt.simulation.seated_tendon import FAR_M, WORLD, reach
 
-TRIMMED = (GroundSpring, RotationSpring, PointPair, SuspensionCubic)
-"""Springs that are laid, or moved along, to where the aircraft hangs: at rest they carry nothing."""
-# Far enough that a ground spring keeps its direction to 1e-5 for a centimetre of sideways motion.
-_FAR_M = 1000.0
 # MuJoCo's default friction sticks with a time constant of 20 ms and creeps: 14 % too little loss in a 10 Hz cycle.
 # As fast as the step allows (it raises this to two steps) and as hard as it can be, it is Coulomb's to 1e-4.
 _AT_ONCE_S, _RIGID = 1e-9, 0.9999
@@ -82,11 +78,6 @@ def add_elements(
     add_relaxations(spec, parts, [(name, element) for name, element in named if isinstance(element, Relaxation)])
     if any(element.owner == "airframe" for _, element in named):
         warm_springs(spec, parts)
-
-
-def turned_by(spring: RotationSpring, carrier: str) -> tuple[str, ...]:
-    """The joints whose angles add up to the rotation that a spring resists of what an exciter pushes on."""
-    return (spring.axis, *(pitched_by(carrier) if spring.axis == "pitch" else ()))
 
 
 def sharing(parts: AirframeParts, mass: PointMass) -> tuple[tuple[str, float], ...]:
@@ -116,18 +107,6 @@ def _add(spec: mujoco.MjSpec, parts: AirframeParts, drives: Sequence[Drive], nam
     adders[type(element)](spec, parts, name, element)
 
 
-def trim_ground_springs(
-    spec: mujoco.MjSpec, model: mujoco.MjModel, qpos: NDArray[np.float64], springs: list[str]
-) -> None:
-    """Give ground springs the rest length that they have at the equilibrium ``qpos`` (nq,): they hold nothing up."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = qpos
-    mujoco.mj_forward(model, data)
-    for name in springs:
-        length = float(data.ten_length[model.tendon(name).id])
-        spec.tendon(name).springlength = [length, length]
-
-
 def _add_mass(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: PointMass) -> None:
     position = np.array(element.position_m)
     for k, (carrier, share) in enumerate(sharing(parts, element)):
@@ -144,7 +123,7 @@ def _add_ground_spring(spec: mujoco.MjSpec, parts: AirframeParts, name: str, ele
         stiffness=[element.stiffness_n_per_m, 0.0, 0.0],
         damping=[element.damping_n_s_per_m, 0.0, 0.0],
     )
-    reach(rod, spec, parts, name, (element.part, element.position_m), (WORLD, _FAR_M * direction))
+    reach(rod, spec, parts, name, (element.part, element.position_m), (WORLD, FAR_M * direction))
 
 
 def _add_rotation_spring(
@@ -156,7 +135,8 @@ def _add_rotation_spring(
         stiffness=[element.stiffness_n_m_per_rad, 0.0, 0.0],
         damping=[element.damping_n_m_s_per_rad, 0.0, 0.0],
     )
-    for joint in turned_by(element, drives[element.exciter].carrier):
+    # As the aircraft hangs others turn the body, too: that is known when it does.
+    for joint in (element.axis, *(pitched_by(drives[element.exciter].carrier) if element.axis == "pitch" else ())):
         rod.wrap_joint(joint, 1.0)
 
 

@@ -22,9 +22,10 @@ from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
+from vgvt.simulation.as_hung import AXES, rest_as_hung, trimmed
 from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.damping import StructuralDamping
-from vgvt.simulation.elements import TRIMMED, add_elements, turned_by
+from vgvt.simulation.elements import add_elements
 from vgvt.simulation.felt import felt_by
 from vgvt.simulation.linear import linearise, settle
 from vgvt.simulation.once import cut_recently, with_damped_joints
@@ -181,10 +182,12 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
 
     InputError or RuntimeError where the aircraft finds no rest.
     """
-    spec, springs, damped = _hung(layout)
-    model = spec.compile()
-    names = tuple(model.joint(j).name for j in range(model.njnt))
-    qpos = _rest(model, springs, names, near)
+    spec, damped = _hung(layout)
+    springs = trimmed(layout.elements)
+    model, qpos = rest_as_hung(
+        spec, layout.elements, layout.drives, lambda model, guess: _rest(model, springs, near, guess)
+    )
+    names = _joints(model)
     data = _trimmed(model, springs, qpos)
     linear = linearise(model, qpos)
     built = {model.body(k).name for k in range(model.nbody)}
@@ -201,9 +204,10 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     stiffness = linear.stiffness - above * np.outer(drive, drive_tilt)
     damping = linear.damping + damped.modal_matrix(names)
     for _, spring in layout.gauged_springs():
-        for joint in map(names.index, turned_by(spring, layout.drives[spring.exciter].carrier)):
-            stiffness[:, joint] -= drive * spring.gauge_per_m * spring.stiffness_n_m_per_rad
-            damping[:, joint] -= drive * spring.gauge_per_m * spring.damping_n_m_s_per_rad
+        k = body_names.index(layout.drives[spring.exciter].carrier)
+        felt = spring.gauge_per_m * np.outer(drive, (attitude[k].T @ bodies[k, 3:])[AXES[spring.axis]])
+        stiffness -= spring.stiffness_n_m_per_rad * felt
+        damping -= spring.damping_n_m_s_per_rad * felt
     places = tuple(p.site for p in points)
     jacobian, axis, tilt = felt_by(points, layout.parts.origin_m, body_names, bodies, attitude)
     joint_structure = Structure(
@@ -264,8 +268,8 @@ def _weight(node: int) -> str:
     return f"accelerometers-at-{node}"
 
 
-def _hung(layout: Plan) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
-    """The aircraft on its spring with the whole transducer, the names of springs to trim at rest, and its damping."""
+def _hung(layout: Plan) -> tuple[mujoco.MjSpec, StructuralDamping]:
+    """The aircraft on its spring with the whole transducer, and its damping."""
     scenario, parts = layout.scenario, layout.parts
     spec, damped = with_damped_joints(parts)
     add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "airframe"))
@@ -285,19 +289,25 @@ def _hung(layout: Plan) -> tuple[mujoco.MjSpec, list[str], StructuralDamping]:
     add_point_mass(spec, parts, TRANSDUCER, drive.carrier, drive.position_m, carried)
     spec.body(TRANSDUCER).add_site(name=DRIVE_SITE)
     add_elements(spec, parts, ((n, e) for n, e in layout.elements if e.owner == "rig"), layout.drives)
-    return spec, [name for name, element in layout.elements if isinstance(element, TRIMMED)], damped
+    return spec, damped
 
 
-def _rest(model: mujoco.MjModel, springs: list[str], names: tuple[str, ...], near: Structure | None) -> Array:
-    """The equilibrium (nq,), ground springs holding nothing; from a neighbour's first."""
+def _joints(model: mujoco.MjModel) -> tuple[str, ...]:
+    return tuple(model.joint(j).name for j in range(model.njnt))
+
+
+def _rest(model: mujoco.MjModel, springs: list[str], near: Structure | None, guess: Array | None) -> Array:
+    """The equilibrium (nq,), ground springs holding nothing; from a guess (nq,), or a neighbour's, first."""
     held = model.tendon_stiffness.copy()
     for name in springs:
         model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:
-        found = None
-        if near is not None:
-            start = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
-            found = settle_near(model, start, near.softness() if near.joints == names else None)
+        found, names = None, _joints(model)
+        if guess is None and near is not None:
+            guess = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
+        if guess is not None:
+            softness = near.softness() if near is not None and near.joints == names else None
+            found = settle_near(model, guess, softness)
         return settle(model) if found is None else found
     finally:
         model.tendon_stiffness[:] = held

@@ -16,6 +16,8 @@ from vgvt.simulation.seats import seats_at
 
 WORLD = "world"
 """What does not move."""
+FAR_M = 1000.0
+"""Far enough that a spring to the ground keeps its direction to 1e-5 for a centimetre across it."""
 
 
 def reach(

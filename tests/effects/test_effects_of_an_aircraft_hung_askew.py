@@ -1,0 +1,116 @@
+"""What effects do to an aircraft that hangs nose down: along it, about its axes, or up and down, and not otherwise."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import mujoco
+import numpy as np
+import pytest
+from effect_rig import Complex, accelerance, at_rest, having, largest_error, responses
+
+from vgvt.scenario import Scenario, load_scenario
+from vgvt.simulation.assembly import Rig, hung_rig, plans
+from vgvt.simulation.attached import attach
+from vgvt.simulation.linear import LinearModel, linearise
+from vgvt.simulation.modes import eigenpairs
+from vgvt.simulation.reduced import structure
+
+SURGE: dict[str, object] = {"mass_kg": 0.6, "loss_factor": 0.0}
+DRAG: dict[str, object] = {"mass_fraction": 0.0, "drag_n_s_per_m3": 5.0}
+HELD_N_M = 20.0
+
+
+@lru_cache(maxsize=2)
+def bff(name: str = "bff-hung-aft") -> Scenario:
+    """BFF with one run of two sensors that weigh nothing; hung aft it is nose down at 66 degrees."""
+    whole = load_scenario(name)
+    runs = whole.acquisition.model_copy(update={"runs": ((10, 18),), "repeats": 1})
+    weightless = whole.accelerometers.model_copy(update={"mass_kg": 0.0})
+    return whole.model_copy(update={"acquisition": runs, "accelerometers": weightless})
+
+
+def hung(scenario: Scenario) -> tuple[Rig, LinearModel]:
+    rig = hung_rig(plans(scenario)[0], 0)
+    return rig, linearise(rig.model, rig.qpos)
+
+
+def between(poles: Complex, low_hz: float, high_hz: float) -> Complex:
+    hz = np.abs(poles) / (2 * np.pi)
+    return poles[(hz > low_hz) & (hz < high_hz)]
+
+
+def test_a_surging_spring_loads_the_hook_up_and_down() -> None:
+    """By k γ cot γ in place of k, whatever the attitude: along the aircraft it had done a sixth of that."""
+    rig, plain = hung(bff())
+    moved = np.zeros((3, rig.model.nv))
+    mujoco.mj_jacSite(rig.model, at_rest(rig), moved, None, rig.model.site("hook").id)
+    stiffness, mass_kg, up = bff().suspension.stiffness_n_per_m, 0.6, moved[2]
+    # Sideways a third of the spring rides on the hook.
+    mass = plain.mass + mass_kg / 3 * moved[:2].T @ moved[:2]
+
+    def left(hz: float) -> float:
+        """What is left of 1 + H(ω) (k γ cot γ - k): nothing where spring and aircraft swing by themselves."""
+        omega = 2 * np.pi * hz
+        receptance = up @ np.linalg.solve(plain.stiffness - omega**2 * mass, up)
+        gamma = omega * np.sqrt(mass_kg / stiffness)
+        return float(1 + receptance * stiffness * (gamma / np.tan(gamma) - 1))
+
+    surging = eigenpairs(hung(having(bff(), "suspension-surge", **SURGE))[1])[0]
+    found = np.abs(between(surging, 5.0, 9.0)) / (2 * np.pi)
+    assert found.size == 3
+    # The aircraft's first bending and the first surge; the third, which is antisymmetric, does not move the hook.
+    for hz in found[:2]:
+        assert left(hz * 0.9985) * left(hz * 1.0015) < 0
+
+
+def test_air_drags_at_a_wing_across_it() -> None:
+    """As much nose down as level: it had been a seventh, and held the wing back along its chord."""
+    gained = {}
+    for name in ("bff", "bff-hung-aft"):
+        without, with_it = (
+            between(eigenpairs(hung(s)[1])[0], 5.0, 9.0)
+            for s in (bff(name), having(bff(name), "entrained-air", **DRAG))
+        )
+        ratios = [-poles.real / np.abs(poles) for poles in (without, with_it)]
+        gained[name] = ratios[1] - ratios[0]
+    assert gained["bff"].size == 2
+    np.testing.assert_allclose(gained["bff-hung-aft"], gained["bff"], rtol=0.08)
+
+
+@pytest.mark.parametrize("name", ["bff", "bff-hung-aft"])
+def test_a_stinger_resists_rotation_about_the_axes_of_the_body(name: str) -> None:
+    """Of which yaw is a part, nose down: about the vertical the aircraft had turned freely."""
+    rig, free = hung(bff(name))
+    _, held = hung(having(bff(name), "stinger-moment", rotational_stiffness_n_m_per_rad=HELD_N_M))
+    data, turned = at_rest(rig), np.zeros((3, rig.model.nv))
+    mujoco.mj_jacBody(rig.model, data, None, turned, rig.model.body("body").id)
+    across = (data.body("body").xmat.reshape(3, 3).T @ turned)[:2]
+    np.testing.assert_allclose(held.stiffness - free.stiffness, HELD_N_M * across.T @ across, atol=1e-4)
+    yaw = rig.model.joint("yaw").dofadr[0]
+    upright = data.body("body").xmat.reshape(3, 3)[2, 2]
+    assert (across[:, yaw] ** 2).sum() == pytest.approx(1 - upright**2, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [
+        ("suspension-surge", {"mass_kg": 0.6}),
+        ("entrained-air", DRAG),
+        ("stinger-moment", {"rotational_stiffness_n_m_per_rad": HELD_N_M}),
+        ("base-strain", {"rotational_stiffness_n_m_per_rad": HELD_N_M, "axis": "roll"}),
+    ],
+)
+def test_so_they_are_foretold(effect: str, values: dict[str, object]) -> None:
+    """Assembled it is the driven rig; beside a known structure it has its own coordinates' matrices."""
+    layout, plain = plans(having(bff(), effect, **values))[0], plans(bff())[0]
+    whole, base = (structure(one, one.run_points(0)) for one in (layout, plain))
+    assert largest_error(accelerance(whole), responses(having(bff(), effect, **values))[0][:-1]) < 1e-4
+    beside = attach(base, plain, layout.elements)
+    assert beside is not None
+    whole = whole.onto(beside.joints)
+    for name in ("stiffness", "damping"):
+        got, wanted, without = (getattr(s, name) for s in (beside, whole, base.onto(beside.joints)))
+        change = np.abs(wanted - without).max()
+        # A spring's own weight turns the aircraft a little.
+        assert np.abs(got - wanted).max() <= (0.02 if effect == "suspension-surge" else 1e-4) * max(change, 1e-9)
