@@ -71,3 +71,59 @@ def test_repeats_are_runs_and_a_drift_has_no_first_run() -> None:
     with pytest.raises(InputError, match="are 3 runs"):
         step = make_effect("gain-drift", "test", drift=0.1, shape="step", from_run=4)
         require_in_the_runs(with_effect(scenario, step))
+
+
+@pytest.mark.parametrize(
+    ("effect", "settings"),
+    [
+        ("run-drift", {"drift": 0.05}),
+        ("gain-drift", {"drift": 0.05, "shape": "exponential"}),
+        ("temperature-change", {"warming_k": 5.0}),
+        ("root-creep", {"bending": 0.1}),
+        ("mount-creep", {"compliance_m_per_n": 1e-4}),
+    ],
+)
+def test_what_goes_on_from_run_to_run_asks_for_two(effect: str, settings: dict[str, object]) -> None:
+    """`quick` has one: drifts of any size had been simulated as nothing there."""
+    whole = load_scenario("quick")
+    drifting = with_effect(whole, make_effect(effect, "test", **settings))
+    with pytest.raises(InputError, match=rf"effect\[0\]\.shape: {effect} goes on .* there is 1 run"):
+        require_in_the_runs(drifting)
+    require_in_the_runs(revised(drifting, acquisition={"repeats": 2}))
+
+
+@pytest.mark.parametrize(
+    ("effect", "settings", "words"),
+    [
+        ("channel-gain", {"gain_error": 0.1, "channels": "10+Z"}, "channels: channel-gain: .*'10.Z'"),
+        ("channel-gain", {"gain_error": 0.1, "channels": "even"}, "channels: channel-gain: .*'even'"),
+        ("sensor-tilt", {"angle_rad": 0.05, "sensors": "10+Z"}, "sensors: sensor-tilt: .*'10.Z'"),
+        ("cable-drag", {"stiffness_n_per_m": 5.0, "sensors": "10+Z"}, "sensors: cable-drag: .*'10.Z'"),
+        ("loose-sensor-mount", {"period_s": 0.01, "node": 10}, "node: loose-sensor-mount: .*node 10"),
+        ("sensor-position-error", {"dx_m": 0.01, "node": 10}, "node: sensor-position-error: .*node 10"),
+        ("swapped-sensors", {"node": 10, "other_node": 12}, "node: swapped-sensors: .*node 10 or 12"),
+    ],
+)
+def test_a_point_of_the_grid_that_no_run_measures_is_refused(
+    effect: str, settings: dict[str, object], words: str
+) -> None:
+    few = revised(load_scenario("quick"), acquisition={"runs": ((1, 3), (5, 7))})
+    aimed = with_effect(few, make_effect(effect, "test", **settings))
+    with pytest.raises(InputError, match=rf"effect\[0\]\.{words}") as refused:
+        require_in_the_runs(aimed)
+    assert "1, 3, 5, 7" in refused.value.advice
+    require_in_the_runs(revised(aimed, acquisition={"runs": ((1, 3), (10, 7))}))
+
+
+def test_a_sensor_that_is_measured_at_anothers_place_is_exchanged() -> None:
+    few = revised(load_scenario("quick"), acquisition={"runs": ((1, 3),)})
+    require_in_the_runs(with_effect(few, make_effect("swapped-sensors", "test", node=3, other_node=12)))
+
+
+@pytest.mark.parametrize("effect", ["channel-gain", "mains-hum"])
+def test_a_hammer_test_has_no_command_to_spoil(effect: str) -> None:
+    size = {"channel-gain": "gain_error", "mains-hum": "amplitude_v"}[effect]
+    driven = make_effect(effect, "test", **{size: 0.01}, channels="drive")
+    with pytest.raises(InputError, match=r"effect\[0\]\.channels: .* no run has a channel of 'drive'"):
+        require_in_the_runs(with_effect(load_scenario("teaching-beam-hammer"), driven))
+    require_in_the_runs(with_effect(load_scenario("quick"), driven))

@@ -6,9 +6,11 @@ An effect is told of neither before it acts: who is given a scenario asks, befor
 from __future__ import annotations
 
 from vgvt.data import InputError
+from vgvt.data.plugin import is_bundled
 from vgvt.effects.acting import acted
 from vgvt.effects.protocol import Effect
 from vgvt.effects.registry import effects_of
+from vgvt.effects.sensor_choice import DRIVE, chosen_channels
 from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.placement import place_problem
@@ -35,12 +37,18 @@ def require_on_aircraft(scenario: Scenario) -> None:
 def require_in_the_runs(scenario: Scenario) -> None:
     """InputError for an effect that the scenario's runs cannot have.
 
-    That is one that begins after the last of them, which would be simulated as nothing, and one that refuses to act: on
-    a sensor that no run has, or on the shaker of a hammer test. Not asked where a campaign brings its own runs, nor
-    where effects are fitted: procedures may repeat fewer runs.
+    That is one that would be simulated as nothing: it begins after the last of them, goes on from run to run where
+    there is one, or is on channels that none of them has. And one that refuses to act: on the shaker of a hammer test,
+    say. Not asked where a campaign brings its own runs, nor where effects are fitted: procedures may repeat fewer runs.
     """
     runs, effects = len(scenario.acquisition.run_nodes), effects_of(scenario)
     for i, effect in enumerate(effects):
+        if runs == 1 and getattr(effect, "shape", "step") != "step":
+            raise InputError(
+                f"scenario {scenario.name}: effect[{i}].shape",
+                f"{effect.name} goes on from the first run to the last, and there is 1 run",
+                "Give acquisition.runs or acquisition.repeats more of them, or leave the effect out.",
+            )
         first = _begins_in(effect)
         if first is None or first <= runs:
             continue
@@ -53,6 +61,8 @@ def require_in_the_runs(scenario: Scenario) -> None:
         )
     for run in range(runs):
         acted(effects, scenario, run, act_on)
+    for i, effect in enumerate(effects):
+        _require_channels(scenario, i, effect)
 
 
 def _begins_in(effect: Effect) -> int | None:
@@ -61,3 +71,29 @@ def _begins_in(effect: Effect) -> int | None:
         return None
     first = getattr(effect, "from_run", None)
     return first if isinstance(first, int) else None
+
+
+def _require_channels(scenario: Scenario, i: int, effect: Effect) -> None:
+    """InputError where effect ``i`` of a scenario is on sensors or channels that none of its runs has."""
+    if not is_bundled(type(effect).__module__):
+        return  # what words mean to it, it says itself
+    runs = scenario.acquisition.run_nodes
+    for key in ("channels", "sensors"):
+        choice: str = getattr(effect, key, "")
+        driven = choice != DRIVE or scenario.excitation.kind != "impact"
+        if choice and not (driven and any(chosen_channels(scenario, r, choice, effect.name) for r in range(len(runs)))):
+            raise _on_nothing(scenario, f"effect[{i}].{key}", effect, f"{choice!r}")
+    keys = [key for key in ("node", "other_node") if getattr(effect, key, 0)]
+    measured = {node for nodes in runs for node in nodes}
+    if keys and measured.isdisjoint(getattr(effect, key) for key in keys):
+        nodes = " or ".join(str(getattr(effect, key)) for key in keys)
+        raise _on_nothing(scenario, f"effect[{i}].{keys[0]}", effect, f"node {nodes}")
+
+
+def _on_nothing(scenario: Scenario, where: str, effect: Effect, what: str) -> InputError:
+    known = ", ".join(map(str, dict.fromkeys(n for nodes in scenario.acquisition.run_nodes for n in nodes)))
+    return InputError(
+        f"scenario {scenario.name}: {where}",
+        f"{effect.name}: no run has a channel of {what}",
+        f"Choose another, or leave the effect out; nodes with a sensor are {known}.",
+    )

@@ -10,7 +10,9 @@ from vgvt.scenario.points import SensorPoint, sensor_points
 
 CHOICES = "'response' (all), 'odd' or 'even' nodes, 'sensor-2' (the second one of every run), or a DOF like 12+Z"
 CHANNELS = f"'force', or {CHOICES}"
-_ROLES = ("force", "drive", "response", "all")
+DRIVE = "drive"
+"""The commands' channels, which a hammer test does not have."""
+_ROLES = ("force", DRIVE, "response", "all")
 
 
 def chosen_sensors(
@@ -19,7 +21,7 @@ def chosen_sensors(
     """The accelerometers of a run (counted from 0) that a choice means, in the order of the channels.
 
     ``choice`` is one of ``CHOICES``. InputError, naming the effect and ``choices``, for anything
-    else, and for a DOF or a place among the sensors that no run of the test has.
+    else, for a DOF that the grid does not have, and for a place among the sensors that no run has.
     """
     by_node = {p.dof.node: p for p in sensor_points(scenario)}
     there = tuple(by_node[node] for node in scenario.acquisition.run_nodes[run])
