@@ -73,6 +73,24 @@ def test_two_exchanges_that_share_a_node_leave_one_sensor_at_each_place() -> Non
     assert seats(back) == plain
 
 
+@pytest.mark.parametrize(("azimuth_rad", "across"), [(0.0, (0.0, 1.0, 0.0)), (np.pi / 2, (0.0, 0.0, 1.0))])
+@pytest.mark.parametrize("exchanged_first", [True, False])
+def test_a_leaning_sensor_leans_from_where_it_sits(
+    azimuth_rad: float, across: tuple[float, ...], exchanged_first: bool
+) -> None:
+    """One that says it measures up and sits where GARTEUR's measure aft: it had leant by 0.2 degrees of 4.6."""
+    up, aft, angle_rad = 1, 8, 0.08
+    tilt = ("sensor-tilt", {"angle_rad": angle_rad, "azimuth_rad": azimuth_rad, "sensors": f"{up}+Z"})
+    feels = ("transverse-sensitivity", {"fraction": 0.05, "azimuth_rad": azimuth_rad, "sensors": f"{up}+Z"})
+    exchanged = ("swapped-sensors", {"node": up, "other_node": aft})
+    for effect, wanted in ((tilt, [np.cos(angle_rad), np.sin(angle_rad)]), (feels, [1.0, 0.05])):
+        scenario = load_scenario("garteur-sm-ag19")
+        for name, values in (exchanged, effect) if exchanged_first else (effect, exchanged):
+            scenario = with_effect(scenario, name, **values)  # type: ignore[arg-type]
+        (point,) = (p for p in plans(scenario)[0].run_points(0) if p.dof.node == up)
+        np.testing.assert_allclose(point.axis, wanted @ np.array([(1.0, 0.0, 0.0), across]), atol=1e-12)
+
+
 @pytest.mark.parametrize("name", ["stiffness-asymmetry", "root-compliance"])
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_every_shaker_follows_a_table_that_is_written_out(name: str, side: str) -> None:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from vgvt.data import Direction
 from vgvt.effects.elements import Vector
 
@@ -52,4 +54,16 @@ def turned(direction: Direction, angle_rad: float, azimuth_rad: float) -> Vector
     """What the unit vector of a direction gains when it is turned by an angle towards an azimuth."""
     aside, shrunk = across(direction, azimuth_rad), math.cos(angle_rad) - 1
     x, y, z = (shrunk * float(d) + math.sin(angle_rad) * a for d, a in zip(direction.unit_vector, aside, strict=True))
+    return (x, y, z)
+
+
+def as_it_sits(vector: Vector, labelled: Direction, sits: Direction) -> Vector:
+    """A vector (3,) said of a sensor that measures along its label's direction, where it sits along another one.
+
+    As much along its axis, and as much across it at the same azimuth.
+    """
+    if labelled is sits:
+        return vector
+    here, there = (np.array([d.unit_vector, across(d, 0.0), across(d, math.pi / 2)]) for d in (labelled, sits))
+    x, y, z = (float(v) for v in here @ np.array(vector) @ there)
     return (x, y, z)

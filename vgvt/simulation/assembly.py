@@ -13,7 +13,7 @@ from vgvt.data import Direction, Dof, RigidBodyProperties
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, RotationSpring
-from vgvt.effects.point_error import seats
+from vgvt.effects.point_error import as_it_sits, seats
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.effects.under_a_hammer import act_on
@@ -101,6 +101,7 @@ class Plan:
             return labelled
         seat = by_node[seats(action.points for action in self.actions).get(node, node)]
         position = seat.position_m + np.sum([e.shift_m for e in errors], axis=0)
+        turned = labelled.dof.direction, seat.dof.direction
         return MeasurementPoint(
             labelled.dof,
             # By the point that it sits on, or next to, too: what holds there holds for it.
@@ -108,7 +109,7 @@ class Plan:
             seat.part,
             position,
             self.parts.carrier(seat.part, position),
-            seat.axis + np.sum([(e.lean, e.cross_sensitivity) for e in errors], axis=(0, 1)),
+            seat.axis + np.sum([as_it_sits(v, *turned) for e in errors for v in (e.lean, e.cross_sensitivity)], axis=0),
             seats_at(self.parts, seat.part, position),
         )
 
