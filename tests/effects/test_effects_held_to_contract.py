@@ -78,6 +78,10 @@ def filters(response: Callable[..., Any], channels: Any = "response", stage: Any
         ({"elements": (JointLaw("wing-left", "bend", 1.0),)}, r"JointLaw.kind is 'bend': did you mean 'bending'\?"),  # type: ignore[arg-type]
         (filters(np.ones_like, stage="sensors"), r"at stage 'sensors': did you mean 'sensor'\?"),
         (filters(1.2), r"ChannelFilter holds no function"),  # type: ignore[arg-type]
+        (
+            {"channels": (ChannelTransform("force", lambda x, rate, g: x, pace=0.0),)},
+            r"ChannelTransform.pace is 0.0: give a positive number",
+        ),
         ({"points": (PointError(99),)}, r"PointError on node 99: "),
         ({"points": (PointError(1, at_node=99),)}, r"PointError at node 99: "),
         ({"points": (PointError(1, shift_m=np.zeros(3)),)}, r"PointError.shift_m is array.*tuple of three"),  # type: ignore[arg-type]

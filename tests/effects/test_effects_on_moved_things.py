@@ -12,7 +12,7 @@ from vgvt.effects.acting import acted
 from vgvt.effects.elements import GroundSpring
 from vgvt.effects.registry import effects_of
 from vgvt.scenario import Scenario, load_scenario, sensor_points
-from vgvt.simulation import truth_of
+from vgvt.simulation import simulated_campaign, truth_of
 from vgvt.simulation.assembly import bare_rig, plans
 from vgvt.simulation.damping import MODAL_DAMPING
 from vgvt.simulation.effect_conformance import example_scenario
@@ -89,6 +89,28 @@ def test_a_leaning_sensor_leans_from_where_it_sits(
             scenario = with_effect(scenario, name, **values)  # type: ignore[arg-type]
         (point,) = (p for p in plans(scenario)[0].run_points(0) if p.dof.node == up)
         np.testing.assert_allclose(point.axis, wanted @ np.array([(1.0, 0.0, 0.0), across]), atol=1e-12)
+
+
+@pytest.mark.parametrize("skewed_first", [True, False])
+@pytest.mark.parametrize(
+    ("name", "at_hz", "seen_hz"), [("aliased-interference", 100037.0, 87.0185), ("mains-hum", 50.0, 50.025)]
+)
+def test_a_slow_clock_samples_what_comes_in_at_its_converter(
+    skewed_first: bool, name: str, at_hz: float, seen_hz: float
+) -> None:
+    """By 1 + skew further apart: of interference that moves the line by fifty hertz. It had stayed at 37 Hz."""
+    skew: tuple[str, dict[str, object]] = ("clock-skew", {"skew": 5e-4})
+    hum: tuple[str, dict[str, object]] = (name, {"frequency_hz": at_hz, "amplitude_v": 0.5, "channels": "all"})
+    scenario = example_scenario(1e-9)
+    for effect, values in (skew, hum) if skewed_first else (hum, skew):
+        scenario = with_effect(scenario, effect, **values)
+    record = simulated_campaign(scenario, engine="linear").runs[0]
+    time_s = np.arange(record.samples.shape[1]) / record.sample_rate_hz
+    prompt_hz = abs(at_hz - 1e5) if name == "aliased-interference" else at_hz
+    for row, hz in ((1, prompt_hz), (2, seen_hz)):
+        waves = np.stack([np.cos(2 * np.pi * hz * time_s), np.sin(2 * np.pi * hz * time_s)])
+        level = 2 * np.hypot(*(waves @ record.samples[row])) / time_s.size * record.channels[row].sensitivity_v_per_unit
+        assert level == pytest.approx(0.5, rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["stiffness-asymmetry", "root-compliance"])

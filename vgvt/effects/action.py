@@ -43,13 +43,16 @@ class ChannelTransform:
     ``change(samples (N,), sample_rate_hz, generator) -> (N,)`` in SI units at stage 'sensor', in volts at the others;
     ``generator`` is a random stream of this channel, run and effect alone, or with ``together`` of this run and effect
     alone: it draws the same on all channels that the effect changes. The samples begin at rest, and the record at the
-    one of number ``scenario.unrecorded_samples``; at stage 'record' they are the record's alone.
+    one of number ``scenario.unrecorded_samples``; at stage 'record' they are the record's alone. What comes in at the
+    converter is told the rate at which that really samples: by the ``pace`` of every change of the channel its samples
+    are as many times as far apart as stated.
     """
 
     channels: str
     change: Callable[[Array, float, np.random.Generator], Array]
     stage: Stage = "sensor"
     together: bool = False
+    pace: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,8 +22,9 @@ class ClockSkew:
     """Sample n of a skewed channel was taken at n (1 + ε)/fs, so that for ε > 0 it shows what comes later.
 
     That is a lead ε t, which grows with time, and in a sweep with f; for ε < 0 it is a delay. Both count from the
-    record's beginning, where the clocks agree. Between samples the signal is what its band makes it, to 1e-4 up to 0.45
-    of the rate; within 32 samples of the record's last one, and of rest, that is a guess, and past it its last value.
+    record's beginning, where the clocks agree. What comes in at the converter (hum, interference) is sampled by that
+    clock, too. Between samples the signal is what its band makes it, to 1e-4 up to 0.45 of the rate; within 32 samples
+    of the record's last one, and of rest, that is a guess, and past it its last value.
     """
 
     name: ClassVar[str] = "clock-skew"
@@ -55,7 +56,7 @@ class ClockSkew:
             return NOTHING
         where = chosen_channels(scenario, run, self.channels, self.name)
         resampled = partial(self._resampled, scenario.unrecorded_samples)
-        return Action(channels=tuple(ChannelTransform(c, resampled) for c in where))
+        return Action(channels=tuple(ChannelTransform(c, resampled, pace=1 + self.skew) for c in where))
 
     def _resampled(
         self, begin: int, samples: NDArray[np.float64], sample_rate_hz: float, generator: np.random.Generator

@@ -180,7 +180,7 @@ def _facts(action: Action) -> list[Any]:
         if isinstance(change, ChannelFilter):
             facts.append(change.response(_FREQUENCY_HZ))
         else:
-            facts.append(change.together)
+            facts += [change.together, change.pace]
             facts.append(_unchanged(signal, lambda x, c=change: c.change(x, _RATE_HZ, np.random.default_rng(1))))
     return facts
 

@@ -169,6 +169,8 @@ def _of_channels(change: ChannelFilter | ChannelTransform, scenario: Scenario) -
         yield f"{what} at stage {change.stage!r}: {choose_one_of(str(change.stage), stages)}"
     if not callable(change.response if isinstance(change, ChannelFilter) else change.change):
         yield f"{what} holds no function"
+    if isinstance(change, ChannelTransform) and not (_finite(change.pace) and change.pace > 0):
+        yield f"{what}.pace is {change.pace!r}: give a positive number, 1.0 for samples that are as far apart as stated"
     if change.channels in _ROLES:
         return
     labels = [str(p.dof) for p in sensor_points(scenario)]

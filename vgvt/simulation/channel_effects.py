@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from vgvt.data import Channel, ChannelRole, InputError
-from vgvt.effects.action import ChannelFilter, Stage
+from vgvt.effects.action import ChannelFilter, ChannelTransform, Stage
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.streams import named_stream
 from vgvt.simulation.assembly import Plan
@@ -25,6 +25,9 @@ _LONGEST = 2**22
 def changed_by_effects(layout: Plan, channel: Channel, run: int, stage: Stage, samples: Array) -> Array:
     """The samples (N,) of a channel after every effect that acts on it at a stage, in the scenario's order."""
     scenario = layout.scenario
+    rate_hz = scenario.acquisition.sample_rate_hz
+    if stage == "converter":
+        rate_hz /= math.prod(c.pace for c in _transforms(layout) if selects(c.channels, channel))
     for i, (stream, action) in enumerate(zip(_streams(scenario), layout.actions, strict=True)):
         for change in action.channels:
             if change.stage != stage or not selects(change.channels, channel):
@@ -35,7 +38,7 @@ def changed_by_effects(layout: Plan, channel: Channel, run: int, stage: Stage, s
                 else:
                     whose = () if change.together else (channel.name,)
                     generator = named_stream(scenario.seed, "effect", *stream, run, *whose)
-                    samples = _finite(change.change(samples, scenario.acquisition.sample_rate_hz, generator))
+                    samples = _finite(change.change(samples, rate_hz, generator))
             except FloatingPointError as error:
                 raise InputError(
                     f"scenario {scenario.name}: effect[{i}] {stream[0]}",
@@ -43,6 +46,12 @@ def changed_by_effects(layout: Plan, channel: Channel, run: int, stage: Stage, s
                     "Write parameters within their plausible ranges: `vgvt list effects` shows them.",
                 ) from error
     return samples
+
+
+def _transforms(layout: Plan) -> Iterator[ChannelTransform]:
+    """The changes in time of all channels, by every effect."""
+    for action in layout.actions:
+        yield from (change for change in action.channels if isinstance(change, ChannelTransform))
 
 
 def _finite(samples: Array) -> Array:
