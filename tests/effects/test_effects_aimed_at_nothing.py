@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 from effect_rig import FORE, TIP, WING, effect_rig, having
 from small_rig import revised
 
 from vgvt.data import InputError
 from vgvt.effects import make_effect
+from vgvt.effects.action import NOTHING
 from vgvt.effects.conformance import with_effect
 from vgvt.effects.places import require_in_the_runs
+from vgvt.effects.protocol import Family
 from vgvt.effects.sensor_choice import chosen_channels
 from vgvt.scenario import Scenario, bundled_scenarios, load_scenario, spoiled_scenarios
 from vgvt.simulation.assembly import plans
@@ -127,3 +132,9 @@ def test_a_hammer_test_has_no_command_to_spoil(effect: str) -> None:
     with pytest.raises(InputError, match=r"effect\[0\]\.channels: .* no run has a channel of 'drive'"):
         require_in_the_runs(with_effect(load_scenario("teaching-beam-hammer"), driven))
     require_in_the_runs(with_effect(load_scenario("quick"), driven))
+
+
+def test_an_effect_of_ones_own_may_call_something_else_its_shape(monkeypatch: pytest.MonkeyPatch) -> None:
+    own: Any = SimpleNamespace(name="dent", family=Family.AIRFRAME, shape="round", act=lambda scenario, run: NOTHING)
+    monkeypatch.setattr("vgvt.effects.places.effects_of", lambda scenario: (own,))
+    require_in_the_runs(load_scenario("quick"))

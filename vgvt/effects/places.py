@@ -8,7 +8,7 @@ from __future__ import annotations
 from vgvt.data import InputError
 from vgvt.data.plugin import is_bundled
 from vgvt.effects.acting import acted
-from vgvt.effects.protocol import Effect
+from vgvt.effects.protocol import Effect, Family
 from vgvt.effects.registry import effects_of
 from vgvt.effects.sensor_choice import DRIVE, chosen_channels
 from vgvt.effects.under_a_hammer import act_on
@@ -43,7 +43,7 @@ def require_in_the_runs(scenario: Scenario) -> None:
     """
     runs, effects = len(scenario.acquisition.run_nodes), effects_of(scenario)
     for i, effect in enumerate(effects):
-        if runs == 1 and getattr(effect, "shape", "step") != "step":
+        if runs == 1 and effect.family is Family.BETWEEN_RUNS and getattr(effect, "shape", "step") != "step":
             raise InputError(
                 f"scenario {scenario.name}: effect[{i}].shape",
                 f"{effect.name} goes on from the first run to the last, and there is 1 run",
