@@ -132,12 +132,27 @@ def test_places_nearer_than_a_station_are_one_place() -> None:
 def test_what_does_as_well_elsewhere_joins_the_round_among_its_rivals(monkeypatch: pytest.MonkeyPatch) -> None:
     """A checkpoint finds every member of the set among the rivals."""
     own, elsewhere_fit = leaving(noise(0)), leaving(noise(0))
+    own.chi2_per_dof = 1.0
     trial = place_control.ElsewhereTrial("there", elsewhere_fit)
     monkeypatch.setattr(place_control, "elsewhere", lambda *_: (trial,))
     winner, other = (Rival(f, 20.0, 20.0, 20.0, 1.0) for f in (own, elsewhere_fit))
     found = place_control.controlled(Addition(winner, (winner,), (winner,), 2.0), lambda f: other, 5.0)
     assert found.equivalent == (winner, other)
     assert set(found.equivalent) <= set(found.rivals)
+
+
+@pytest.mark.parametrize(("gain", "left", "open_there"), [(16.0, 0.1, True), (-6.5, 0.1, False), (-6.5, 4.0, True)])
+def test_elsewhere_has_to_explain_what_was_fitted_too(
+    monkeypatch: pytest.MonkeyPatch, gain: float, left: float, open_there: bool
+) -> None:
+    """Twelve grams that held-out channels hardly feel were "as good" where they cost 26 nats; a bent model is none."""
+    own, there = leaving(noise(0)), leaving(noise(0))
+    own.chi2_per_dof = left
+    trial = place_control.ElsewhereTrial("there", there)
+    monkeypatch.setattr(place_control, "elsewhere", lambda *_: (trial,))
+    winner, other = Rival(own, 20.2, 20.2, 20.2, 1.0), Rival(there, gain, gain, gain, 1.0)
+    found = place_control.controlled(Addition(winner, (winner,), (winner,), 2.0), lambda f: other, 5.0)
+    assert (other in found.equivalent) == open_there
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ from vgvt.reconcile.fitting.fit_unless_behind import fit_unless_behind
 from vgvt.reconcile.prediction.grouping import NoStructureError, effects_at
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.search.candidates import freed, places
+from vgvt.reconcile.search.shortlist import BIASED
 from vgvt.reconcile.work.progress import Progress, silent
 from vgvt.reconcile.work.team import ALONE, Team
 
@@ -52,10 +53,14 @@ def controlled(
 ) -> Addition:
     """A round whose equivalence set holds the winner's effect elsewhere too, where that does as well on held-out data.
 
-    ``judged`` makes a rival of a fit as the round did.
+    And as another name would have to, on those that were fitted, unless much is still missing: held-out channels that
+    hardly move know of no place. ``judged`` makes a rival of a fit as the round did.
     """
-    trials = elsewhere(addition.winner.fit, tell, team)
-    added = [judged(t.fit) for t in trials if as_good(t.fit, addition.winner.fit, set_nats)]
+    winner = addition.winner
+    trials = elsewhere(winner.fit, tell, team)
+    added = [judged(t.fit) for t in trials if as_good(t.fit, winner.fit, set_nats)]
+    if winner.fit.chi2_per_dof < BIASED:
+        added = [r for r in added if r.gain_nats > winner.gain_nats - set_nats]
     return replace(addition, equivalent=(*addition.equivalent, *added), rivals=(*addition.rivals, *added))
 
 
