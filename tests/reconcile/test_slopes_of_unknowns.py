@@ -50,9 +50,7 @@ def test_another_balance_moves_nothing_that_rides_on_the_aircraft(
 ) -> None:
     """With coordinates of the centre of gravity every point had other rows: up to 63 % off beside a soft root."""
     beside = (Hypothesis(available_effects()[name], {}),) if name else ()
-    # A surge goes up and down, so that in the aircraft's axes it turns as that does: 1.2 to 1.4 % that no slope has.
-    limit = 0.02 if name == "suspension-surge" else 0.01
-    assert missed(request.getfixturevalue(which), "cg body", *beside) < limit
+    assert missed(request.getfixturevalue(which), "cg body", *beside) < 0.01
 
 
 def test_what_sensors_that_rove_weigh_across_their_axes_is_in_the_slope(roving: Problem) -> None:

@@ -67,7 +67,6 @@ class RotationSpring:
 class Absorber:
     """A mass on a spring and dashpot that slides along a direction fixed to the aircraft; ``kind`` names its mode.
 
-    One that is ``upright`` slides up and down instead, however the aircraft hangs.
     Where an effect lets the suspension's frame move, spring and dashpot act on what the mass slides by less
     ``frame_share`` of what the frame rises by.
     """
@@ -81,7 +80,6 @@ class Absorber:
     kind: Literal["absorber", "surge"] = "absorber"
     owner: Owner = "airframe"
     frame_share: float = 0.0
-    upright: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,10 +23,10 @@ class SuspensionSurge:
 
     The partial fractions of that are absorbers of mass 2 m_s/(nπ)² at n f_s,
     f_s = ½ sqrt(k/m_s), beside the spring itself; those above the sixth, m_s/3 less the
-    six, ride on the hook as mass. They slide up and down, however the aircraft hangs; sideways all of m_s/3 rides on
-    the hook, which is right below the spring's first wave across. On a frame that gives way (frame-resonance, in either
-    order) the spring has two moving ends: their sum drives the odd surges and their difference the even ones, and as
-    much rides on the frame.
+    six, ride on the hook as mass. They slide along the aircraft's own vertical, which is the spring's where it hangs
+    about level; sideways all of m_s/3 rides on the hook, which is right below the spring's first wave across. On a
+    frame that gives way (frame-resonance, in either order) the spring has two moving ends: their sum drives the odd
+    surges and their difference the even ones, and as much rides on the frame.
     """
 
     name: ClassVar[str] = "suspension-surge"
@@ -66,9 +66,8 @@ class SuspensionSurge:
             damper = self.loss_factor * mass * omega
             # A mode of the spring with both ends held moves with one end as with the other, or against it.
             share = (-1.0) ** (n + 1)
-            k = mass * omega**2
             elements.append(
-                Absorber("body", hook, mass, k, damper, kind="surge", owner="rig", frame_share=share, upright=True)
+                Absorber("body", hook, mass, mass * omega**2, damper, kind="surge", owner="rig", frame_share=share)
             )
         # Faster ones are mass of both ends alike; between the ends they alternate and leave a four-hundredth of m_s.
         rest = self.mass_kg / 3 - sum(e.mass_kg for e in elements if isinstance(e, Absorber))

@@ -1,7 +1,7 @@
 """What is set up by how the aircraft hangs, which is not known before it is at rest: directions and lengths.
 
 Elements are given in aircraft axes of the unloaded shape, and an aircraft may hang nose down. What pushes along a part,
-or turns about an axis of the body, goes with these; what hangs on the suspension's spring goes up and down.
+or turns about an axis of the body, goes with these.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from vgvt.effects.elements import Absorber, Element, GroundSpring, PointPair, RotationSpring, SuspensionCubic
+from vgvt.effects.elements import Element, GroundSpring, PointPair, RotationSpring, SuspensionCubic
 from vgvt.simulation.contact_elements import Drive
 from vgvt.simulation.seated_tendon import FAR_M
 
@@ -21,35 +21,23 @@ TRIMMED = (GroundSpring, RotationSpring, PointPair, SuspensionCubic)
 """Springs that are laid, or moved along, to where the aircraft hangs: at rest they carry nothing."""
 AXES = {"roll": 0, "pitch": 1, "yaw": 2}
 """The axes of the body about which a rotation spring holds."""
-_UP = np.array([0.0, 0.0, 1.0])
 # Of a rotation, what is none.
 _NOTHING = 1e-12
-# How often slides are turned to the vertical at most, and what a coordinate moves by, m or rad, when they are there:
-# each time the balance moves by a thousandth, or less, of what it did before.
-_TURNS, _THERE = 5, 1e-8
 
 
 def rest_as_hung(
     spec: mujoco.MjSpec,
     elements: Sequence[tuple[str, Element]],
     drives: Sequence[Drive],
-    rest: Callable[[mujoco.MjModel, Array | None], Array],
+    rest: Callable[[mujoco.MjModel], Array],
 ) -> tuple[mujoco.MjModel, Array]:
     """The model of ``spec`` with what follows from its attitude at rest turned to that, and the equilibrium (nq,).
 
-    ``rest(model, guess)`` finds that of a model, from a guess or without one.
+    ``rest(model)`` finds that of a model: springs that are turned hold nothing there.
     """
     model = spec.compile()
-    qpos = rest(model, None)
-    slides = any(isinstance(element, Absorber) and element.upright for _, element in elements)
-    for _ in range(_TURNS):
-        model = turned_as_hung(spec, elements, drives, model, qpos)
-        if not slides:
-            break
-        before, qpos = qpos, rest(model, qpos)
-        if np.abs(qpos - before).max() < _THERE:
-            break
-    return model, qpos
+    qpos = rest(model)
+    return turned_as_hung(spec, elements, drives, model, qpos), qpos
 
 
 def turned_as_hung(
@@ -61,7 +49,7 @@ def turned_as_hung(
 ) -> mujoco.MjModel:
     """Turn in ``spec`` what follows from the attitude at rest, ``qpos`` (nq,) of its ``model``; the model of it then.
 
-    That model itself where nothing does. A mass that slides upright moves the balance a little.
+    That model itself where nothing does.
     """
     following = [(name, element) for name, element in elements if _follows(element)]
     if not following:
@@ -70,9 +58,7 @@ def turned_as_hung(
     data.qpos[:] = qpos
     mujoco.mj_forward(model, data)
     for name, element in following:
-        if isinstance(element, Absorber):
-            spec.joint(f"{name}/{element.kind}").axis = data.body(name).xmat.reshape(3, 3).T @ _UP
-        elif isinstance(element, GroundSpring):
+        if isinstance(element, GroundSpring):
             _turn_far_ends(spec, data, name, element)
         elif isinstance(element, RotationSpring):
             _hold_rotation(spec, model, data, name, element, drives[element.exciter].carrier)
@@ -102,11 +88,7 @@ def trimmed(elements: Iterable[tuple[str, Element]]) -> list[str]:
 
 def _follows(element: Element) -> bool:
     """Whether an element's direction follows from how the aircraft hangs."""
-    return (
-        isinstance(element, RotationSpring)
-        or (isinstance(element, Absorber) and element.upright)
-        or (isinstance(element, GroundSpring) and element.turns_with_part)
-    )
+    return isinstance(element, RotationSpring) or (isinstance(element, GroundSpring) and element.turns_with_part)
 
 
 def _turn_far_ends(spec: mujoco.MjSpec, data: mujoco.MjData, name: str, element: GroundSpring) -> None:

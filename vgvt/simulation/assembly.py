@@ -274,7 +274,7 @@ def _transducer_side_mass(layout: Plan) -> float:
 def _settle(layout: Plan, spec: mujoco.MjSpec) -> NDArray[np.float64]:
     """The equilibrium (nq,) without the springs that will be trimmed to it: put on last, they hold nothing."""
 
-    def rest(model: mujoco.MjModel, _: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    def rest(model: mujoco.MjModel) -> NDArray[np.float64]:
         for name in trimmed(layout.elements):
             model.tendon_stiffness[model.tendon(name).id] = 0.0
         return settle(model)

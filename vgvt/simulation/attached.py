@@ -21,7 +21,6 @@ from vgvt.simulation.reduced import Structure
 from vgvt.simulation.seats import MeasurementPoint, seats_at
 
 Array = NDArray[np.float64]
-_UP = np.array([0.0, 0.0, 1.0])
 _Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
 
 
@@ -110,7 +109,7 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
     else:
         moved, own = rows.copy(), np.zeros(s.drive.size)
         joint = s.joints.index(_own_joint(name, element))
-        moved[:, joint] += _UP if element.upright else turn @ _unit(element.direction)
+        moved[:, joint] += turn @ _unit(element.direction)
         own[joint] = 1.0
         own[frame] = -element.frame_share
         s.mass[:] += element.mass_kg * moved.T @ moved

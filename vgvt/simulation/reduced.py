@@ -184,9 +184,7 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     """
     spec, damped = _hung(layout)
     springs = trimmed(layout.elements)
-    model, qpos = rest_as_hung(
-        spec, layout.elements, layout.drives, lambda model, guess: _rest(model, springs, near, guess)
-    )
+    model, qpos = rest_as_hung(spec, layout.elements, layout.drives, lambda model: _rest(model, springs, near))
     names = _joints(model)
     data = _trimmed(model, springs, qpos)
     linear = linearise(model, qpos)
@@ -296,18 +294,17 @@ def _joints(model: mujoco.MjModel) -> tuple[str, ...]:
     return tuple(model.joint(j).name for j in range(model.njnt))
 
 
-def _rest(model: mujoco.MjModel, springs: list[str], near: Structure | None, guess: Array | None) -> Array:
-    """The equilibrium (nq,), ground springs holding nothing; from a guess (nq,), or a neighbour's, first."""
+def _rest(model: mujoco.MjModel, springs: list[str], near: Structure | None) -> Array:
+    """The equilibrium (nq,), ground springs holding nothing; from a neighbour's first."""
     held = model.tendon_stiffness.copy()
     for name in springs:
         model.tendon_stiffness[model.tendon(name).id] = 0.0
     try:
-        found, names = None, _joints(model)
-        if guess is None and near is not None:
-            guess = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
-        if guess is not None:
-            softness = near.softness() if near is not None and near.joints == names else None
-            found = settle_near(model, guess, softness)
+        found = None
+        if near is not None:
+            names = _joints(model)
+            start = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
+            found = settle_near(model, start, near.softness() if near.joints == names else None)
         return settle(model) if found is None else found
     finally:
         model.tendon_stiffness[:] = held
