@@ -6,7 +6,7 @@ or turns about an axis of the body, goes with these.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import mujoco
 import numpy as np
@@ -25,21 +25,6 @@ AXES = {"roll": 0, "pitch": 1, "yaw": 2}
 _NOTHING = 1e-12
 
 
-def rest_as_hung(
-    spec: mujoco.MjSpec,
-    elements: Sequence[tuple[str, Element]],
-    drives: Sequence[Drive],
-    rest: Callable[[mujoco.MjModel], Array],
-) -> tuple[mujoco.MjModel, Array]:
-    """The model of ``spec`` with what follows from its attitude at rest turned to that, and the equilibrium (nq,).
-
-    ``rest(model)`` finds that of a model: springs that are turned hold nothing there.
-    """
-    model = spec.compile()
-    qpos = rest(model)
-    return turned_as_hung(spec, elements, drives, model, qpos), qpos
-
-
 def turned_as_hung(
     spec: mujoco.MjSpec,
     elements: Iterable[tuple[str, Element]],
@@ -49,9 +34,13 @@ def turned_as_hung(
 ) -> mujoco.MjModel:
     """Turn in ``spec`` what follows from the attitude at rest, ``qpos`` (nq,) of its ``model``; the model of it then.
 
-    That model itself where nothing does.
+    That model itself where nothing does. All of it is trimmed to that rest, and leaves it where it is.
     """
-    following = [(name, element) for name, element in elements if _follows(element)]
+    following = [
+        (name, element)
+        for name, element in elements
+        if isinstance(element, RotationSpring) or (isinstance(element, GroundSpring) and element.turns_with_part)
+    ]
     if not following:
         return model
     data = mujoco.MjData(model)
@@ -60,7 +49,7 @@ def turned_as_hung(
     for name, element in following:
         if isinstance(element, GroundSpring):
             _turn_far_ends(spec, data, name, element)
-        elif isinstance(element, RotationSpring):
+        else:
             _hold_rotation(spec, model, data, name, element, drives[element.exciter].carrier)
     return spec.compile()
 
@@ -70,7 +59,7 @@ def laid_as_hung(
 ) -> None:
     """Turn what follows from the equilibrium ``qpos`` (nq,), and give springs the rest length that they have there."""
     springs = trimmed(elements)
-    if not springs and not any(_follows(element) for _, element in elements):
+    if not springs:
         return
     model = turned_as_hung(spec, elements, drives, spec.compile(), qpos)
     data = mujoco.MjData(model)
@@ -84,11 +73,6 @@ def laid_as_hung(
 def trimmed(elements: Iterable[tuple[str, Element]]) -> list[str]:
     """The names of tendons to trim once the aircraft is at rest."""
     return [name for name, element in elements if isinstance(element, TRIMMED)]
-
-
-def _follows(element: Element) -> bool:
-    """Whether an element's direction follows from how the aircraft hangs."""
-    return isinstance(element, RotationSpring) or (isinstance(element, GroundSpring) and element.turns_with_part)
 
 
 def _turn_far_ends(spec: mujoco.MjSpec, data: mujoco.MjData, name: str, element: GroundSpring) -> None:

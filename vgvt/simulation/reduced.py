@@ -22,7 +22,7 @@ from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
-from vgvt.simulation.as_hung import AXES, rest_as_hung, trimmed
+from vgvt.simulation.as_hung import AXES, trimmed, turned_as_hung
 from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_elements
@@ -184,7 +184,9 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     """
     spec, damped = _hung(layout)
     springs = trimmed(layout.elements)
-    model, qpos = rest_as_hung(spec, layout.elements, layout.drives, lambda model: _rest(model, springs, near))
+    hung = spec.compile()
+    qpos = _rest(hung, springs, near)
+    model = turned_as_hung(spec, layout.elements, layout.drives, hung, qpos)
     names = _joints(model)
     data = _trimmed(model, springs, qpos)
     linear = linearise(model, qpos)
