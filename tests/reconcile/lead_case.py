@@ -36,8 +36,8 @@ def found(
     """Rounds, by χ² per degree of freedom of the fitted and of the held-out data without and with them."""
     met = after[0] <= 1.0 and (after[1] or 0.0) <= 1.0
     null, final = fitted(1000 * before[0], bent=50.0), fitted(1000 * after[0])
-    winner = SimpleNamespace(name="added-mass", fit=fitted(1000 * after[0]))
-    addition: Any = SimpleNamespace(winner=winner, rivals=("tried at first",), held_out_before=None)
+    winner = SimpleNamespace(name="added-mass", fit=fitted(1000 * after[0]), hypothesis=SimpleNamespace(linear=True))
+    addition: Any = SimpleNamespace(winner=winner, alike=(), rivals=("tried at first",), held_out_before=None)
     return Attribution(
         null, left(before[1]), (addition,) * names, final, left(after[1], adequate, met=met), last_rivals=(), vetoed=()
     )  # fmt: skip

@@ -232,7 +232,7 @@ def test_a_place_is_told_with_the_model_that_leaves_what_it_explains(
 ) -> None:
     for name in ("_of_what_is_left", "_of_a_name", "doubts", "_of_the_unknown", "_of_the_implausible"):
         monkeypatch.setattr(reasons, name, lambda *_: [])
-    for name in ("rests_on_one_level", "_lasting_alone"):
+    for name in ("rests_on_one_level", "_lasting_alone", "_of_one_at_rest"):
         monkeypatch.setattr(reasons, name, lambda *_: [])
     monkeypatch.setattr(reasons, "strained_too_much", lambda fit: False)
     monkeypatch.setattr(reasons, "several_levels", lambda problem: True)

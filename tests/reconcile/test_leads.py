@@ -91,7 +91,8 @@ def with_strange(monkeypatch: pytest.MonkeyPatch, strange: tuple[str, ...], name
     monkeypatch.setattr(leads, "residual", lambda fit, thresholds: left(0.9 if len(fit.hypotheses) > 1 else 1.6))
     things = tuple(SimpleNamespace(name=n) for n in names)
     fits = [fitted(800.0, hypotheses=things[: k + 1]) for k in range(len(names))]
-    winners = [SimpleNamespace(name=n, fit=f) for n, f in zip(names, fits, strict=True)]
+    plain = SimpleNamespace(linear=True)
+    winners = [SimpleNamespace(name=n, fit=f, hypothesis=plain) for n, f in zip(names, fits, strict=True)]
     tried = ("tried at first",), ("tried beside one",)
     rounds: Any = tuple(Addition(w, (), r, None) for w, r in zip(winners, tried, strict=True))  # type: ignore[arg-type]
     return Attribution(fitted(2000.0, bent=50.0), left(5.0), rounds, fits[-1], left(0.9, True), (), ())
@@ -169,8 +170,9 @@ def test_what_could_not_be_is_refused_where_nothing_was_missing(monkeypatch: pyt
 def test_what_comes_nearly_as_near_stands_beside_a_lead(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(near_leads, "implausible", lambda fit: ())
     case = found((100.0, 100.0), (60.0, 60.0))
+    plain = SimpleNamespace(linear=True)
     surge: Any = SimpleNamespace(name="suspension-surge", fit=fitted(61_000), held_out=62.0)
-    winner: Any = SimpleNamespace(name="root-compliance", fit=fitted(60_000), held_out=60.0)
+    winner: Any = SimpleNamespace(name="root-compliance", fit=fitted(60_000), held_out=60.0, hypothesis=plain)
     judged = as_leads(replace(case, rounds=(Addition(winner, (winner,), (winner, surge), 100.0),)), THRESHOLDS)
     assert judged.leads[0].equivalent == (winner, surge)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from vgvt.reconcile.decision.as_at_rest import rests, shows_nothing_of_it, why_at_rest
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.backward import without_last
 from vgvt.reconcile.decision.doubts import strained_too_much
@@ -39,15 +40,16 @@ def as_leads(found: Attribution, thresholds: Thresholds) -> Attribution:
     to give, and of held-out data where these are still missed; and nine tenths of the former where data are not met.
     However much they take, what is left may not be :data:`FAR_OFF`, nor may the tolerances have to give more than
     without the names, or far more than they may, unless the data are met and they have let go of nine tenths. What
-    leaves no more than campaigns leave in which nothing is missing keeps its name. What is no plausible thing keeps
-    none, whatever it leaves; what was named before it does without it.
+    leaves no more than campaigns leave in which nothing is missing keeps its name. What is no plausible thing, or
+    nothing that the data could show to be it (:mod:`vgvt.reconcile.decision.as_at_rest`), keeps none, whatever it
+    leaves; what was named before it does without it.
     """
     if not found.rounds:
         return found
-    rounds, final = list(found.rounds), found.final
-    while rounds and implausible(final):
+    rounds, final, problem = list(found.rounds), found.final, found.null.problem
+    while rounds and (implausible(final) or shows_nothing_of_it(problem, rounds[-1])):
         rounds, final, _ = without_last(rounds, found.null)
-    if not rounds or any(implausible(final, k) for k in range(len(rounds))):
+    if not rounds or any(implausible(final, k) or shows_nothing_of_it(problem, a) for k, a in enumerate(rounds)):
         return demoted(found)
     if len(rounds) < len(found.rounds):
         dropped = found.rounds[len(rounds) :]
@@ -118,6 +120,9 @@ def why_no_name(found: Attribution) -> str:
             f"what leaves the tolerances to give {strain:.0f} standard deviations beyond chance, more than "
             f"{FAR_OFF:.0f} times what they may, is a lead"
         )
+    resting = [a.winner for a in found.leads if rests(found.null.problem, a.winner)]
+    if resting:
+        return "; ".join(map(why_at_rest, resting))
     taken = share_taken(led, found.null, found.null_residual) if led else 0.0
     if 1 - 0.5 ** len(found.leads) <= taken < NEARLY_ALL:
         return (
@@ -157,7 +162,8 @@ def demoted(found: Attribution) -> Attribution:
     if not found.null_residual.adequate or strained_too_much(found.null):
         return led_by_all(found)
     # What the first round asked is what stood between these data and a name; what could not be was refused one.
-    strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit))
+    problem = found.null.problem
+    strange = tuple(a.winner for a in found.rounds if implausible(a.winner.fit) or shows_nothing_of_it(problem, a))
     rivals = found.rounds[0].rivals if found.rounds else found.last_rivals
     return replace(bare, last_rivals=rivals, vetoed=(*strange, *found.vetoed))
 

@@ -6,6 +6,7 @@ import math
 
 from vgvt.data.shown import listed
 from vgvt.reconcile.decision.addition import Addition
+from vgvt.reconcile.decision.as_at_rest import rests, why_at_rest
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.decision.doubts import doubts, far_scores, strained_too_much
 from vgvt.reconcile.decision.kinds import Kind
@@ -54,6 +55,8 @@ def reasons_of(kind: Kind, found: Attribution, limits: Thresholds, places: Local
     if kind in (Kind.UNKNOWN, Kind.ADEQUATE):
         said += _lasting_alone(found, limits)
     said += _of_the_implausible(found)
+    if kind is not Kind.UNKNOWN:
+        said += _of_one_at_rest(found)
     if kind in (Kind.PARTLY_EXPLAINED, Kind.UNKNOWN) and not several_levels(problem):
         said.append(
             "Every run has the same level of force: whether what is left is nonlinear, or drift, needs a second level"
@@ -221,6 +224,14 @@ def _of_the_implausible(found: Attribution) -> list[str]:
         f"{r.hypothesis.label} would gain {r.gain_nats:.0f} nats, but it is no plausible thing ({'; '.join(why)})"
         for r, why in list(strange.values())[:_TOLD]
     ]
+
+
+def _of_one_at_rest(found: Attribution) -> list[str]:
+    """What was named last and has lost its name, as no record shows it to be what it is called."""
+    last = found.vetoed[0] if found.vetoed else None
+    if last is None or last not in found.last_rivals or implausible(last.fit) or not rests(found.null.problem, last):
+        return []
+    return [f"{last.hypothesis.label} would gain {last.gain_nats:.0f} nats, but {why_at_rest(last)}"]
 
 
 def _lasting_alone(found: Attribution, limits: Thresholds) -> list[str]:
