@@ -243,10 +243,24 @@ def test_a_dead_channel_is_refused_or_left_out_and_stays_on_the_aircraft(
 
 def test_only_and_without_choose_the_hypotheses(vgvt, tmp_path: Path, beam: Path, loops) -> None:
     campaign = written(tmp_path, measured())
-    vgvt("reconcile", campaign, "--scenario", beam, "--only", "added-mass", "--only", "mains-hum", "--json")
-    vgvt("reconcile", campaign, "--scenario", beam, "--without", "added-mass", "--json")
+    arguments = ("reconcile", campaign, "--scenario", beam, "--json")
+    vgvt(*arguments, "--only", "added-mass", "--only", "mains-hum")
+    vgvt(*arguments, "--without", "added-mass")
     assert set(loops[0]["effects"]) == {"added-mass", "mains-hum"}
     assert "added-mass" not in loops[1]["effects"] and "mains-hum" in loops[1]["effects"]
+
+
+def test_what_was_asked_for_and_not_tried_is_told(vgvt, tmp_path: Path, beam: Path, loops) -> None:
+    """A shaker on a beam puts no moment on the body; it had been left out without a word."""
+    arguments = ("reconcile", written(tmp_path, measured()), "--scenario", beam, "--only", "added-mass")
+    arguments = (*arguments, "--only", "stinger-moment", "--json")
+    for told in (vgvt(*arguments), vgvt(*arguments)):
+        assert list(told.document["not_tried"]) == ["stinger-moment"]
+        assert "--only: stinger-moment was not tried, as no variant of it could show" in told.err
+        assert "a moment can only be put on the centre body" in told.err
+    assert len(loops) == 1
+    everything = vgvt("reconcile", *arguments[1:4], "--json")
+    assert "stinger-moment" in everything.document["not_tried"] and "was not tried" not in everything.err
 
 
 def test_how_many_share_the_work_changes_no_question(vgvt, tmp_path: Path, beam: Path, loops) -> None:
@@ -272,58 +286,6 @@ def test_ctrl_c_keeps_the_former_answer(vgvt, tmp_path: Path, beam: Path, loops,
     assert stopped.status == 130
     assert "kept in found" in stopped.err
     assert vgvt(*arguments).document == first
-
-
-def test_power_before_the_test(vgvt, tmp_path: Path, beam: Path) -> None:
-    arguments = (
-        "reconcile",
-        "--power",
-        "--scenario",
-        beam,
-        "--only",
-        "channel-gain",
-        "--only",
-        "mains-hum",
-        "--lines",
-        60,
-    )
-    document = vgvt(*arguments, "--out", "seen", "--json").document
-    gains = [row for row in document["power"] if row["effect"] == "channel-gain"]
-    seen = {row["label"]: row["smallest"] for row in gains if row["smallest"] is not None}
-    # One channel against the others of its instrument: some times the tolerances of both, 0.3 % and 1 %.
-    alone = [smallest for label, smallest in seen.items() if "+Z" in label]
-    assert len(alone) > 1 and all(0.003 < smallest < 0.1 for smallest in alone)
-    # All sensors alike is what the gains' own tolerance of 1 % can imitate at once.
-    assert seen["channel-gain (channels = response)"] > 0.01
-    assert document["invisible"] == ["mains-hum"]
-    (spread,) = (row for row in document["places"] if row["effect"] == "channel-gain")
-    assert spread["variants"] == len(gains)
-    assert spread["best"] == min(seen.values()) == seen[spread["best_variant"]]
-    assert spread["best"] < spread["median"]
-    assert {row["reason"] for row in document["power"] if row["effect"] == "mains-hum"} == {"never"}
-    assert {p.name for p in (tmp_path / "seen").iterdir()} == {"power.json", "power.html"}
-    assert "channel-gain" in vgvt(*arguments).out
-
-
-def test_power_before_the_test_of_what_could_show_nowhere_is_no_table(vgvt, beam: Path) -> None:
-    """A beam of four runs of one sensor each has no two that could be taken for one another."""
-    beam.write_text(BEAM.replace("[[1, 2], [3, 4], [5, 6], [7, 8]]", "[[1], [3], [5], [7]]"), encoding="utf-8")
-    ran = vgvt("reconcile", "--power", "--scenario", beam, "--only", "swapped-sensors", "--lines", 60)
-    assert ran.status == 2
-    assert "no variant of swapped-sensors" in ran.err
-
-
-def test_power_before_the_test_tells_what_the_aircraft_cannot_have(vgvt, beam: Path) -> None:
-    """A shaker on a beam puts no moment on the body: no table calls that invisible, as if another test could see it."""
-    arguments = ("reconcile", "--power", "--scenario", beam, "--only", "stinger-moment", "--lines", 60)
-    ran = vgvt(*arguments)
-    assert ran.status == 2
-    assert "no variant of stinger-moment" in ran.err
-    assert "a moment can only be put on the centre body" in ran.err
-    ran = vgvt(*arguments, "--only", "mains-hum", "--json")
-    assert ran.document["invisible"] == ["mains-hum"]
-    assert list(ran.document["cannot_have"]) == ["stinger-moment"]
-    assert "no variant of stinger-moment is possible" in ran.err
 
 
 @pytest.mark.slow

@@ -149,11 +149,15 @@ def test_what_was_tried_is_counted(vgvt, tmp_path: Path, beam: Path, asked) -> N
     assert asked[0]["facts"]["effects tried"] == "2"
 
 
-def test_what_no_variant_could_show_is_no_answer(vgvt, tmp_path: Path, beam: Path, asked) -> None:
-    """A beam of four runs of one sensor each has no two that could be taken for one another."""
+def test_what_no_variant_could_show_is_refused_at_once(
+    vgvt, tmp_path: Path, beam: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A beam of four runs of one sensor each has no two that could be taken for one another: nothing is fitted."""
+    from vgvt.reconcile import loop
+
+    monkeypatch.setattr(loop, "calibrate", lambda *_, **__: pytest.fail("fitted"))
     alone = BEAM.replace("[[1, 2], [3, 4], [5, 6], [7, 8]]", "[[1], [3], [5], [7]]")
     beam.write_text(alone, encoding="utf-8")
     result = vgvt("reconcile", written(tmp_path, measured(beam)), "--scenario", beam, "--only", "swapped-sensors")
     assert result.status == 2
     assert "no variant of swapped-sensors" in result.err
-    assert "facts" not in asked[0]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from vgvt.data import Campaign
     from vgvt.reconcile.decision.verdict import Verdict
     from vgvt.reconcile.question.hypothesis import Hypothesis
+    from vgvt.reconcile.question.problem import Problem
     from vgvt.reconcile.question.thresholds import Thresholds
     from vgvt.scenario.model import Scenario
 
@@ -141,6 +142,9 @@ def reconcile(
             log(f"took the verdict that {folder.path} already holds; --force does it again")
             if document["reconciled_edited"]:
                 log(f"{folder.scenario} was edited since: the verdict speaks of what it said before")
+    not_tried: dict[str, str] = document.get("not_tried", {})
+    for name in sorted(not_tried.keys() & {*(only or ())}):
+        log(f"--only: {name} was not tried, as no variant of it could show in this campaign: {not_tried[name]}")
     if as_json:
         write_document(document)
         return 0
@@ -228,6 +232,7 @@ def _reconciled(
     from vgvt.files.manifest import file_sha256
     from vgvt.reconcile.loop import reconcile as close_the_loop
     from vgvt.reconcile.outcome.account import account_of
+    from vgvt.reconcile.search.candidates import candidates
     from vgvt.view.reconcile_document import account_document
     from vgvt.view.reconcile_page import write_reconcile_page
     from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence, warnings_of
@@ -240,7 +245,8 @@ def _reconciled(
             workers=workers,
             progress=lambda fraction, message, _: report(share * fraction, message),
         )  # fmt: skip
-        tried = _tried(verdict, effects)
+        problem = verdict.attribution.null.problem
+        tried = candidates(problem, effects)
         # "Nothing is needed" is worth as much as what could have been seen.
         asked = with_power or verdict.kind == "adequate"
         seen = _power(verdict, tried, lambda f, m: report(share + _POWER_SHARE * f, m)) if asked else ()
@@ -260,6 +266,7 @@ def _reconciled(
         "would_disprove_it": disproofs(account),
         "warnings": warnings_of(account),
         "power": [p.document() for p in seen],
+        "not_tried": _not_tried(problem, effects, tried),
         "campaign": campaign.name,
         **folder.places,
         "reconciled_sha256": file_sha256(folder.cache / folder.scenario.name),
@@ -273,18 +280,13 @@ def _reconciled(
     return document
 
 
-def _tried(verdict: Verdict, effects: Mapping[str, type]) -> tuple[Hypothesis, ...]:
-    """What the loop had to choose from; InputError where this campaign could show no variant of any effect.
+def _not_tried(problem: Problem, effects: Mapping[str, type], tried: tuple[Hypothesis, ...]) -> dict[str, str]:
+    """Effects to choose from of which this campaign could show no variant, by name, and why."""
+    from vgvt.reconcile.search.candidates import cannot_have
 
-    That nothing explains the data is no answer where nothing was asked.
-    """
-    from vgvt.cli.reconcile_power import some_variant
-    from vgvt.reconcile.search.candidates import candidates, cannot_have
-
-    problem = verdict.attribution.null.problem
-    tried = candidates(problem, effects)
-    without = {} if tried else {name: error.problem for name, error in cannot_have(problem, effects).items()}
-    return some_variant(tried, effects, without)
+    left = {name: cls for name, cls in effects.items() if name not in {h.name for h in tried}}
+    why = cannot_have(problem, left)
+    return {name: why[name].problem if name in why else "there is nothing here that it could act on" for name in left}
 
 
 def _power(verdict: Verdict, tried: tuple[Hypothesis, ...], report: Any) -> tuple[Any, ...]:

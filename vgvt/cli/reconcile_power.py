@@ -11,7 +11,6 @@ from vgvt.cli.console import log, progress, show
 from vgvt.cli.document import document_text, write_document
 
 if TYPE_CHECKING:
-    from vgvt.reconcile.question.hypothesis import Hypothesis
     from vgvt.reconcile.question.thresholds import Thresholds
     from vgvt.scenario.model import Scenario
     from vgvt.view.power_account import PowerRow
@@ -78,7 +77,7 @@ def _computed(
     from vgvt.reconcile.next_test.power import power
     from vgvt.reconcile.next_test.power_rows import confusable, invisible, power_rows
     from vgvt.reconcile.question.suitable import check_excitation, within_excited
-    from vgvt.reconcile.search.candidates import candidates, cannot_have
+    from vgvt.reconcile.search.candidates import cannot_have, some_candidates
 
     check_excitation(scenario)
     if band is not None:
@@ -87,7 +86,7 @@ def _computed(
         fit = expected_fit(scenario, lines=lines, band_hz=band, progress=lambda f, m: report(_SIMULATED * f, m))
         report(_LINED_UP, "derivatives")
         without = {name: error.problem for name, error in cannot_have(fit.problem, effects).items()}
-        tried = some_variant(candidates(fit.problem, effects), effects, without)
+        tried = some_candidates(fit.problem, effects)
         found = power(fit, tried, lambda f, m: report(_LINED_UP + (1 - _LINED_UP) * f, m), thresholds)
     rows = power_rows(found)
     for name, why in without.items():
@@ -102,22 +101,6 @@ def _computed(
         "cannot_have": without,
     }
     return document, rows
-
-
-def some_variant(
-    tried: tuple[Hypothesis, ...], effects: Mapping[str, type], without: Mapping[str, str]
-) -> tuple[Hypothesis, ...]:
-    """The variants to try; InputError where there are none, with why the scenario is ``without`` some, by name."""
-    from vgvt.data import InputError
-
-    if not tried:
-        why = "".join(f"; {name}: {problem}" for name, problem in sorted(without.items()))
-        raise InputError(
-            "--only and --without",
-            f"leave nothing to try: no variant of {', '.join(sorted(effects))} could show in this campaign{why}",
-            "choose another effect",
-        )
-    return tried
 
 
 def tell_of_cut(asked: tuple[float, float] | None, used: tuple[float, float], name: str) -> None:

@@ -30,7 +30,7 @@ from vgvt.reconcile.question.arguments import check_effects
 from vgvt.reconcile.question.figures_of_merit import compare
 from vgvt.reconcile.question.problem import make_problem
 from vgvt.reconcile.question.thresholds import Thresholds, thresholds_for
-from vgvt.reconcile.search.candidates import candidates
+from vgvt.reconcile.search.candidates import some_candidates
 from vgvt.reconcile.searches import Searches
 from vgvt.reconcile.work.one_thread import one_thread
 from vgvt.reconcile.work.progress import part
@@ -65,7 +65,7 @@ def reconcile(
     Without ``with_tests`` no test is suggested that would tell an ambiguous answer apart: a quarter of the time then.
     Nothing here is random but the hold-out split, which follows from the scenario's seed: the same call gives the same
     verdict. Where the fit meets its own data and only those held out are missed, another hold-out is tried: what
-    happened to them alone no fit could name.
+    happened to them alone no fit could name. InputError where the campaign could show no variant of any effect.
     """
     if effects is not None:
         check_effects(effects)
@@ -76,8 +76,8 @@ def reconcile(
         campaign, scenario, floor=floor, lines=lines, cache=None if folder is None else folder / "cache"
     )
     limits = thresholds_for(problem, thresholds)
+    hypotheses = some_candidates(problem, effects)
     null = calibrate(problem, progress=lambda f, m: tell(0.02 + (_CALIBRATED - 0.02) * f, m))
-    hypotheses = candidates(problem, effects)
     origin = provenance_of(campaign, scenario, {h.name: h.cls for h in hypotheses}, limits, lines)
     searches = Searches(hypotheses, limits, most, workers, folder, origin, (floor,))
     first = searches.made(null, "rounds", part(tell, _CALIBRATED, _ATTRIBUTED))

@@ -70,6 +70,22 @@ def candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> t
     return tuple(found)
 
 
+def some_candidates(problem: Problem, effects: Mapping[str, type] | None = None) -> tuple[Hypothesis, ...]:
+    """:func:`candidates`; InputError where there are effects to choose from and no variant of any.
+
+    That nothing explains the data is no answer where nothing was asked.
+    """
+    found, known = candidates(problem, effects), _known(effects)
+    if known and not found:
+        why = "".join(f"; {name}: {error.problem}" for name, error in sorted(cannot_have(problem, effects).items()))
+        raise InputError(
+            "the effects to choose from",
+            f"leave nothing to try: no variant of {', '.join(sorted(known))} could show in this campaign{why}",
+            "choose another effect",
+        )
+    return found
+
+
 def cannot_have(problem: Problem, effects: Mapping[str, type] | None = None) -> dict[str, InputError]:
     """Why the aircraft, or its rig, can have no variant of some ``effects`` (default: all installed ones), by name.
 
