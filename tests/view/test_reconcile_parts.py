@@ -12,7 +12,7 @@ from vgvt.view.reconcile_account import ElsewhereRow, PosteriorRow
 from vgvt.view.reconcile_drawing import places_drawing, places_key
 from vgvt.view.reconcile_figures import overlay_figure, posterior_figure, residual_map_figure
 from vgvt.view.reconcile_page import render_reconcile_page
-from vgvt.view.reconcile_sections import named_section
+from vgvt.view.reconcile_sections import named_section, places_table
 from vgvt.view.reconcile_wording import disproofs, next_steps, verdict_sentence
 
 
@@ -102,6 +102,17 @@ def test_letters_go_by_rank_and_what_has_no_point_is_said_so() -> None:
     assert re.findall(r'<text class="place-label"[^>]*>(\w)</text>', drawing) == ["B", "C"]
     assert "<b>A</b> force channel: 90 % (no point on the map); <b>B</b> force at 8+Z: 81 %; <b>C</b> bending" in key
     assert "3+Z" not in key
+
+
+def test_a_place_that_explains_less_than_chance_explains_nothing() -> None:
+    """Of a model that is met far below noise places had shares like -1516 %: chance over next to nothing."""
+    told = account()
+    told = replace(
+        told, places=tuple(replace(p, explained=e) for p, e in zip(told.places, (0.8, -15.16, 0.004), strict=True))
+    )
+    rows, drawing = places_table(told), places_drawing(told.geometry, told.places)
+    assert re.findall(r"(80 %|nothing|-\d+ %)", rows) == ["80 %", "nothing", "nothing"]
+    assert "-1516" not in drawing and "8+Z: 80 %</title>" in drawing
 
 
 def test_names_of_what_was_calibrated_take_no_width() -> None:

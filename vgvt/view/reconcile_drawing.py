@@ -10,6 +10,7 @@ import numpy as np
 from vgvt.data import Geometry
 from vgvt.view.html_page import escaped
 from vgvt.view.reconcile_account import PlaceRow
+from vgvt.view.reconcile_wording import share_words
 from vgvt.view.shape_drawing import TOP, Frame, outline_rings, svg_element
 
 _WIDTH = 680.0
@@ -45,7 +46,7 @@ def places_drawing(geometry: Geometry, places: Sequence[PlaceRow]) -> str:
 def places_key(places: Sequence[PlaceRow]) -> str:
     """What the letters of the drawing stand for, and which of them are not on it."""
     words = [
-        f"<b>{letter}</b> {escaped(p.label)}: {100 * p.explained:.0f} %"
+        f"<b>{letter}</b> {escaped(p.label)}: {share_words(p.explained)}"
         + (" (no point on the map)" if p.position_m is None else "")
         for letter, p in _lettered(places)
     ]
@@ -61,7 +62,7 @@ def _lettered(places: Sequence[PlaceRow]) -> list[tuple[str, PlaceRow]]:
 def _mark(place: PlaceRow, x: float, y: float) -> str:
     share = min(max(place.explained, 0.0), 1.0)
     radius = 1.8 + (_LARGEST_PX - 1.8) * share**0.5
-    title = f"<title>{escaped(place.label)}: {100 * place.explained:.0f} %</title>"
+    title = f"<title>{escaped(place.label)}: {share_words(place.explained)}</title>"
     if "root" in place.label:
         return (
             f'<path class="place" d="M{x:.1f} {y - radius:.1f}l{radius:.1f} {radius:.1f}l{-radius:.1f} {radius:.1f}'

@@ -18,6 +18,7 @@ from vgvt.view.reconcile_wording import (
     held_once,
     next_steps,
     parameter_text,
+    share_words,
     verdict_sentence,
     warnings_of,
 )
@@ -103,7 +104,7 @@ def _merit_cells(merit: Mapping[str, float]) -> list[str]:
 def places_table(account: Account, count: int = 10) -> str:
     """The places that explain most."""
     rows = [
-        (escaped(p.label), f"{100 * p.explained:.0f} %", escaped(p.type or ""),
+        (escaped(p.label), share_words(p.explained), escaped(p.type or ""),
          f"{p.size:.3g} {escaped(p.unit)}" if p.size else "")
         for p in account.places[:count]
     ]  # fmt: skip

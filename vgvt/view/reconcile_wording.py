@@ -11,6 +11,7 @@ from vgvt.view.reconcile_account import Account, EffectRow
 _LOPSIDED = 1.5
 # Deviations that are told with decimals; beyond either, with a power of ten.
 _SHARPEST, _COARSEST = 1e-4, 1e4
+_HALF_A_PER_CENT = 0.005
 
 KINDS = {
     "adequate": "No other effect is needed",
@@ -286,3 +287,8 @@ def _error_words(account: Account) -> str:
 
 def _sentence(text: str) -> str:
     return text if text.endswith(".") else f"{text}."
+
+
+def share_words(explained: float) -> str:
+    """What a place explains of the residual, beyond chance: ``12 %``; less than chance, by however much, is nothing."""
+    return f"{100 * explained:.0f} %" if explained >= _HALF_A_PER_CENT else "nothing"
