@@ -117,7 +117,8 @@ def reconcile(
         found.final_residual.reasons,
         compare(found.null.foretold, measured, parts),
         compare(found.final.foretold, measured, parts),
-        tests, found, places, limits, augmented, resimulated(augmented, found.final, limits),
+        tests, found, places, limits, augmented,
+        resimulated(augmented, found.final, limits, part(tell, _LOCALISED, 1.0)),
     )  # fmt: skip
     if folder is not None:
         write_reconciled(folder / "reconciled.toml", verdict, origin)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,26 +52,48 @@ def simulate(
 
 
 def simulated_campaign(
-    scenario: Scenario, *, engine: str | None = None, progress: Callable[[float, str], None] | None = None
+    scenario: Scenario,
+    *,
+    engine: str | None = None,
+    progress: Callable[[float, str], None] | None = None,
+    levels: Sequence[float] | None = None,
 ) -> Campaign:
-    """The records of :func:`simulate` alone: for many campaigns whose modes nobody asks for, in half the time."""
-    return _Made(scenario, engine, progress).campaign()
+    """The records of :func:`simulate` alone: for many campaigns whose modes nobody asks for, in half the time.
+
+    ``levels`` (R,) are what each run is driven with, in times the scenario's command; ValueError for another number.
+    """
+    return _Made(scenario, engine, progress, levels).campaign()
+
+
+def stepping_work(scenario: Scenario) -> float:
+    """What the mujoco engine takes for a scenario: steps of time of all runs, times degrees of freedom squared."""
+    made = _Made(scenario, "mujoco", None)
+    samples = Converter.of(scenario).times_s().size
+    return float(samples * made.substeps() * sum(rig.model.nv**2 for rig in made.rigs))
 
 
 class _Made:
     """A scenario's rigs and models, from which its records and its truth come."""
 
-    def __init__(self, scenario: Scenario, engine: str | None, progress: Progress | None) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        engine: str | None,
+        progress: Progress | None,
+        levels: Sequence[float] | None = None,
+    ) -> None:
         self.engine = engine or scenario.simulation.engine
         if self.engine not in ("mujoco", "linear"):
             raise ValueError(f"engine must be 'mujoco' or 'linear', got {self.engine!r}")
         self.clock = _Clock()
         self._scenario, self._progress = scenario, progress
         self.layouts = plans(scenario)
-        self._rigs = [driven_rig(layout, run) for run, layout in enumerate(self.layouts)]
+        self._levels = [1.0] * len(self.layouts) if levels is None else list(levels)
+        self.layouts = [_driven(own, level) for own, level in zip(self.layouts, self._levels, strict=True)]
+        self.rigs = [driven_rig(layout, run) for run, layout in enumerate(self.layouts)]
         self.models = [
             state_space(layout, rig, (*layout.points, *layout.run_points(run)))
-            for run, (layout, rig) in enumerate(zip(self.layouts, self._rigs, strict=True))
+            for run, (layout, rig) in enumerate(zip(self.layouts, self.rigs, strict=True))
         ]
         self.clock.lap("assemble")
 
@@ -81,13 +103,13 @@ class _Made:
         if self.engine == "linear":
             readings = _linear_readings(layouts, self.models, self._progress)
         else:
-            readings = _mujoco_readings(layouts, self._rigs, self.models, self._progress)
+            readings = _mujoco_readings(layouts, self.rigs, self.substeps(), self._progress)
         self.clock.lap("simulate")
         converter = Converter.of(scenario)
         times = converter.times_s()
         records = tuple(
-            record(layout, run, converter.delivered(drive_commands(scenario, run, times)), readings[run])
-            for run, layout in enumerate(layouts)
+            record(layout, run, level * converter.delivered(drive_commands(scenario, run, times)), readings[run])
+            for run, (layout, level) in enumerate(zip(layouts, self._levels, strict=True))
         )
         self.clock.lap("acquire")
         notes = {
@@ -97,6 +119,22 @@ class _Made:
             "seed": str(scenario.seed),
         } | excitation_notes(scenario)
         return Campaign(scenario.name, geometry(plan(scenario)), records, scenario.excitation.recorded_band_hz, notes)
+
+    def substeps(self) -> int:
+        """Steps of time that the mujoco engine takes from one instant of the converter to the next."""
+        rate = Converter.of(self._scenario).instant_rate_hz
+        poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in self.models])
+        return substeps(poles, rate, self._scenario.simulation.step_s)
+
+
+def _driven(layout: Plan, level: float) -> Plan:
+    """A run's plan with so many times the command, and as hard a hammer."""
+    if level == 1:
+        return layout
+    own = layout.scenario
+    excitation = own.excitation.model_copy(update={"amplitude_v": level * own.excitation.amplitude_v})
+    hammer = own.hammer and own.hammer.model_copy(update={"peak_force_n": level * own.hammer.peak_force_n})
+    return replace(layout, scenario=own.model_copy(update={"excitation": excitation, "hammer": hammer}))
 
 
 def geometry(layout: Plan) -> Geometry:
@@ -125,13 +163,10 @@ def _linear_readings(
 
 
 def _mujoco_readings(
-    layouts: list[Plan], rigs: list[Rig], models: list[StateSpace], progress: Progress | None
+    layouts: list[Plan], rigs: list[Rig], count: int, progress: Progress | None
 ) -> list[NDArray[np.float64]]:
-    scenario = layouts[0].scenario
-    converter = Converter.of(scenario)
+    converter = Converter.of(layouts[0].scenario)
     rate = converter.instant_rate_hz
-    poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in models])
-    count = substeps(poles, rate, scenario.simulation.step_s)
     for rig in rigs:
         rig.model.opt.timestep = 1.0 / (rate * count)
     commands = [sent_commands(layout, run, converter.times_s(count)) for run, layout in enumerate(layouts)]

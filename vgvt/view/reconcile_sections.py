@@ -89,8 +89,8 @@ def error_section(account: Account) -> str:
     )
     if account.resimulated is not None:
         note += (
-            "Simulated again: the records of reconciled.toml by the linear engine, without noise, read as the "
-            "measured ones were."
+            "Simulated again: the records of reconciled.toml by the linear engine, or in time where a name depends on "
+            "level, without noise, read as the measured ones were."
         )
     remark = account.resimulation_remark
     warned = f"<p>{escaped(remark)}.</p>" if remark else ""

@@ -7,16 +7,19 @@ with the file.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import scipy.signal
 from numpy.typing import NDArray
 
-from vgvt.data import InputError
+from vgvt.data import Campaign, InputError
 from vgvt.reconcile.fitting.fit import Fit
+from vgvt.reconcile.outcome.stepped_again import stepped_again, too_much_work
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation, compare
+from vgvt.reconcile.question.level_grid import depends_on_level
 from vgvt.reconcile.question.spectra import OwnSpectra, spectra_of
 from vgvt.reconcile.question.thresholds import Limits, Thresholds, limits_for, noise_share
 from vgvt.scenario.model import Scenario
@@ -33,24 +36,43 @@ _WEAK_FORCE, _LOUD, _UNEXCITED = 0.03, 0.9, 0.05
 _MOST_SAMPLES = 1e8
 
 
-def resimulated(scenario: Scenario, found: Fit, thresholds: Thresholds | None = None) -> Resimulation:
+def resimulated(
+    scenario: Scenario,
+    found: Fit,
+    thresholds: Thresholds | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Resimulation:
     """Simulate a scenario as the campaign of a fit was made, without noise; why not, where that cannot be done.
 
-    Where it misses more than the ``thresholds`` let, and the fit does not, the remark says so.
+    Where a name is a joint that depends on level it is stepped in time, each run as hard as it was measured. Where it
+    misses more than the ``thresholds`` let, and the fit does not, the remark says so.
     """
     problem = found.problem
-    nonlinear = [h.name for h in found.hypotheses if not getattr(h.cls, "linear", True)]
-    if nonlinear:
+    nonlinear = [h for h in found.hypotheses if not h.linear]
+    untold = [h.name for h in nonlinear if not depends_on_level(problem, h)]
+    if untold:
         return Resimulation.skipped(
-            f"the linear engine has not all of what {' and '.join(nonlinear)} does; step it with --engine mujoco"
+            f"{' and '.join(untold)} was foretold as it is at rest, and no record told what makes it nonlinear; state "
+            "that and step it with --engine mujoco"
         )
     rate = scenario.acquisition.sample_rate_hz
     samples = scenario.excitation.record_s * rate * (len(problem.measured.channels) + len(problem.measured.runs))
     if samples > _MOST_SAMPLES:
         return Resimulation.skipped(f"{samples:.0e} samples are too many to be simulated beside a verdict")
+    asked, said = quiet(scenario), list[str]()
     try:
-        values, excited = accelerances(quiet(scenario), problem.measured)
-    except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+        if not nonlinear:
+            campaign = simulated_campaign(asked, engine="linear")
+        elif too_much_work(asked):
+            return Resimulation.skipped(
+                f"the linear engine has not all of what {' and '.join(h.name for h in nonlinear)} does, and stepping "
+                "it in time takes too long beside a verdict; step it with --engine mujoco"
+            )
+        else:
+            campaign, how = stepped_again(asked, problem.measured, progress)
+            said.append(how)
+        values, excited = accelerances(campaign, asked, problem.measured)
+    except (InputError, ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         return Resimulation.skipped(f"it cannot be simulated: {' '.join(str(error).split())}")
     if excited < 1 - _UNEXCITED:
         return Resimulation.skipped(
@@ -62,7 +84,6 @@ def resimulated(scenario: Scenario, found: Fit, thresholds: Thresholds | None = 
     scale = size**2 + np.median(size, axis=1, keepdims=True) ** 2
     apart = float(np.sqrt(np.mean(np.abs(again - fitted)[used] ** 2 / scale)))
     floor = noise_share(measured, problem.split.train).floor
-    said = []
     if apart > floor:
         said.append(
             f"The simulation of reconciled.toml is {100 * apart:.2g} % from what was fitted, more than the model_form "
@@ -103,9 +124,9 @@ def quiet(scenario: Scenario) -> Scenario:
     )
 
 
-def accelerances(scenario: Scenario, measured: Measured) -> tuple[ComplexArray, float]:
-    """A/F (C, L) of a simulated campaign at the lines of a measured one, and the share of them that it excites."""
-    runs, _ = usable_runs(simulated_campaign(scenario, engine="linear"), every_run=True)
+def accelerances(campaign: Campaign, scenario: Scenario, measured: Measured) -> tuple[ComplexArray, float]:
+    """A/F (C, L) of a scenario's campaign at the lines of a measured one, and the share of them that it excites."""
+    runs, _ = usable_runs(campaign, every_run=True)
     rate = scenario.acquisition.sample_rate_hz
     # Without noise fewer ends are loud enough to be tapered, and one that is not reads another A/F.
     tapers_s = [end.last.size * end.sample_s for end in measured.endings]

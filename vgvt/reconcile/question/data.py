@@ -99,12 +99,8 @@ class Measured:
 
     @property
     def level_n(self) -> Array:
-        """Root mean square of the force of every run (R,), N, while it acts: however long it does, a level is one."""
-        found = np.zeros(len(self.pushed))
-        for r, force in enumerate(np.abs(self.pushed)):
-            acts = np.flatnonzero(force >= _ACTS * force.max())
-            found[r] = np.sqrt(np.mean(force[acts[0] : acts[-1] + 1] ** 2))
-        return found
+        """Root mean square of the force of every run (R,), N, while it acts."""
+        return level_of(self.pushed)
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -134,6 +130,15 @@ class Measured:
             lost=None if self.lost is None else self.lost[index],
             of_force=None if self.of_force is None else self.of_force[index],
         )
+
+
+def level_of(pushed: Array) -> Array:
+    """Root mean square of forces (R, N) while they act, (R,): however long one does, a level is one."""
+    found = np.zeros(len(pushed))
+    for r, force in enumerate(np.abs(pushed)):
+        acts = np.flatnonzero(force >= _ACTS * force.max())
+        found[r] = np.sqrt(np.mean(force[acts[0] : acts[-1] + 1] ** 2))
+    return found
 
 
 def measured_frfs(
