@@ -13,6 +13,16 @@ from vgvt.simulation.command import peak_command_v
 _SHORTENS = ("sweep-time", "sensors", "mount")  # what may make a test shorter where it is free
 
 
+def check_one_level(scenario: Scenario) -> None:
+    """InputError where runs are driven at several levels: what a plan foretells is of one."""
+    if len(set(scenario.acquisition.run_levels)) > 1:
+        raise InputError(
+            f"scenario {scenario.name}: acquisition.levels",
+            "drives runs at several levels, and a plan is for one",
+            "take levels out to plan, and write them into the plan's scenario",
+        )
+
+
 def check_generator_gives(scenario: Scenario, largest_peak_v: float | None) -> None:
     """InputError where the command may rise to more than the scenario's generator gives."""
     range_v = scenario.generator.range_v

@@ -86,7 +86,7 @@ def with_places(scenario: Scenario, places: Sequence[Place], runs: Sequence[Sequ
     return scenario.model_copy(
         update={
             "accelerometers": sensors.model_copy(update={"grid": sensors.grid.model_copy(update=grid)}),
-            "acquisition": acquisition.model_copy(update={"runs": tuple(tuple(run) for run in runs)}),
+            "acquisition": acquisition.model_copy(update={"runs": tuple(tuple(run) for run in runs), "levels": None}),
         }
     )
 

@@ -9,7 +9,7 @@ from vgvt.data import InputError
 from vgvt.data.suggestion import choose_one_of
 from vgvt.planning.budget import AS_DESCRIBED, MOUNTS, Budget
 from vgvt.planning.confirmation import confirm
-from vgvt.planning.limits import check_generator_gives, check_what_stays
+from vgvt.planning.limits import check_generator_gives, check_one_level, check_what_stays
 from vgvt.planning.places import sensor_places, with_places
 from vgvt.planning.prediction import predict
 from vgvt.planning.proposal import Proposal, elastic, proposal
@@ -63,6 +63,7 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     """
     report = progress or (lambda _fraction, _text: None)
     share = 0.5 if order.seeds else 1.0
+    check_one_level(scenario)
     check_generator_gives(scenario, order.largest_peak_v)
     _check_size(scenario, order.budget)
     peak_v = order.largest_peak_v or peak_command_v(scenario)

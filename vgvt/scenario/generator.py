@@ -7,6 +7,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from vgvt.scenario.base import MisfitError, Positive, Table, Whole
+from vgvt.scenario.instruments import Acquisition
 from vgvt.scenario.rig import RANDOM_KINDS, Excitation
 
 
@@ -31,14 +32,16 @@ class Generator(Table):
         return self
 
 
-def check_generator(generator: Generator, excitation: Excitation) -> None:
-    """MisfitError unless the generator gives the level that is asked for; peaks of noise may be cut off."""
-    range_v, asked_v = generator.range_v, excitation.amplitude_v
+def check_generator(generator: Generator, excitation: Excitation, acquisition: Acquisition) -> None:
+    """MisfitError unless the generator gives the levels that are asked for; peaks of noise may be cut off."""
+    level = max(acquisition.run_levels)
+    range_v, asked_v = generator.range_v, level * excitation.amplitude_v
     if range_v is None or excitation.kind == "impact" or asked_v <= range_v:
         return
+    told = f"is {excitation.amplitude_v:g}" + (f", {level:g} times that in a run" if level != 1 else "")
     what = "root mean square alone" if excitation.kind in RANDOM_KINDS else "peak"
     raise MisfitError(
         ("excitation", "amplitude_v"),
-        f"is {asked_v:g}, but the generator gives {range_v:g} V at most, and this is the {what}",
-        f"Write {range_v:g} at most, and a larger shaker.amplifier_gain for more force.",
+        f"{told}, but the generator gives {range_v:g} V at most, and this is the {what}",
+        f"Write {range_v / level:g} at most, and a larger shaker.amplifier_gain for more force.",
     )

@@ -144,11 +144,36 @@ class Acquisition(Table):
     """The nodes that carry an accelerometer in each run, in the order of the channels."""
     repeats: Whole = Field(default=1, ge=1)
     """How often each of them is run, one after the other: records to average, and to see the scatter by."""
+    levels: tuple[Positive, ...] | None = None
+    """How hard each of runs is driven, in times excitation.amplitude_v (with a hammer: hammer.peak_force_n); left out,
+    all alike. Only other levels show whether something depends on the level of force."""
+
+    @model_validator(mode="after")
+    def _a_level_for_every_run(self) -> Self:
+        if self.levels is not None and len(self.levels) != len(self.runs):
+            raise MisfitError(
+                ("levels",), f"has {len(self.levels)} entries but runs has {len(self.runs)}", "Give one level a run."
+            )
+        return self
 
     @property
     def run_nodes(self) -> tuple[tuple[int, ...], ...]:
         """The nodes of every run of the campaign, repeats included, in the order of the records."""
         return tuple(nodes for nodes in self.runs for _ in range(self.repeats))
+
+    @property
+    def run_levels(self) -> tuple[float, ...]:
+        """How hard every run of the campaign is driven, repeats included, in times the excitation's amplitude."""
+        levels = self.levels or (1.0,) * len(self.runs)
+        return tuple(level for level in levels for _ in range(self.repeats))
+
+    def level_in(self, run: int) -> float:
+        """How hard a run (from 0) is driven; where all are alike any further one is like them."""
+        return 1.0 if self.levels is None else self.run_levels[run]
+
+    def with_runs(self, runs: tuple[tuple[int, ...], ...], levels: tuple[float, ...] | None = None) -> Self:
+        """The same converter with other runs, each once, and their levels (default: all alike)."""
+        return self.model_copy(update={"runs": runs, "repeats": 1, "levels": levels})
 
     # No key of a file: a campaign is written down as one that begins with itself.
     _counted: tuple[int, ...] = PrivateAttr(default=())
@@ -175,8 +200,9 @@ class Acquisition(Table):
         place = counted[run] - 1
         runs = [own[min(k, len(own) - 1)] for k in range(max(counted))]
         runs[place] = own[run]
-        return self.model_copy(update={"runs": tuple(runs), "repeats": 1}).counted_as(()), place
+        return self.with_runs(tuple(runs)).counted_as(()), place
 
     def with_runs_of(self, other: Self) -> Self:
         """The same converter with another plan's runs, counted as they are there."""
-        return self.model_copy(update={"runs": other.runs, "repeats": other.repeats}).counted_as(other._counted)
+        changes = {"runs": other.runs, "repeats": other.repeats, "levels": other.levels}
+        return self.model_copy(update=changes).counted_as(other._counted)

@@ -124,7 +124,7 @@ class Scenario(Table):
             )
         check_shakers(self.airframe, self.shakers, self.excitation, self.acquisition, nodes)
         check_hammer(self.hammer, self.excitation, self.acquisition, nodes)
-        check_generator(self.generator, self.excitation)
+        check_generator(self.generator, self.excitation, self.acquisition)
         drives = len(self.shakers)
         check_sampling(self.excitation, self.acquisition, self.accelerometers, self.transducer, drives)
         return self

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,17 +52,10 @@ def simulate(
 
 
 def simulated_campaign(
-    scenario: Scenario,
-    *,
-    engine: str | None = None,
-    progress: Callable[[float, str], None] | None = None,
-    levels: Sequence[float] | None = None,
+    scenario: Scenario, *, engine: str | None = None, progress: Callable[[float, str], None] | None = None
 ) -> Campaign:
-    """The records of :func:`simulate` alone: for many campaigns whose modes nobody asks for, in half the time.
-
-    ``levels`` (R,) are what each run is driven with, in times the scenario's command; ValueError for another number.
-    """
-    return _Made(scenario, engine, progress, levels).campaign()
+    """The records of :func:`simulate` alone: for many campaigns whose modes nobody asks for, in half the time."""
+    return _Made(scenario, engine, progress).campaign()
 
 
 def stepping_work(scenario: Scenario) -> float:
@@ -75,21 +68,13 @@ def stepping_work(scenario: Scenario) -> float:
 class _Made:
     """A scenario's rigs and models, from which its records and its truth come."""
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        engine: str | None,
-        progress: Progress | None,
-        levels: Sequence[float] | None = None,
-    ) -> None:
+    def __init__(self, scenario: Scenario, engine: str | None, progress: Progress | None) -> None:
         self.engine = engine or scenario.simulation.engine
         if self.engine not in ("mujoco", "linear"):
             raise ValueError(f"engine must be 'mujoco' or 'linear', got {self.engine!r}")
         self.clock = _Clock()
         self._scenario, self._progress = scenario, progress
         self.layouts = plans(scenario)
-        self._levels = [1.0] * len(self.layouts) if levels is None else list(levels)
-        self.layouts = [_driven(own, level) for own, level in zip(self.layouts, self._levels, strict=True)]
         self.rigs = [driven_rig(layout, run) for run, layout in enumerate(self.layouts)]
         self.models = [
             state_space(layout, rig, (*layout.points, *layout.run_points(run)))
@@ -108,13 +93,13 @@ class _Made:
         converter = Converter.of(scenario)
         times = converter.times_s()
         records = tuple(
-            record(layout, run, level * converter.delivered(drive_commands(scenario, run, times)), readings[run])
-            for run, (layout, level) in enumerate(zip(layouts, self._levels, strict=True))
+            record(layout, run, converter.delivered(drive_commands(scenario, run, times)), readings[run])
+            for run, layout in enumerate(layouts)
         )
         self.clock.lap("acquire")
         notes = {
             "aircraft": " ".join((scenario.airframe.name, scenario.airframe.configuration)).strip(),
-            "excitation": excitation_in_words(scenario.excitation),
+            "excitation": excitation_in_words(scenario),
             "engine": self.engine,
             "seed": str(scenario.seed),
         } | excitation_notes(scenario)
@@ -125,16 +110,6 @@ class _Made:
         rate = Converter.of(self._scenario).instant_rate_hz
         poles = np.concatenate([np.linalg.eigvals(model.state_matrix) for model in self.models])
         return substeps(poles, rate, self._scenario.simulation.step_s)
-
-
-def _driven(layout: Plan, level: float) -> Plan:
-    """A run's plan with so many times the command, and as hard a hammer."""
-    if level == 1:
-        return layout
-    own = layout.scenario
-    excitation = own.excitation.model_copy(update={"amplitude_v": level * own.excitation.amplitude_v})
-    hammer = own.hammer and own.hammer.model_copy(update={"peak_force_n": level * own.hammer.peak_force_n})
-    return replace(layout, scenario=own.model_copy(update={"excitation": excitation, "hammer": hammer}))
 
 
 def geometry(layout: Plan) -> Geometry:

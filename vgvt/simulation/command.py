@@ -63,7 +63,8 @@ def drive_command(scenario: Scenario, run: int, time_s: NDArray[np.float64], sha
         # One signal for a round of repeats; entry (row, column) of the matrix is the parity of their common bits.
         name = ("excitation", run - run % count)
         sign = -1.0 if (run % count & shaker).bit_count() % 2 else 1.0
-    asked = sign * e.amplitude_v * _unit_command(e, time_s - e.lead_in_s, named_stream(scenario.seed, *name))
+    amplitude_v = scenario.acquisition.level_in(run) * e.amplitude_v
+    asked = sign * amplitude_v * _unit_command(e, time_s - e.lead_in_s, named_stream(scenario.seed, *name))
     return _generated(scenario.generator, asked)
 
 
@@ -80,7 +81,8 @@ def _generated(generator: Generator, command_v: NDArray[np.float64]) -> NDArray[
 def limited_drives(scenario: Scenario, run: int) -> tuple[int, ...]:
     """The shakers (counted from 0) whose command of a run (from 0) the generator cuts off at its range."""
     e, range_v = scenario.excitation, scenario.generator.range_v
-    if range_v is None or e.kind == "impact" or (e.kind not in RANDOM_KINDS and e.amplitude_v <= range_v):
+    peak_v = scenario.acquisition.level_in(run) * e.amplitude_v
+    if range_v is None or e.kind == "impact" or (e.kind not in RANDOM_KINDS and peak_v <= range_v):
         return ()
     times = _dense_times_s(scenario)
     recorded = times[times >= e.before_record_s]
@@ -92,17 +94,21 @@ def hammer_force(scenario: Scenario, run: int, time_s: NDArray[np.float64]) -> N
     """The force of the hammer on the aircraft in a run (counted from 0), N, shape of ``time_s``."""
     e, hammer = scenario.excitation, _known(scenario.hammer)
     blocks = _known(e.blocks)
-    return hammer.peak_force_n * impact_train(
-        time_s - e.lead_in_s,
-        named_stream(scenario.seed, "hammer", run),
-        blocks,
-        e.duration_s / blocks,
-        hammer.first_hit_s,
-        hammer.contact_s,
-        hammer.strength_scatter,
-        hammer.timing_scatter_s,
-        hammer.double_hit_probability,
-        hammer.double_hit_interval_s,
+    return (
+        scenario.acquisition.level_in(run)
+        * hammer.peak_force_n
+        * impact_train(
+            time_s - e.lead_in_s,
+            named_stream(scenario.seed, "hammer", run),
+            blocks,
+            e.duration_s / blocks,
+            hammer.first_hit_s,
+            hammer.contact_s,
+            hammer.strength_scatter,
+            hammer.timing_scatter_s,
+            hammer.double_hit_probability,
+            hammer.double_hit_interval_s,
+        )
     )
 
 
@@ -116,14 +122,14 @@ def drive_commands(scenario: Scenario, run: int, time_s: NDArray[np.float64]) ->
 def peak_command_v(scenario: Scenario, runs: int | None = None) -> float:
     """The largest that is asked of the generator in the first ``runs`` runs (default: all), V; 0 under a hammer.
 
-    That is the amplitude of a sine; noise and multisines, whose amplitude is a root mean square, go beyond it, and
-    may beyond what the generator gives.
+    That is the amplitude of a sine, in the loudest run; noise and multisines, whose amplitude is a root mean square,
+    go beyond it, and may beyond what the generator gives.
     """
     e = scenario.excitation
     if e.kind == "impact":
         return 0.0
     if e.kind not in RANDOM_KINDS:
-        return e.amplitude_v
+        return e.amplitude_v * max(scenario.acquisition.run_levels[:runs])
     times = _dense_times_s(scenario)
     count = len(scenario.acquisition.run_nodes) if runs is None else runs
     asked = _ungenerated(scenario)
@@ -152,8 +158,9 @@ def sent_commands(layout: Plan, run: int, time_s: NDArray[np.float64]) -> NDArra
     return commands
 
 
-def excitation_in_words(e: Excitation) -> str:
+def excitation_in_words(scenario: Scenario) -> str:
     """What a campaign's notes say of its excitation."""
+    e, levels = scenario.excitation, scenario.acquisition.run_levels
     details = {
         "points": f"{e.points} points",
         "blocks": f"{e.blocks} {'hits' if e.kind == 'impact' else 'blocks'}",
@@ -161,7 +168,8 @@ def excitation_in_words(e: Excitation) -> str:
     }
     extra = "".join(f", {text}" for key, text in details.items() if getattr(e, key) is not None)
     late = f", the first {e.before_record_s:g} s not recorded" if e.before_record_s else ""
-    return f"{e.kind} {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s{extra}{late}"
+    told = f", at {min(levels):g} to {max(levels):g} times the amplitude" if min(levels) < max(levels) else ""
+    return f"{e.kind} {e.start_hz:g} to {e.stop_hz:g} Hz in {e.duration_s:g} s{extra}{late}{told}"
 
 
 def excitation_notes(scenario: Scenario) -> dict[str, str]:

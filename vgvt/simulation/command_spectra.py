@@ -72,7 +72,8 @@ def _followed(layout: Plan, run: int) -> Hashable | None:
     if layout.strike is not None or any(action.command is not None for action in layout.actions):
         return None
     drawn = shakers > 1 or scenario.excitation.kind in RANDOM_KINDS
-    return scenario.excitation, scenario.generator, shakers, (scenario.seed, run) if drawn else None
+    level = scenario.acquisition.level_in(run)
+    return scenario.excitation, level, scenario.generator, shakers, (scenario.seed, run) if drawn else None
 
 
 def _transformed(layout: Plan, run: int) -> _Spectra:

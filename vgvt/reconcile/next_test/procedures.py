@@ -173,8 +173,7 @@ def _other_runs(problem: Problem) -> list[Procedure]:
     runs, numbers = problem.measured.runs, problem.measured.run_numbers
 
     def measured(after: Runs) -> Callable[[Scenario], Scenario]:
-        changes = {"runs": after, "repeats": 1}
-        return lambda s: s.model_copy(update={"acquisition": s.acquisition.model_copy(update=changes)})
+        return lambda s: s.model_copy(update={"acquisition": s.acquisition.with_runs(after)})
 
     found = []
     if len(runs) > 1:

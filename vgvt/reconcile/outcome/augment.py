@@ -16,6 +16,8 @@ from vgvt.reconcile.evidence.shared_roots import agreed
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.outcome.cells import at_whole_cells, with_cells
 from vgvt.reconcile.outcome.instruments import gain_tables, unwritten, with_instruments
+from vgvt.reconcile.outcome.measured_levels import with_measured_levels
+from vgvt.reconcile.question.level_grid import depends_on_level
 from vgvt.reconcile.question.uncertain import edited
 from vgvt.scenario.effect import EffectTable
 from vgvt.scenario.model import Scenario
@@ -29,7 +31,8 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
 
     A place off the aircraft is stated where it is likeliest on it, and a root that several effects give laws with the
     stiffness that it has: no scenario may say two. Beams have the cells that they need to do what was fitted, all
-    else is where it is likeliest beside these, and what the instruments turned out to be comes last.
+    else is where it is likeliest beside these, and what the instruments turned out to be comes last. Beside a joint
+    that depends on level every run is driven as hard as it was measured.
     """
     final = at_whole_cells(found.final)
     problem = final.problem
@@ -55,7 +58,10 @@ def augment(scenario: Scenario, found: Attribution) -> Scenario:
             "tolerances": scenario.tolerances,
         }
     )
-    return with_instruments(with_cells(named, final), final)
+    written = with_instruments(with_cells(named, final), final)
+    if any(depends_on_level(problem, h) for h in final.hypotheses if not h.linear):
+        written = with_measured_levels(written, problem.measured)
+    return written
 
 
 def posterior_of(fit: Fit) -> list[dict[str, object]]:

@@ -59,7 +59,7 @@ def with_runs(scenario: Scenario, measured: Measured) -> Scenario:
     """The scenario with a campaign's runs: what is calibrated belongs to sensors by their place in them."""
     if scenario.acquisition.run_nodes == measured.runs:
         return scenario
-    acquisition = scenario.acquisition.model_copy(update={"runs": measured.runs, "repeats": 1})
+    acquisition = scenario.acquisition.with_runs(measured.runs)
     return scenario.model_copy(update={"acquisition": acquisition})
 
 

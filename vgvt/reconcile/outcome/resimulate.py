@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vgvt.data import Campaign, InputError
 from vgvt.reconcile.fitting.fit import Fit
-from vgvt.reconcile.outcome.stepped_again import stepped_again, too_much_work
+from vgvt.reconcile.outcome.measured_levels import told_levels
 from vgvt.reconcile.question.data import Measured
 from vgvt.reconcile.question.figures_of_merit import Comparison, Resimulation, compare
 from vgvt.reconcile.question.level_grid import depends_on_level
@@ -25,7 +25,7 @@ from vgvt.reconcile.question.thresholds import Limits, Thresholds, limits_for, n
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.signals.usable import usable_runs
-from vgvt.simulation.campaign import simulated_campaign
+from vgvt.simulation.campaign import simulated_campaign, stepping_work
 
 ComplexArray = NDArray[np.complex128]
 _QUIET_BITS = 32
@@ -34,6 +34,8 @@ _QUIET_BITS = 32
 _WEAK_FORCE, _LOUD, _UNEXCITED = 0.03, 0.9, 0.05
 # Samples of all channels of all runs: some minutes' work.
 _MOST_SAMPLES = 1e8
+MOST_WORK = 1e10
+"""Steps in time, times degrees of freedom squared, that a verdict waits for: some three minutes of one core."""
 
 
 def resimulated(
@@ -44,8 +46,8 @@ def resimulated(
 ) -> Resimulation:
     """Simulate a scenario as the campaign of a fit was made, without noise; why not, where that cannot be done.
 
-    Where a name is a joint that depends on level it is stepped in time, each run as hard as it was measured. Where it
-    misses more than the ``thresholds`` let, and the fit does not, the remark says so.
+    Where a name is a joint that depends on level it is stepped in time, at the levels that the scenario states.
+    Where it misses more than the ``thresholds`` let, and the fit does not, the remark says so.
     """
     problem = found.problem
     nonlinear = [h for h in found.hypotheses if not h.linear]
@@ -63,14 +65,14 @@ def resimulated(
     try:
         if not nonlinear:
             campaign = simulated_campaign(asked, engine="linear")
-        elif too_much_work(asked):
+        elif stepping_work(asked) > MOST_WORK:
             return Resimulation.skipped(
                 f"the linear engine has not all of what {' and '.join(h.name for h in nonlinear)} does, and stepping "
                 "it in time takes too long beside a verdict; step it with --engine mujoco"
             )
         else:
-            campaign, how = stepped_again(asked, problem.measured, progress)
-            said.append(how)
+            campaign = simulated_campaign(asked, engine="mujoco", progress=progress)
+            said.append(told_levels(campaign, asked, problem.measured))
         values, excited = accelerances(campaign, asked, problem.measured)
     except (InputError, ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         return Resimulation.skipped(f"it cannot be simulated: {' '.join(str(error).split())}")

@@ -275,7 +275,7 @@ def aligned(scenario: Scenario, measured: Measured) -> Scenario:
                 f"has no node {channel.dof.node}, which {channel.label} measured",
                 "Give the scenario a point for every channel of the campaign.",
             )
-    acquisition = scenario.acquisition.model_copy(update={"runs": measured.runs, "repeats": 1})
+    acquisition = scenario.acquisition.with_runs(measured.runs)
     # Rounded up: campaigns of one scenario then share what is assembled, wherever their last line is.
     return with_stretches(scenario, math.ceil(measured.frequency_hz[-1])).model_copy(
         update={"acquisition": acquisition}
