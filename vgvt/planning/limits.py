@@ -15,7 +15,7 @@ _SHORTENS = ("sweep-time", "sensors", "mount")  # what may make a test shorter w
 
 def check_one_level(scenario: Scenario) -> None:
     """InputError where runs are driven at several levels: what a plan foretells is of one."""
-    if len(set(scenario.acquisition.run_levels)) > 1:
+    if len(set(scenario.acquisition.levels or (1.0,))) > 1:
         raise InputError(
             f"scenario {scenario.name}: acquisition.levels",
             "drives runs at several levels, and a plan is for one",

@@ -34,7 +34,7 @@ class Generator(Table):
 
 def check_generator(generator: Generator, excitation: Excitation, acquisition: Acquisition) -> None:
     """MisfitError unless the generator gives the levels that are asked for; peaks of noise may be cut off."""
-    level = max(acquisition.run_levels)
+    level = acquisition.loudest
     range_v, asked_v = generator.range_v, level * excitation.amplitude_v
     if range_v is None or excitation.kind == "impact" or asked_v <= range_v:
         return

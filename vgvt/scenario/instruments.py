@@ -162,14 +162,13 @@ class Acquisition(Table):
         return tuple(nodes for nodes in self.runs for _ in range(self.repeats))
 
     @property
-    def run_levels(self) -> tuple[float, ...]:
-        """How hard every run of the campaign is driven, repeats included, in times the excitation's amplitude."""
-        levels = self.levels or (1.0,) * len(self.runs)
-        return tuple(level for level in levels for _ in range(self.repeats))
+    def loudest(self) -> float:
+        """How hard the loudest run is driven."""
+        return max(self.levels or (1.0,))
 
     def level_in(self, run: int) -> float:
         """How hard a run (from 0) is driven; where all are alike any further one is like them."""
-        return 1.0 if self.levels is None else self.run_levels[run]
+        return 1.0 if self.levels is None else self.levels[run // self.repeats]
 
     def with_runs(self, runs: tuple[tuple[int, ...], ...], levels: tuple[float, ...] | None = None) -> Self:
         """The same converter with other runs, each once, and their levels (default: all alike)."""

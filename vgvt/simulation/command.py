@@ -129,7 +129,7 @@ def peak_command_v(scenario: Scenario, runs: int | None = None) -> float:
     if e.kind == "impact":
         return 0.0
     if e.kind not in RANDOM_KINDS:
-        return e.amplitude_v * max(scenario.acquisition.run_levels[:runs])
+        return e.amplitude_v * scenario.acquisition.loudest
     times = _dense_times_s(scenario)
     count = len(scenario.acquisition.run_nodes) if runs is None else runs
     asked = _ungenerated(scenario)
@@ -160,7 +160,7 @@ def sent_commands(layout: Plan, run: int, time_s: NDArray[np.float64]) -> NDArra
 
 def excitation_in_words(scenario: Scenario) -> str:
     """What a campaign's notes say of its excitation."""
-    e, levels = scenario.excitation, scenario.acquisition.run_levels
+    e, levels = scenario.excitation, scenario.acquisition.levels or (1.0,)
     details = {
         "points": f"{e.points} points",
         "blocks": f"{e.blocks} {'hits' if e.kind == 'impact' else 'blocks'}",

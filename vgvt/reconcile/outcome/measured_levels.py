@@ -34,7 +34,7 @@ def with_measured_levels(scenario: Scenario, measured: Measured) -> Scenario:
 
 def told_levels(campaign: Campaign, scenario: Scenario, measured: Measured) -> str:
     """In words how hard the runs of a scenario's campaign are driven, and whether that makes the measured force."""
-    levels = scenario.acquisition.run_levels
+    levels = scenario.acquisition.levels or (1.0,)
     harder = _levels_n(campaign, scenario) / measured.level_n
     worst = float(harder[np.argmax(np.abs(np.log(harder)))])
     low, high = (f"{level:.2g}" for level in (min(levels), max(levels)))
