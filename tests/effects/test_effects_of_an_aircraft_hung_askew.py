@@ -9,15 +9,19 @@ import numpy as np
 import pytest
 from effect_rig import Complex, accelerance, at_rest, having, largest_error, responses
 
+from vgvt.data import InputError
 from vgvt.scenario import Scenario, load_scenario
-from vgvt.simulation.assembly import Rig, hung_rig, plans
+from vgvt.simulation.assembly import Rig, driven_rig, hung_rig, plans
 from vgvt.simulation.attached import attach
-from vgvt.simulation.linear import LinearModel, linearise
+from vgvt.simulation.linear import LinearModel, joint_force, linearise
 from vgvt.simulation.modes import eigenpairs
 from vgvt.simulation.reduced import structure
+from vgvt.simulation.rig import GRAVITY_M_PER_S2
 
 DRAG: dict[str, object] = {"mass_fraction": 0.0, "drag_n_s_per_m3": 5.0}
 HELD_N_M = 20.0
+FLAP: dict[str, object] = {"compliance_rad_per_n_m": 10.0, "arm_m": 0.03, "item": "grid-7"}
+FLAP_KG = 0.19
 
 
 @lru_cache(maxsize=2)
@@ -87,3 +91,48 @@ def test_so_they_are_foretold(effect: str, values: dict[str, object]) -> None:
         got, wanted, without = (getattr(s, name) for s in (beside, whole, base.onto(beside.joints)))
         change = np.abs(wanted - without).max()
         assert np.abs(got - wanted).max() <= 1e-4 * max(change, 1e-9)
+
+
+@pytest.mark.parametrize("name", ["bff", "bff-hung-aft"])
+@pytest.mark.parametrize("effect", ["control-surface", "control-surface-freeplay"])
+def test_a_control_surface_hangs_in_line_with_its_wing(name: str, effect: str) -> None:
+    """Trimmed as if level it hung by 40 degrees, nose down: its weight swings it, and has been carried."""
+    play = {} if effect == "control-surface" else {"gap_rad": 0.01}
+    scenario = having(bff(name), effect, side="left", **FLAP, **play)
+    driven = driven_rig(plans(scenario)[0], 0)
+    assert np.abs(joint_force(driven.model, at_rest(driven))).max() < 1e-6
+    rig, linear = hung(scenario)
+    data, hinge = at_rest(rig), rig.model.joint("effect-0-0/flap")
+    assert abs(rig.qpos[hinge.qposadr[0]]) < 1e-5
+    without, _ = hung(bff(name))
+    level = [at_rest(r).body("body").xmat for r in (rig, without)]
+    np.testing.assert_allclose(*level, atol=1e-5)
+    # The weight's potential m g z, turned about the hinge: the centre of gravity falls from how high it stands.
+    axis, arm = data.xaxis[hinge.id], data.xipos[rig.model.body("effect-0-0").id] - data.xanchor[hinge.id]
+    stands_m = (arm - axis * (axis @ arm))[2]
+    own = linear.stiffness[hinge.dofadr[0], hinge.dofadr[0]]
+    assert own == pytest.approx(0.1 - FLAP_KG * GRAVITY_M_PER_S2 * stands_m, rel=1e-6)
+    assert (own < 0.06) == (name == "bff-hung-aft")
+    if play:
+        # Leant on by its weight, with all of the play on the other side.
+        near, far = sorted(rig.model.tendon_lengthspring[rig.model.tendon("effect-0-0").id], key=abs)
+        leans = data.qfrc_bias[hinge.dofadr[0]] / 0.1
+        assert (near, far) == pytest.approx((leans, leans + np.copysign(0.01, leans)), abs=1e-6)
+
+
+def test_a_flap_that_its_weight_turns_over_is_refused() -> None:
+    """Nose down the weight of a soft one is stronger than its spring: it stands on its hinge."""
+    with pytest.raises(InputError, match="would fall over its hinge"):
+        hung(having(bff(), "control-surface", **(FLAP | {"compliance_rad_per_n_m": 40.0})))
+
+
+def test_a_flap_beside_a_known_aircraft_is_swung_by_its_weight() -> None:
+    """The rows of its own hinge are those that assembling gives: nose down its spring alone had been twice as stiff."""
+    plain, layout = bff(), plans(having(bff(), "control-surface", **FLAP))[0]
+    first = plans(plain)[0]
+    beside = attach(structure(first, first.run_points(0)), first, layout.elements)
+    assert beside is not None
+    whole = structure(layout, layout.run_points(0)).onto(beside.joints)
+    own = beside.joints.index("effect-0-0/flap")
+    for name in ("mass", "stiffness", "damping"):
+        np.testing.assert_allclose(getattr(beside, name)[own], getattr(whole, name)[own], atol=1e-6)

@@ -27,6 +27,7 @@ class ControlSurface:
 
     Its frequency is sqrt(k/J)/2π with J = m arm² + the item's own inertia about the
     hinge; far below it the item is as rigid as before, far above it stands still.
+    Trim holds it in line with the beam however the aircraft hangs, and its weight swings it back or, nose down, away.
     """
 
     name: ClassVar[str] = "control-surface"

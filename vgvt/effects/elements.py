@@ -167,7 +167,7 @@ class BendTwist:
 
 @dataclass(frozen=True, slots=True)
 class HingedFlap:
-    """A rigid flap on a sprung hinge; ``inertia_kg_m2`` about its centre of gravity. Trim holds it level.
+    """A rigid flap on a sprung hinge; ``inertia_kg_m2`` about its centre of gravity. Trim holds it in line as it hangs.
 
     With ``gap_rad`` the spring has play, against one side of which the flap's weight leans it as it hangs.
     """

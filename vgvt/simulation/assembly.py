@@ -20,7 +20,7 @@ from vgvt.effects.under_a_hammer import act_on
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
 from vgvt.simulation.airframe import ROOT, AirframeParts, Pushed
-from vgvt.simulation.as_hung import laid_as_hung, trimmed
+from vgvt.simulation.as_hung import laid_as_hung, rest_as_hung
 from vgvt.simulation.elements import add_elements
 from vgvt.simulation.inertia import NOTHING, lump
 from vgvt.simulation.linear import settle
@@ -272,12 +272,9 @@ def _transducer_side_mass(layout: Plan) -> float:
 
 
 def _settle(layout: Plan, spec: mujoco.MjSpec) -> NDArray[np.float64]:
-    """The equilibrium (nq,) without the springs that will be trimmed to it: put on last, they hold nothing."""
-    model = spec.compile()
-    for name in trimmed(layout.elements):
-        model.tendon_stiffness[model.tendon(name).id] = 0.0
+    """The equilibrium (nq,) of all that hangs, with what will be trimmed to it."""
     try:
-        return settle(model)
+        return rest_as_hung(spec.compile(), layout.elements, settle)
     except RuntimeError as error:
         cg = rigid_body(bare_rig(layout)).centre_of_gravity_m
         raise no_rest(layout.scenario, cg, str(error)) from error

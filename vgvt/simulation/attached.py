@@ -1,7 +1,7 @@
 """Elements added to an assembled structure by their rows alone: what a scan over thousands of variants can afford.
 
-The aircraft keeps its attitude: the weight of what is added, and what that bends, is left out. A fit that follows
-assembles the whole rig.
+The aircraft keeps its attitude: the weight of what is added, and what that bends, is left out, but for a flap's about
+its own hinge. A fit that follows assembles the whole rig.
 """
 
 from __future__ import annotations
@@ -18,9 +18,11 @@ from vgvt.simulation.assembly import Plan
 from vgvt.simulation.elements import sharing
 from vgvt.simulation.felt import felt_by
 from vgvt.simulation.reduced import Structure
+from vgvt.simulation.rig import GRAVITY_M_PER_S2
 from vgvt.simulation.seats import MeasurementPoint, seats_at
 
 Array = NDArray[np.float64]
+_UP = 2
 _Simple = PointMass | GroundSpring | Absorber | RotationSpring | HingedFlap
 
 
@@ -129,6 +131,11 @@ def _flap(s: Structure, layout: Plan, joint: int, element: HingedFlap) -> None:
     moved = rows + np.cross(turned, arm, axis=0)
     inertia = turn @ np.diag(element.inertia_kg_m2) @ turn.T
     s.mass[:] += element.mass_kg * moved.T @ moved + turned.T @ inertia @ turned
+    # Of its weight, what turns the flap with or against its spring: nose down that is half of a soft one.
+    swung = element.mass_kg * GRAVITY_M_PER_S2 * np.cross(turned, np.cross(axis, arm), axis=0)[_UP]
+    s.stiffness[joint] += swung
+    s.stiffness[:, joint] += swung
+    s.stiffness[joint, joint] -= swung[joint]
     own = np.zeros(s.drive.size)
     own[joint] = 1.0
     _spring(s, own, element.stiffness_n_m_per_rad, element.damping_n_m_s_per_rad)

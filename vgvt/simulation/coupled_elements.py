@@ -114,9 +114,10 @@ def add_bend_twist(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element
 
 
 def add_hinged_flap(spec: mujoco.MjSpec, parts: AirframeParts, name: str, element: HingedFlap) -> None:
-    """A rigid flap on a hinge of the link that carries it; the spring is set so that it hangs level.
+    """A rigid flap on a hinge of the link that carries it, trimmed as of an aircraft that hangs level.
 
-    With play the spring is a tendon with a dead band, which starts where the weight's own turn of the spring ends.
+    With play the spring is a tendon with a dead band. What hangs otherwise is trimmed when it is known how
+    (:mod:`vgvt.simulation.as_hung`).
     """
     hinge = np.array(element.hinge_m)
     carrier = parts.carrier(element.part, hinge)
@@ -124,25 +125,33 @@ def add_hinged_flap(spec: mujoco.MjSpec, parts: AirframeParts, name: str, elemen
     axis = np.array(element.hinge_axis) / np.linalg.norm(element.hinge_axis)
     weight = np.array([0.0, 0.0, -GRAVITY_M_PER_S2 * element.mass_kg])
     body = spec.body(carrier).add_body(name=name, pos=hinge - parts.origin_m[carrier])
-    unloaded_rad = float(-(axis @ np.cross(arm, weight)) / element.stiffness_n_m_per_rad)
+    reference, ends = linkage_rad(element, float(axis @ np.cross(arm, weight)))
     body.add_joint(
         name=f"{name}/flap",
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=axis,
         stiffness=[0.0 if element.gap_rad > 0 else element.stiffness_n_m_per_rad, 0.0, 0.0],
         damping=[element.damping_n_m_s_per_rad, 0.0, 0.0],
-        springref=unloaded_rad,
+        springref=reference,
     )
     if element.gap_rad > 0:
-        # Leant on by the weight, so on its far side: the free way lies beyond the unloaded angle, seen from level.
-        beyond = unloaded_rad + float(np.copysign(element.gap_rad, unloaded_rad))
         linkage = spec.add_tendon(
-            name=name,
-            stiffness=[element.stiffness_n_m_per_rad, 0.0, 0.0],
-            springlength=sorted((unloaded_rad, beyond)),
+            name=name, stiffness=[element.stiffness_n_m_per_rad, 0.0, 0.0], springlength=list(ends)
         )
         linkage.wrap_joint(f"{name}/flap", 1.0)
     _set_inertial(body, element.mass_kg, arm, np.array(element.inertia_kg_m2))
+
+
+def linkage_rad(flap: HingedFlap, weight_n_m: float, at_rad: float = 0.0) -> tuple[float, tuple[float, float]]:
+    """The angle at which a flap's spring is unloaded, rad, and between which two it gives no force where it has play.
+
+    So that it carries ``weight_n_m`` about the hinge ``at_rad``. Leant on by the weight, so on its far side: the free
+    way lies beyond the unloaded angle, seen from there.
+    """
+    turned = -weight_n_m / flap.stiffness_n_m_per_rad
+    unloaded = at_rad + turned
+    low, high = sorted((unloaded, unloaded + float(np.copysign(flap.gap_rad, turned))))
+    return unloaded, (low, high)
 
 
 def _set_inertial(

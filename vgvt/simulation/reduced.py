@@ -22,7 +22,7 @@ from vgvt.scenario.mass import rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams
 from vgvt.scenario.model import Scenario
 from vgvt.simulation.airframe import ROOT
-from vgvt.simulation.as_hung import AXES, trimmed, turned_as_hung
+from vgvt.simulation.as_hung import AXES, rest_as_hung, trim, turned_as_hung
 from vgvt.simulation.assembly import Plan, plan
 from vgvt.simulation.damping import StructuralDamping
 from vgvt.simulation.elements import add_elements
@@ -183,12 +183,11 @@ def structure(layout: Plan, points: Sequence[MeasurementPoint], near: Structure 
     InputError or RuntimeError where the aircraft finds no rest.
     """
     spec, damped = _hung(layout)
-    springs = trimmed(layout.elements)
     hung = spec.compile()
-    qpos = _rest(hung, springs, near)
+    qpos = rest_as_hung(hung, layout.elements, lambda model: _rest(model, near))
     model = turned_as_hung(spec, layout.elements, layout.drives, hung, qpos)
     names = _joints(model)
-    data = _trimmed(model, springs, qpos)
+    data = trim(model, layout.elements, qpos)
     linear = linearise(model, qpos)
     built = {model.body(k).name for k in range(model.nbody)}
     body_names = tuple(name for name in layout.parts.origin_m if name in built)
@@ -296,31 +295,16 @@ def _joints(model: mujoco.MjModel) -> tuple[str, ...]:
     return tuple(model.joint(j).name for j in range(model.njnt))
 
 
-def _rest(model: mujoco.MjModel, springs: list[str], near: Structure | None) -> Array:
-    """The equilibrium (nq,), ground springs holding nothing; from a neighbour's first."""
-    held = model.tendon_stiffness.copy()
-    for name in springs:
-        model.tendon_stiffness[model.tendon(name).id] = 0.0
-    try:
-        found = None
-        if near is not None:
-            names = _joints(model)
-            start = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
-            found = settle_near(model, start, near.softness() if near.joints == names else None)
-        return settle(model) if found is None else found
-    finally:
-        model.tendon_stiffness[:] = held
-
-
-def _trimmed(model: mujoco.MjModel, springs: list[str], qpos: Array) -> mujoco.MjData:
-    """The state at rest, after every ground spring was given its length there."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = qpos
-    mujoco.mj_forward(model, data)
-    for name in springs:
-        rod = model.tendon(name).id
-        model.tendon_lengthspring[rod] = data.ten_length[rod]
-    return data
+def _rest(model: mujoco.MjModel, near: Structure | None) -> Array:
+    """The equilibrium (nq,); from a neighbour's first."""
+    if near is None:
+        return settle(model)
+    names = _joints(model)
+    start = np.array([near.equilibrium[near.joints.index(n)] if n in near.joints else 0.0 for n in names])
+    # A flap that is held while rest is looked for gives way otherwise than the neighbour's.
+    alike = near.joints == names and not any(n.endswith("/flap") for n in names)
+    found = settle_near(model, start, near.softness() if alike else None)
+    return settle(model) if found is None else found
 
 
 def _beside_its_link(layout: Plan, names: tuple[str, ...], bodies: Array, attitude: Array) -> Array | float:
