@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from effect_rig import FORE, TIP, WING, effect_rig
 from hung_hati import made, with_effect
+from small_rig import revised
 
 from vgvt.data import InputError
 from vgvt.effects.acting import acted
@@ -71,6 +72,36 @@ def test_two_exchanges_that_share_a_node_leave_one_sensor_at_each_place() -> Non
         other_node=one,
     )
     assert seats(back) == plain
+
+
+def with_dihedral(rise: float) -> Scenario:
+    """Wings that rise by so much a metre of span, and sensors on the surface of what carries them."""
+    rig = effect_rig()
+    (beam,) = rig.airframe.beam
+    raised = tuple((x, y, z + rise * y) for x, y, z in beam.stations.position_m)
+    beam = beam.model_copy(update={"stations": beam.stations.model_copy(update={"position_m": raised})})
+    grid = rig.accelerometers.grid.model_copy(update={"z_m": None})
+    return revised(rig, airframe={"beam": (beam,)}, accelerometers={"grid": grid})
+
+
+@pytest.mark.parametrize("exchanged_first", [True, False])
+def test_an_exchanged_sensor_is_moved_along_what_it_sits_on(exchanged_first: bool) -> None:
+    """One with the label of the level body, on a wing that rises: it had been left below, and the wing's in the air."""
+    rise, out_m = 0.2, 0.04
+    exchanged = ("swapped-sensors", {"node": TIP, "other_node": FORE})
+    # Along the wing's axis, which is swept: its surface rises with the axis.
+    inner, outer = with_dihedral(rise).airframe.beam[0].stations.position_m[-2:]
+    aft_m = out_m * (outer[0] - inner[0]) / (outer[1] - inner[1])
+    plain = seats(with_dihedral(rise))
+    for node, other, higher_m in ((FORE, TIP, rise * out_m), (TIP, FORE, 0.0)):
+        part, (x, y, z) = plain[other]
+        aside = out_m if y >= 0 else -out_m
+        moved = ("sensor-position-error", {"node": node, "dx_m": aft_m, "dy_m": aside})
+        scenario = with_effect(with_dihedral(rise), "cable-drag", stiffness_n_per_m=20.0)
+        for name, values in (exchanged, moved) if exchanged_first else (moved, exchanged):
+            scenario = with_effect(scenario, name, **values)  # type: ignore[arg-type]
+        assert seats(scenario)[node] == (part, pytest.approx((x + aft_m, y + aside, z + higher_m), abs=1e-7))
+        assert cables(scenario) == seats(scenario)
 
 
 @pytest.mark.parametrize(("azimuth_rad", "across"), [(0.0, (0.0, 1.0, 0.0)), (np.pi / 2, (0.0, 0.0, 1.0))])

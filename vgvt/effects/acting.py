@@ -10,7 +10,7 @@ from vgvt.data.plugin import is_bundled, whose_fault
 from vgvt.effects.action import NOTHING, Action
 from vgvt.effects.elements import Element, GroundSpring
 from vgvt.effects.foreign import held_to_contract
-from vgvt.effects.point_error import seats
+from vgvt.effects.point_error import seats, shifted_m
 from vgvt.effects.protocol import Effect
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.points import sensor_points
@@ -89,8 +89,9 @@ def _on_sensors(scenario: Scenario, actions: tuple[Action, ...]) -> tuple[Action
             return element
         node = element.node
         seat = places[at.get(node, node)]
-        shifts = [e.shift_m for e in errors if e.node == node]
-        x, y, z = (sum(along) for along in zip(seat.position_m, *shifts, strict=True))
-        return replace(element, part=seat.part, position_m=(x, y, z))
+        own = [e for e in errors if e.node == node]
+        return replace(
+            element, part=seat.part, position_m=shifted_m(scenario.airframe, seat.part, seat.position_m, own)
+        )
 
     return tuple(replace(action, elements=tuple(map(moved, action.elements))) for action in actions)

@@ -10,16 +10,15 @@ from vgvt.effects.parameter import parameter
 from vgvt.effects.point_error import PointError
 from vgvt.effects.protocol import Family
 from vgvt.effects.sensor_choice import chosen_node
-from vgvt.scenario.mirror import part_name
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.planform import surface_height_m
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class SensorPositionError:
     """One sensor sits (dx, dy) from its node on the same part, in every run that uses it.
 
-    Geometry and truth keep to the node, so that the shape's entry there is wrong by φ(x + δ) - φ(x).
+    Exchanged with another one (swapped-sensors) it sits so from where that was, on that one's part. Geometry
+    and truth keep to the node, so that the shape's entry there is wrong by φ(x + δ) - φ(x).
     """
 
     name: ClassVar[str] = "sensor-position-error"
@@ -41,9 +40,4 @@ class SensorPositionError:
         if self.dx_m == 0 and self.dy_m == 0:
             return NOTHING
         point = chosen_node(scenario, self.node, self.name)
-        x, y, _ = point.position_m
-        part = part_name(scenario.airframe, point.part, y)
-        there, here = (
-            surface_height_m(scenario.airframe, part, *place) for place in ((x + self.dx_m, y + self.dy_m), (x, y))
-        )
-        return Action(points=(PointError(point.dof.node, shift_m=(self.dx_m, self.dy_m, there - here)),))
+        return Action(points=(PointError(point.dof.node, shift_m=(self.dx_m, self.dy_m, 0.0), on_surface=True),))

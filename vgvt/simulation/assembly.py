@@ -13,7 +13,7 @@ from vgvt.data import Direction, Dof, RigidBodyProperties
 from vgvt.effects.acting import acted
 from vgvt.effects.action import Action
 from vgvt.effects.elements import Element, RotationSpring
-from vgvt.effects.point_error import as_it_sits, seats
+from vgvt.effects.point_error import as_it_sits, seats, shifted_m
 from vgvt.effects.registry import effects_of
 from vgvt.effects.root_joint import require_one_stiffness
 from vgvt.effects.under_a_hammer import act_on
@@ -100,7 +100,7 @@ class Plan:
         if not errors:
             return labelled
         seat = by_node[seats(action.points for action in self.actions).get(node, node)]
-        position = seat.position_m + np.sum([e.shift_m for e in errors], axis=0)
+        position = np.array(shifted_m(self.scenario.airframe, seat.part, seat.position_m.tolist(), errors))
         turned = labelled.dof.direction, seat.dof.direction
         return MeasurementPoint(
             labelled.dof,
