@@ -71,6 +71,23 @@ def test_a_stinger_resists_rotation_about_the_axes_of_the_body(name: str) -> Non
     assert (across[:, yaw] ** 2).sum() == pytest.approx(1 - upright**2, abs=1e-9)
 
 
+@pytest.mark.parametrize("name", ["bff", "bff-hung-aft"])
+@pytest.mark.parametrize("axis", ["roll", "pitch"])
+def test_a_moment_about_one_axis_is_about_that_one(name: str, axis: str) -> None:
+    """Roll turns the aircraft about the line from nose to tail, pitch about the one from wing to wing, as they hang."""
+    rig, free = hung(bff(name))
+    values: dict[str, object] = {"rotational_stiffness_n_m_per_rad": HELD_N_M, "axis": axis}
+    _, held = hung(having(bff(name), "base-strain", **values))
+    data, turned = at_rest(rig), np.zeros((3, rig.model.nv))
+    mujoco.mj_jacBody(rig.model, data, None, turned, rig.model.body("body").id)
+    right, left = (data.body(f"wing-{side}-01").xpos for side in ("right", "left"))
+    across = (right - left) / np.linalg.norm(right - left)
+    about = across if axis == "pitch" else np.cross(across, data.body("body").xmat.reshape(3, 3)[:, 2])
+    np.testing.assert_allclose(
+        held.stiffness - free.stiffness, HELD_N_M * np.outer(about @ turned, about @ turned), atol=1e-4
+    )
+
+
 @pytest.mark.parametrize(
     ("effect", "values"),
     [

@@ -3,8 +3,9 @@
 The centre body hangs on three slide and three hinge joints instead of a free
 joint: the same six freedoms without quaternions, so that the suspension's small
 yaw stiffness has a joint to act on and mass and stiffness matrices refer to
-plain coordinates. (The pitch axis would lock at 90 degrees; a hung aircraft
-stays within a few.)
+plain coordinates. (At a pitch of 90 degrees roll and yaw turn about one axis, and
+the coordinates lock. What hangs by a hook above its centre of gravity stays short of
+that: within a few degrees of level as a rule, BFF hung aft at 66 nose down.)
 
 Air that a surface moves with it has inertia and no weight: a body of its own on
 each link, without a joint, whose weight MuJoCo takes back.
