@@ -133,8 +133,9 @@ def test_a_run_that_is_just_long_enough_is_no_matter() -> None:
 def test_records_of_another_aircraft_are_remarked_on(records: str, scenario: str, odd: bool) -> None:
     notes = {"aircraft": records} if records else {}
     campaign: Any = SimpleNamespace(notes=notes, geometry=Geometry((), np.zeros((0, 3))), response_dofs=())
-    nowhere = SimpleNamespace(grid=SimpleNamespace(node=(), x_m=(), y_m=()))
-    believed: Any = SimpleNamespace(name="mine", airframe=SimpleNamespace(name=scenario), accelerometers=nowhere)
+    quick = load_scenario("quick")
+    airframe = quick.airframe.model_copy(update={"name": scenario})
+    believed = quick.model_copy(update={"name": "mine", "airframe": airframe})
     said = remarks(campaign, believed)
     assert bool(said) == odd
     assert all(records in text and scenario in text for text in said)
@@ -152,3 +153,42 @@ def test_a_point_that_the_two_have_elsewhere_is_remarked_on(off_m: float, told: 
     assert bool(said) == told
     for remark in said:
         assert remark.startswith(f"bench has node 2 at ({x:.3f}, {y + off_m:.3f}), not ({x:.3f}, {y:.3f}) m, as scen")
+
+
+@pytest.mark.parametrize(
+    ("label", "up_m", "stated", "told", "refused"),
+    [
+        ("2+Y", 0.03, True, True, False),
+        ("2-X", 0.03, True, True, False),
+        ("2+Y", 0.12, True, True, True),
+        ("2+Y", 0.009, True, False, False),
+        ("2+Y", 0.12, False, False, False),
+        ("2+Z", 0.12, True, False, False),
+    ],
+)
+def test_heights_count_where_sensors_measure_across_them(
+    label: str, up_m: float, stated: bool, told: bool, refused: bool
+) -> None:
+    """A sensor along a wing moves by its height times the roll; nothing had been said of one on another station."""
+    believed = load_scenario("quick")
+    grid = believed.accelerometers.grid
+    directions = tuple(f"+{label[-1]}" if n == 2 else "+Z" for n in grid.node)
+    high = 0.0 if stated else up_m
+    grid = grid.model_copy(update={"direction": directions, "z_m": (high,) * len(grid.node)})
+    instruments = believed.accelerometers.model_copy(update={"grid": grid})
+    believed = believed.model_copy(update={"accelerometers": instruments})
+    place = {n: (x, y, 0.0) for n, x, y in zip(grid.node, grid.x_m, grid.y_m, strict=True)}
+    x, y, _ = place[2]
+    positions = np.array([place[1], (x, y, up_m if stated else 0.0), believed.shaker.position_m])
+    positions[2, 2] = 0.0
+    records = replace(campaign(dof=Dof.from_label(label)), geometry=Geometry((1, 2, 100), positions))
+    said = remarks(records, believed)
+    assert bool(said) == told
+    assert all(f"node 2 at ({x:.3f}, {y:.3f}, {up_m:.3f}), not ({x:.3f}, {y:.3f}, 0.000) m" in text for text in said)
+    if refused:
+        with pytest.raises(
+            InputError, match=r"(?s)puts node 2 at x = .*, z = 0\.000 m, 0\.12 m from .*to the right and up"
+        ):
+            check_suitable(records, believed)
+    else:
+        check_suitable(records, believed)

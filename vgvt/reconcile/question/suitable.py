@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vgvt.data import Campaign, ChannelRole, Direction, Dof, InputError, Quantity, Record
 from vgvt.files.units import UNITS
 from vgvt.scenario.model import Scenario
+from vgvt.scenario.points import sensor_points
 from vgvt.scenario.rig import UNRECORDED_NOTE
 from vgvt.signals.impact import NOTE as IMPACTS_NOTE
 
+Array = NDArray[np.float64]
 FEWEST_LINES = 32
 """Lines of the band that a record must tell apart: twice as many as one local model of a channel's noise takes."""
 # Further apart than this is another point, not a badly placed sensor.
@@ -66,7 +69,7 @@ def _other_aircraft(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
 def _other_places(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
     """The points that a campaign has elsewhere than its scenario: which of the two is wrong only a tape can say."""
     apart = [
-        f"{node} at ({there[0]:.3f}, {there[1]:.3f}), not ({here[0]:.3f}, {here[1]:.3f}) m"
+        f"{node} at ({_written(there)}), not ({_written(here)}) m"
         for node, there, here, away in _places_apart(campaign, scenario)
         if away > _SAME_PLACE_M
     ]
@@ -79,19 +82,27 @@ def _other_places(campaign: Campaign, scenario: Scenario) -> tuple[str, ...]:
     )
 
 
-def _places_apart(
-    campaign: Campaign, scenario: Scenario
-) -> list[tuple[int, tuple[float, float], tuple[float, float], float]]:
-    """Each point that both know: its node, where the campaign and the scenario have it, and how far apart, m."""
-    grid, geometry = scenario.accelerometers.grid, campaign.geometry
-    places = {n: (x, y) for n, x, y in zip(grid.node, grid.x_m, grid.y_m, strict=True)}
+def _places_apart(campaign: Campaign, scenario: Scenario) -> list[tuple[int, Array, Array, float]]:
+    """Each point that both know: its node, where campaign and scenario have it, (2,) or (3,), and how far apart.
+
+    All in metres. Height counts where a sensor measures across the vertical, as rotations move nothing up or down by
+    it, and where records state any: many geometries, and a sidecar without z, have none.
+    """
+    geometry = campaign.geometry
+    across = {d.node for d in campaign.response_dofs if d.unsigned.direction is not Direction.PLUS_Z}
+    tall = bool(np.any(geometry.positions_m[:, 2:]))
+    places = {p.dof.node: np.array(p.position_m) for p in sensor_points(scenario)}
     found = []
     for node in dict.fromkeys(d.node for d in campaign.response_dofs):
         if node in geometry.nodes and node in places:
-            there, here = geometry.position_m(node), places[node]
-            away = float(np.hypot(there[0] - here[0], there[1] - here[1]))
-            found.append((node, (float(there[0]), float(there[1])), here, away))
+            counted = 3 if tall and node in across else 2
+            there, here = geometry.position_m(node)[:counted], places[node][:counted]
+            found.append((node, there, here, float(np.linalg.norm(there - here))))
     return found
+
+
+def _written(place_m: Array) -> str:
+    return ", ".join(f"{c:.3f}" for c in place_m)
 
 
 def _words(text: str) -> set[str]:
@@ -280,13 +291,14 @@ def _check_points(campaign: Campaign, scenario: Scenario) -> None:
 
 
 def _check_places(campaign: Campaign, scenario: Scenario) -> None:
-    for node, there, (x, y), away in _places_apart(campaign, scenario):
+    for node, there, here, away in _places_apart(campaign, scenario):
         if away > _ANOTHER_POINT_M:
+            put = ", ".join(f"{name} = {c:.3f}" for name, c in zip("xyz", here, strict=False))
             raise InputError(
                 f"scenario {scenario.name}: accelerometers.grid",
-                f"puts node {node} at x = {x:.3f}, y = {y:.3f} m, {away:.2f} m from where {campaign.name} has it "
-                f"({there[0]:.3f}, {there[1]:.3f})",
-                "write the same places, in metres aft of the nose and to the right",
+                f"puts node {node} at {put} m, {away:.2f} m from where {campaign.name} has it ({_written(there)})",
+                f"write the same places, in metres aft of the nose{', ' if here.size == 3 else ' and '}to the right"
+                f"{' and up' if here.size == 3 else ''}",
             )
 
 
@@ -303,6 +315,7 @@ def _check_drive(campaign: Campaign, scenario: Scenario) -> None:
     if drive.node not in campaign.geometry.nodes:
         return
     there, here = campaign.geometry.position_m(drive.node), np.array(scenario.shaker.position_m)
+    # It pushes up: how high its point is turns nothing.
     away = float(np.hypot(*(there - here)[:2]))
     if away > max(_DRIVE_AT_LEAST_M, _DRIVE_SD * scenario.tolerances.drive_point_m):
         x, y, z = (float(v) for v in there)
