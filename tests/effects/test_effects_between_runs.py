@@ -14,7 +14,9 @@ from vgvt.effects.conformance import with_effect
 from vgvt.effects.run_schedule import progress
 from vgvt.scenario import Scenario
 from vgvt.scenario.effect import EffectTable
+from vgvt.scenario.mass import rigid_body_properties
 from vgvt.simulation import simulate, truth_of
+from vgvt.simulation.attitude import attitudes_deg
 from vgvt.simulation.effect_conformance import example_scenario
 
 
@@ -169,3 +171,30 @@ def test_impossible_changes_are_refused(four_runs: Scenario) -> None:
         make_effect("re-hang", "test", from_run=1)
     with pytest.raises(InputError, match="time_constant_runs"):
         make_effect("run-drift", "test", time_constant_runs=0.0)
+
+
+@pytest.mark.parametrize(("shift", "sign"), [("shift_x_m", (0.0, -1.0)), ("shift_y_m", (1.0, 0.0))])
+@pytest.mark.parametrize("aside_m", [0.03, -0.03])
+def test_re_hanging_tilts_until_the_hook_is_above_the_centre_of_gravity(
+    four_runs: Scenario, shift: str, sign: tuple[float, float], aside_m: float
+) -> None:
+    """By atan(shift/h): a hook further aft lets the nose down, one further right the left wing."""
+    cg = rigid_body_properties(four_runs.airframe).centre_of_gravity_m
+    above_m = 0.4
+    hook = four_runs.suspension.model_copy(update={"hook_m": (cg[0], cg[1], cg[2] + above_m)})
+    scenario = four_runs.model_copy(update={"suspension": hook})
+    tilted = with_effect(scenario, make_effect("re-hang", "test", from_run=3, **{shift: aside_m}))
+    before, after = np.array(attitudes_deg(scenario)), np.array(attitudes_deg(tilted))
+    np.testing.assert_array_equal(after[:2], before[:2])
+    expected = np.outer([1.0, 1.0], sign) * math.degrees(math.atan(aside_m / above_m))
+    np.testing.assert_allclose(after[2:] - before[2:], expected, atol=0.12)
+
+
+@pytest.mark.parametrize("kind", ["bending", "torsion"])
+def test_a_root_that_creeps_is_as_soft_as_it_has_become(four_runs: Scenario, kind: str) -> None:
+    """A third of its compliance more in every run of a line, and nothing in the first."""
+    crept = frequencies(four_runs, "root-creep", shape="linear", side="left", **{kind: 0.15})
+    stated = frequencies(four_runs, "root-compliance", side="left", **{kind: 0.1})
+    np.testing.assert_allclose(crept[2], stated[2], rtol=1e-6)
+    np.testing.assert_array_equal(crept[0], truth_of(four_runs).as_tested[0].band(4.0, 36.0).natural_frequency_hz)
+    assert np.all(np.diff(crept, axis=0).min(axis=1) < -1e-4 * crept[0].max())
