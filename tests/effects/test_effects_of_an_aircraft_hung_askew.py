@@ -153,3 +153,19 @@ def test_a_flap_beside_a_known_aircraft_is_swung_by_its_weight() -> None:
     own = beside.joints.index("effect-0-0/flap")
     for name in ("mass", "stiffness", "damping"):
         np.testing.assert_allclose(getattr(beside, name)[own], getattr(whole, name)[own], atol=1e-6)
+
+
+@pytest.mark.parametrize("y_m", [0.0, 0.9, -0.9])
+def test_an_absorber_beside_a_known_aircraft_is_pulled_by_its_weight(y_m: float) -> None:
+    """Along its slide, by the part that the airframe turns there: it had been a spring's alone."""
+    plain = bff()
+    loose: dict[str, object] = {"mass_kg": 0.002, "frequency_hz": 5.0, "x_m": 0.7, "y_m": y_m}
+    layout, first = plans(having(plain, "local-absorber", **loose))[0], plans(plain)[0]
+    beside = attach(structure(first, first.run_points(0)), first, layout.elements)
+    assert beside is not None
+    whole = structure(layout, layout.run_points(0)).onto(beside.joints)
+    own = beside.joints.index("effect-0-0/absorber")
+    got, wanted = (np.delete(s.stiffness[own], own) for s in (beside, whole))
+    # m g sin(66 degrees), per radian of pitch: less what so light a mass tips the aircraft by.
+    assert np.abs(wanted).max() > 0.9 * 0.002 * GRAVITY_M_PER_S2
+    np.testing.assert_allclose(got, wanted, atol=0.02 * np.abs(wanted).max())

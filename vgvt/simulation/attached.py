@@ -1,7 +1,7 @@
 """Elements added to an assembled structure by their rows alone: what a scan over thousands of variants can afford.
 
-The aircraft keeps its attitude: the weight of what is added, and what that bends, is left out, but for a flap's about
-its own hinge. A fit that follows assembles the whole rig.
+The aircraft keeps its attitude: the weight of what is added, and what that bends, is left out, but for what it does
+along a slide or about a hinge of its own. A fit that follows assembles the whole rig.
 """
 
 from __future__ import annotations
@@ -110,9 +110,14 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
         _spring(s, held, element.stiffness_n_per_m, element.damping_n_s_per_m)
     else:
         moved, own = rows.copy(), np.zeros(s.drive.size)
-        joint = s.joints.index(_own_joint(name, element))
-        moved[:, joint] += turn @ _unit(element.direction)
+        joint, along = s.joints.index(_own_joint(name, element)), turn @ _unit(element.direction)
+        moved[:, joint] += along
         own[joint] = 1.0
+        # More of its weight lies along the slide, or less, as the airframe turns: most where that hangs nose down.
+        carried = s.bodies[s.body_names.index(layout.parts.carrier(element.part, np.array(element.position_m))), 3:]
+        pulled = element.mass_kg * GRAVITY_M_PER_S2 * np.cross(carried, along, axis=0)[_UP]
+        s.stiffness[joint] += pulled
+        s.stiffness[:, joint] += pulled
         own[frame] = -element.frame_share
         s.mass[:] += element.mass_kg * moved.T @ moved
         _spring(s, own, element.stiffness_n_per_m, element.damping_n_s_per_m)
