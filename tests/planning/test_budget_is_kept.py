@@ -9,7 +9,9 @@ from vgvt.planning import planner
 from vgvt.planning.budget import Budget
 from vgvt.planning.planner import Order, plan_test
 from vgvt.planning.sweeps import affordable_sweeps
+from vgvt.planning.system import check_one_shaker
 from vgvt.planning.wish import Wish
+from vgvt.scenario import load_scenario
 from vgvt.scenario.rig import Excitation
 
 VOLTS = 2.0
@@ -70,6 +72,34 @@ def test_what_stays_and_breaks_a_limit_is_refused_before_any_work(
         plan_test(light, order(free, minutes, sensors, **changes))
     for word in words:
         assert word in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "own"),
+    [
+        ("hati-two-shakers", ["further_shaker: makes 2 shakers", "further_shaker = []"], "further_shaker = []"),
+        (
+            "teaching-beam-hammer",
+            ["kind: is 'impact'", 'kind = "linear-chirp" and amplitude_v'],
+            '[excitation]\nkind = "linear-chirp"\namplitude_v = 0.5',
+        ),
+    ],
+)
+def test_another_exciter_is_refused_first_and_told_what_to_write(tmp_path, monkeypatch, name, words, own) -> None:
+    """It had come after limits of minutes and volts, which it then made no sense to have met."""
+
+    def work(*_arguments):
+        raise AssertionError("nothing is to be computed")
+
+    for step in ("check_generator_gives", "peak_command_v", "predict"):
+        monkeypatch.setattr(planner, step, work)
+    with pytest.raises(InputError) as refusal:
+        plan_test(load_scenario(name), order("shaker", 1, 1))
+    for word in words:
+        assert word in str(refusal.value)
+    path = tmp_path / "own.toml"
+    path.write_text(f'extends = "{name}"\nname = "own"\nsummary = "One shaker."\n{own}\n', encoding="utf-8")
+    check_one_shaker(load_scenario(path))
 
 
 def test_what_keeps_the_limits_exactly_is_not_refused(light) -> None:

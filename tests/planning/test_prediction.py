@@ -87,7 +87,7 @@ def test_roving_runs_share_the_information(light) -> None:
 
 
 def test_another_exciter_is_refused() -> None:
-    with pytest.raises(InputError, match="not one shaker"):
+    with pytest.raises(InputError, match="plans are made for one shaker"):
         predict(load_scenario("teaching-beam-hammer"))
 
 

@@ -16,6 +16,7 @@ from vgvt.planning.proposal import Proposal, elastic, proposal
 from vgvt.planning.result import PlanningResult
 from vgvt.planning.search import best_plans, with_mount
 from vgvt.planning.selection import dealt
+from vgvt.planning.system import check_one_shaker
 from vgvt.planning.wish import FREE, Wish
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.sampling import MOST_SAMPLES
@@ -64,6 +65,7 @@ def plan_test(scenario: Scenario, order: Order, progress: Progress | None = None
     report = progress or (lambda _fraction, _text: None)
     share = 0.5 if order.seeds else 1.0
     check_one_level(scenario)
+    check_one_shaker(scenario)
     check_generator_gives(scenario, order.largest_peak_v)
     _check_size(scenario, order.budget)
     peak_v = order.largest_peak_v or peak_command_v(scenario)

@@ -44,14 +44,30 @@ class System:
         return np.asarray(self.modes.residues[:, :, 0])
 
 
+def check_one_shaker(scenario: Scenario) -> None:
+    """InputError for a scenario of several shakers or a hammer: what to write for a test with one shaker."""
+    count = len(scenario.shakers)
+    own = "write a file of your own, with a name and a summary, that extends this scenario"
+    if scenario.excitation.kind == "impact":
+        raise InputError(
+            f"scenario {scenario.name}: excitation.kind",
+            "is 'impact', and plans are made for one shaker",
+            f'{own}, and into its [excitation] kind = "linear-chirp" and amplitude_v',
+        )
+    if count > 1:
+        raise InputError(
+            f"scenario {scenario.name}: further_shaker",
+            f"makes {count} shakers, and plans are made for one",
+            f"{own}, and into it further_shaker = [], which leaves the first",
+        )
+
+
 def systems_of(scenario: Scenario) -> tuple[System, ...]:
     """The rig of every run of a scenario with one shaker, repeats included; InputError for another exciter.
 
     Without effects the repeats of a run are one and the same rig.
     """
-    if scenario.further_shaker or scenario.excitation.kind == "impact":
-        where = f"scenario {scenario.name}: excitation.kind"
-        raise InputError(where, "is not one shaker", "Plan with one shaker; a hammer or several shakers cannot be yet.")
+    check_one_shaker(scenario)
     repeats = scenario.acquisition.repeats
     if repeats > 1 and not scenario.effect:
         once = scenario.model_copy(update={"acquisition": scenario.acquisition.model_copy(update={"repeats": 1})})
