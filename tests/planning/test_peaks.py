@@ -7,16 +7,20 @@ import pytest
 
 from vgvt.data import InputError
 from vgvt.planning.budget import Budget
+from vgvt.planning.driven_peaks import Outputs, frequency_hz
 from vgvt.planning.limits import check_what_stays
 from vgvt.planning.planner import Order, plan_test
 from vgvt.planning.prediction import predict
 from vgvt.planning.sweeps import affordable_sweeps
+from vgvt.planning.system import systems_of
 from vgvt.planning.wish import Wish
-from vgvt.scenario import Scenario
+from vgvt.scenario import Scenario, load_scenario
 from vgvt.scenario.generator import Generator
 from vgvt.scenario.rig import RANDOM_KINDS, Excitation
+from vgvt.signals.excitation import fade
 from vgvt.simulation import simulated_campaign
 from vgvt.simulation.command import drive_commands, peak_command_v, sample_times_s
+from vgvt.simulation.linear_engine import respond
 
 TARGETS = (("1st symmetric bending", 8.1), ("2nd symmetric bending", 31.8))
 
@@ -72,6 +76,42 @@ def test_what_to_expect_of_noise_is_what_comes(noisy, kind) -> None:
     samples = np.abs(simulated_campaign(scenario, engine="linear").runs[0].samples).max(axis=1)
     assert expected.peak_force_n == pytest.approx(samples[1], rel=0.4)
     assert expected.peak_acceleration_m_per_s2 == pytest.approx(samples[2:].max(), rel=0.4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [
+        ("linear-chirp", {"duration_s": 4.0}),
+        ("linear-chirp", {"duration_s": 4.0, "start_hz": 35.0, "stop_hz": 3.0}),
+        ("logarithmic-chirp", {"duration_s": 6.0}),
+        ("stepped-sine", {"duration_s": 12.0, "points": 12, "settle_s": 0.1}),
+    ],
+)
+def test_a_sweep_makes_what_it_is_followed_to_make(light, kind, changes) -> None:
+    """Its envelope is that of two sweeps a quarter of a period apart, each of the exact engine."""
+    keys = light.excitation.model_dump(exclude_none=True) | {"kind": kind, "taper_s": 0.5} | changes
+    e = Excitation.model_validate(keys)
+    (system,) = systems_of(light.model_copy(update={"excitation": e}))
+    driven = system.driven
+    rows = [*system.sensors, len(driven.output_matrix) - 1]
+    outputs = Outputs.of(driven, driven.output_matrix[rows], driven.feedthrough_rows[rows, 0])
+    time_s = np.arange(round(4000 * e.duration_s)) / 4000
+    phase = 2 * np.pi * np.cumsum(frequency_hz(e, time_s)) / 4000
+    size = fade(time_s, e.duration_s, e.taper_s)
+    two = [respond(driven.outputs(rows), wave(phase) * size, 4000.0) for wave in (np.sin, np.cos)]
+    np.testing.assert_allclose(outputs.swept(e), np.hypot(*two).max(axis=1), rtol=0.01)
+
+
+@pytest.mark.parametrize("name", ["garteur-sm-ag19", "skoll-gvt2"])
+def test_no_fast_sweep_of_a_bundled_scenario_exceeds_its_card(name) -> None:
+    """Of a dwell by 9 %: past a resonance the rig rings on and adds to a force that had dropped out."""
+    scenario = load_scenario(name)
+    first = scenario.acquisition.model_copy(update={"runs": scenario.acquisition.runs[:1], "repeats": 1})
+    scenario = scenario.model_copy(update={"acquisition": first})
+    expected = predict(scenario)
+    samples = np.abs(simulated_campaign(scenario, engine="linear").runs[0].samples).max(axis=1)
+    assert samples[1] <= 1.005 * expected.peak_force_n
+    assert samples[2:].max() <= 1.005 * expected.peak_acceleration_m_per_s2
 
 
 def test_what_a_plan_s_level_would_overload_is_told(light) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.mode_numbers import number_text
 from vgvt.data.shown import counted, headed, in_columns
+from vgvt.planning.driven_peaks import largest_of_a_sine
 from vgvt.planning.system import System, run_information, systems_of
 from vgvt.scenario.model import Scenario
 from vgvt.scenario.rig import RANDOM_KINDS
@@ -122,17 +123,17 @@ def predicted(systems: tuple[System, ...]) -> Prediction:
 
 
 def _expected(system: System, seen: Seen) -> Array:
-    """Largest acceleration of the sensors, force, and motion of the drive point in mm: of a sine that dwells, of noise.
+    """Largest acceleration of the sensors, force, and motion of the drive point in mm: of a sine, or of noise.
 
     The peaks of noise are Gaussian ones, of a multisine as well, whose command may be flatter but not its responses.
     """
     e, frequency = system.layout.scenario.excitation, seen.lines.frequency_hz
+    if e.kind not in RANDOM_KINDS:
+        return e.amplitude_v * largest_of_a_sine(system)
     force = np.abs(system.force_per_volt(frequency)) * e.amplitude_v
     drive = len(system.layout.grid)
     moved = 1000 * np.abs(seen.response[drive, 0]) * force / (2 * np.pi * frequency) ** 2
     accelerated = np.abs(seen.response[list(system.sensors), 0]) * force
-    if e.kind not in RANDOM_KINDS:
-        return np.array([accelerated.max(), force.max(), moved.max()])
     share = seen.lines.width_hz / seen.lines.width_hz.sum()
     return _NOISE_PEAK * np.sqrt([(g**2 @ share).max() for g in (accelerated, force, moved)])
 

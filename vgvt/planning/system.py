@@ -24,12 +24,13 @@ Complex = NDArray[np.complex128]
 class System:
     """One run's rig: ``modes`` (as tested, residues at all points), ``bare`` ones, and how a command becomes force.
 
-    ``sensors`` are the indices of the run's points among the modes' DOFs.
+    ``driven`` is the whole rig behind them, ``sensors`` are the indices of the run's points among the modes' DOFs.
     """
 
     layout: Plan
     modes: ModalModel
     bare: ModalModel
+    driven: StateSpace
     force: ForcePath
     sensors: tuple[int, ...]
 
@@ -84,7 +85,7 @@ def _system(layout: Plan, run: int, driven: StateSpace, bare: ModalModel) -> Sys
     modes = modes_as_tested(layout, run, driven)
     index = {dof.node: i for i, dof in enumerate(modes.dofs)}
     sensors = tuple(index[node] for node in layout.scenario.acquisition.run_nodes[run])
-    return System(layout, modes, bare, ForcePath.of(driven), sensors)
+    return System(layout, modes, bare, driven, ForcePath.of(driven), sensors)
 
 
 def seen_by(system: System, run: int = 0) -> Seen:
