@@ -6,6 +6,8 @@ The criterion is the worst mode's relative deviation of damping (a minimax desig
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,17 +48,24 @@ def chosen_points(
 
     ``information`` (D, 2 U, 2 U) is each point's, ``shapes`` (M, D) of the modes to keep apart.
     """
-    every = np.arange(information.shape[0])
-    if count >= every.size:
-        return every
-    chosen: list[int] = []
-    total = np.zeros(information.shape[1:])
-    for _ in range(count):
-        free = np.setdiff1d(every, chosen)
+    if count >= len(information):
+        return np.arange(len(information))
+    chosen = added_points(information, poles, wanted, (), count)
+    return np.sort(_exchanged(chosen, information, poles, wanted, shapes, largest_mac))
+
+
+def added_points(
+    information: Array, poles: Complex, wanted: NDArray[np.intp], kept: Sequence[int], count: int
+) -> NDArray[np.intp]:
+    """``count`` points of (D,), those ``kept`` and what helps the worst mode most beside them, one after the other."""
+    chosen = [int(k) for k in kept]
+    total = information[chosen].sum(axis=0)
+    while len(chosen) < min(count, len(information)):
+        free = np.setdiff1d(np.arange(len(information)), chosen)
         best = free[int(np.argmin(worst_relative_damping(poles, total + information[free], wanted)))]
         chosen.append(int(best))
         total = total + information[best]
-    return np.sort(_exchanged(np.array(chosen), information, poles, wanted, shapes, largest_mac))
+    return np.array(chosen, dtype=np.intp)
 
 
 def _exchanged(
