@@ -69,6 +69,7 @@ def test_a_sweep_is_a_table_with_the_keys_in_front(tmp_path, capsys) -> None:
         (["plan", "quick", "--free", "shakr"], "shaker"),
         (["plan", "quick", "--modes", "eight"], "8.2,15.8"),
         (["plan", "quick", "--identifier", "quadratur"], "quadrature"),
+        (["plan", "quick", "--identifier", "informd"], "did you mean 'informed'?"),
         (["plan", "quikc"], "quick"),
         (["plan", "quick", "--free", "level", "--max-volts", "2", "--minutes", "1"], "vgvt: --minutes: is 1,"),
         (["plan", "quick", "--free", "sweep-time", "--sensors", "2"], "add sensors to --free"),

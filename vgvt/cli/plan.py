@@ -85,7 +85,8 @@ def plan(
     """
     from vgvt.cli.described import described_scenario
     from vgvt.data import InputError
-    from vgvt.identification import make_identifier
+    from vgvt.data.suggestion import choose_one_of, nearest
+    from vgvt.identification import available_identifiers, make_identifier
     from vgvt.planning.budget import Budget
     from vgvt.planning.informed import INFORMED
     from vgvt.planning.planner import Order, checked_free, plan_test
@@ -101,6 +102,8 @@ def plan(
         advice = "write 2 or more, or 0 for none"
         raise InputError("--seeds", "one campaign has no scatter to hold against a prediction", advice)
     described = described_scenario(scenario)
+    if identifier not in (known := [*available_identifiers(), INFORMED]) and nearest(identifier, known) == INFORMED:
+        raise InputError("--identifier", f"there is none called {identifier!r}", choose_one_of(identifier, known))
     if identifier != INFORMED:
         make_identifier(identifier)  # a misspelt name costs no time
     order = Order(
