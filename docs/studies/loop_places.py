@@ -84,6 +84,8 @@ def said_place(verdict: Verdict, scenario: Scenario) -> Where:
     nameless = verdict.attribution.nameless
     # What stands beside a name, and instead of none, is told after it.
     if nameless is not None and nameless.instead_of:
+        if nameless.where.point_m is not None:
+            return Where(nameless.where.point_m)
         label = nameless.where.label.removesuffix(ON_BOTH_SIDES)
         return next((where_explained(p) for p in places if p.label == label), NOWHERE)
     for effect in verdict.effects[:1]:

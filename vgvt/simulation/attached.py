@@ -69,7 +69,7 @@ def carried_rows(structure: Structure, layout: Plan, carrier: str, position_m: A
     return moved + np.cross(turned, arm, axis=0), turn
 
 
-def _held_row(structure: Structure, layout: Plan, spring: GroundSpring) -> Array:
+def held_row(structure: Structure, layout: Plan, spring: GroundSpring) -> Array:
     """What a spring to the ground is stretched by (n,), of a place that moves as the beam between two links does."""
     held, direction = np.zeros(structure.drive.size), _unit(spring.direction)
     for seat in seats_at(layout.parts, spring.part, np.array(spring.position_m)):
@@ -106,7 +106,7 @@ def _at_a_point(s: Structure, layout: Plan, name: str, element: PointMass | Grou
             s.mass[:] += share * element.mass_kg * rows.T @ rows
         s.mass[frame, frame] += element.frame_kg
     elif isinstance(element, GroundSpring):
-        held = _held_row(s, layout, element)
+        held = held_row(s, layout, element)
         _spring(s, held, element.stiffness_n_per_m, element.damping_n_s_per_m)
     else:
         moved, own = rows.copy(), np.zeros(s.drive.size)

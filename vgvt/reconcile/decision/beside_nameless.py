@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vgvt.reconcile.decision.attribute import Attribution
 from vgvt.reconcile.evidence.lasting import lasting_nats
 from vgvt.reconcile.evidence.nameless import Nameless, with_nameless
+from vgvt.reconcile.evidence.place_of_name import place_of_name
 from vgvt.reconcile.evidence.plausible import implausible
 from vgvt.reconcile.evidence.rivals import overrated, worth_to
 from vgvt.reconcile.evidence.still_explained import StillExplained, still_explained, surprise
@@ -99,9 +100,13 @@ def starts_beside(last: Fit, kept: tuple[int, ...], alone: Fit) -> list[tuple[Ar
 def places_beside(last: Fit, alone: Fit) -> list[StillExplained]:
     """Where a nameless thing may be: where most is left beside all names, and beside those that are kept.
 
-    Nowhere where no place can be told.
+    And where the others are, which found it wherever sensors sit. Nowhere where no place can be told.
     """
     found = [s for s in (still_explained(last), still_explained(alone)) if s is not None and s.label]
+    if not found:
+        return []
+    gone = [k for k, h in enumerate(last.hypotheses) if not any(h is kept for kept in alone.hypotheses)]
+    found += [s for k in gone if (s := place_of_name(last, k, found[0])) is not None]
     return list({(s.label, s.when): s for s in found}.values())
 
 

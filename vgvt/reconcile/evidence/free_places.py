@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vgvt.effects.elements import GroundSpring
 from vgvt.reconcile.mechanics.response import accelerances
 from vgvt.reconcile.prediction.grouping import Group
 from vgvt.reconcile.prediction.surrogate import Anchor, Reduced
 from vgvt.reconcile.question.problem import Problem
-from vgvt.simulation.attached import point_rows
+from vgvt.scenario.planform import part_at, surface_height_m
+from vgvt.simulation.attached import held_row, point_rows
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -87,6 +89,15 @@ def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list
         if keep[i]
     ]
     return found
+
+
+def place_at(here: Anchor, x_m: float, y_m: float) -> FreePlace:
+    """Up and down at (x, y), wherever sensors sit: a place of the part there, as its beam between two links moves."""
+    airframe = here.assembled[0].plan.scenario.airframe
+    part = part_at(airframe, (x_m, y_m))
+    at = (x_m, y_m, surface_height_m(airframe, part, x_m, y_m))
+    rows = tuple(held_row(g.structure, g.plan, GroundSpring(part, at, 0.0, 0.0)) for g in here.assembled)
+    return FreePlace(f"force at x = {x_m:.2f} m, y = {y_m:.2f} m", "structure", at, rows, None, motion="PLUS_Z")
 
 
 def places_differ(problem: Problem) -> bool:

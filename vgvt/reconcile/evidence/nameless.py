@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vgvt.data.shown import headed
 from vgvt.reconcile.evidence.fitted_law import FittedLaw
-from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, FreePlace, free_places, with_mirror_images
+from vgvt.reconcile.evidence.free_places import ON_BOTH_SIDES, FreePlace, free_places, place_at, with_mirror_images
 from vgvt.reconcile.evidence.lasting import lasting_evidence
 from vgvt.reconcile.evidence.nameless_descent import Slopes, State, walked
 from vgvt.reconcile.evidence.rivals import worth_of
@@ -137,6 +137,8 @@ def with_nameless(
     try:
         here = anchor(problem, u, hypotheses, e, structures=structures)
         known = with_mirror_images(free_places(problem, here, problem.split.train))
+        if where.point_m is not None:
+            known[where.label] = (place_at(here, *where.point_m),)
         if where.label not in known:
             return None
         acting, terms = SmoothLaw(known[where.label], np.array(where.course)), law_terms(problem.measured.frequency_hz)

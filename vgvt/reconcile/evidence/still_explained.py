@@ -50,7 +50,8 @@ class StillExplained:
     says when the law acts, nothing where alike in all runs, and ``course`` (R,) by how much in each run.
     ``asked`` is how many places and courses over the runs there were to choose from. Those of ``alike`` do the same to
     all that is fitted and another thing to what is held out, which may choose among them; what is called ``or_on`` does
-    the same to all data. Where one point alone is fitted it could be anywhere: then it has no label, kind or course.
+    the same to all data. Where it is no place that every campaign is asked for, ``point_m`` is its (x, y). Where one
+    point alone is fitted it could be anywhere: then it has no label, kind or course.
     """
 
     label: str
@@ -61,6 +62,7 @@ class StillExplained:
     asked: int = 1
     alike: tuple[StillExplained, ...] = ()
     or_on: tuple[str, ...] = ()
+    point_m: tuple[float, float] | None = None
 
     @property
     def at(self) -> str:
