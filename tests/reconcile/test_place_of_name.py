@@ -60,10 +60,8 @@ def test_a_law_there_does_what_a_thing_there_does(damped: Problem) -> None:
     change = np.linalg.norm(wanted - without)
     assert np.linalg.norm(found - wanted) < 0.01 * change
     places = free_places(damped, here, damped.split.train)
-    near = min(
-        (p for p in places if p.position_m),
-        key=lambda p: np.hypot(p.position_m[0] - AT["x_m"], p.position_m[1] - AT["y_m"]),
-    )  # type: ignore[index]
+    far = [(np.hypot(p.position_m[0] - AT["x_m"], p.position_m[1] - AT["y_m"]), p) for p in places if p.position_m]
+    near = min(far, key=lambda pair: pair[0])[1]
     elsewhere = SmoothLaw((near,), law.course).on(here, size).predict(u, e)
     assert np.linalg.norm(elsewhere - wanted) > 0.1 * change
 
