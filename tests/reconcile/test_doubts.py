@@ -128,6 +128,19 @@ def test_a_name_that_depends_on_level_awaits_a_second_one_before_anything_else(
         assert kind_of(case) is Kind.PARTLY_EXPLAINED
 
 
+@pytest.mark.parametrize(("linear", "kind"), [(False, Kind.AMBIGUOUS), (True, Kind.PARTLY_EXPLAINED)])
+def test_a_joint_whose_fit_had_not_ended_and_meets_the_data_awaits_a_second_level(
+    monkeypatch: pytest.MonkeyPatch, linear: bool, kind: Kind
+) -> None:
+    """Play of the second laboratory, 0.10 held out where 0.98 may be left, was named in part at one level."""
+    monkeypatch.setattr(one_level, "several_levels", lambda problem: False)
+    going = found(fitted(), fitted(converged=False))
+    going.final_residual = SimpleNamespace(adequate=True, met=True)
+    going.rounds[0].winner.hypothesis.linear = linear
+    assert kind_of(going) is kind
+    assert any("not final" in doubt for doubt in doubts(going))
+
+
 @pytest.mark.parametrize(("also", "kind"), [("left", Kind.AMBIGUOUS), ("right", Kind.EXPLAINED)])
 def test_a_side_that_does_as_well_is_no_explanation(monkeypatch: pytest.MonkeyPatch, also: str, kind: Kind) -> None:
     """The same effect on the other side is another repair; another start of the same side is not."""

@@ -83,11 +83,15 @@ def test_a_verdict_says_where_what_it_names_first_sits_or_else_where_the_residua
     drift = SimpleNamespace(name="run-drift", settings={}, parameters={})
 
     def said(
-        *effects: object, places: object = residual, nameless: str | None = None, instead_of: object = ("run-drift",)
+        *effects: object,
+        places: object = residual,
+        nameless: str | None = None,
+        instead_of: object = ("run-drift",),
+        point_m: tuple[float, float] | None = None,
     ) -> Where:
         where = None
         if nameless is not None:
-            where = SimpleNamespace(where=SimpleNamespace(label=nameless), instead_of=instead_of)
+            where = SimpleNamespace(where=SimpleNamespace(label=nameless, point_m=point_m), instead_of=instead_of)
         attribution = SimpleNamespace(nameless=where)
         verdict: Any = SimpleNamespace(effects=effects, localisation=places, attribution=attribution)
         return said_place(verdict, loop_truth.nominal())
@@ -100,5 +104,6 @@ def test_a_verdict_says_where_what_it_names_first_sits_or_else_where_the_residua
     assert said(fixed, nameless="force channel") == Where(force=True)
     assert said(fixed, nameless=f"force at 12+Z{ON_BOTH_SIDES}") == Where((0.7, -0.2))
     assert said(fixed, nameless="force at 1+Z") == NOWHERE
+    assert said(fixed, nameless="force at x = 0.68 m, y = -0.79 m", point_m=(0.68, -0.79)) == Where((0.68, -0.79))
     # What stands beside a name, and instead of none, is told after it.
     assert said(fixed, nameless="force channel", instead_of=()) == said(fixed)

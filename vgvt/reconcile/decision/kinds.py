@@ -30,7 +30,9 @@ def kind_of(found: Attribution) -> Kind:
     # What a joint that depends on level leaves, or makes of the tolerances, is for the second level to say: a name that
     # rests on one is not settled, however little is left. A linear name beside such a likeness has to meet the data.
     # What a law at one place explains as it is no joint leaves: it is not asked beside one.
-    bends = found.final.converged and found.still is None and any(not a.winner.hypothesis.linear for a in found.rounds)
+    # A fit that had not ended and meets the data is no other: what it was on its way to does not matter either.
+    ended = found.final.converged or found.final_residual.adequate
+    bends = ended and found.still is None and any(not a.winner.hypothesis.linear for a in found.rounds)
     awaits_level = rests_on_one_level(found) and (bends or (found.final_residual.met and not doubtful))
     if (not found.final_residual.adequate or doubtful) and not awaits_level:
         return Kind.PARTLY_EXPLAINED
