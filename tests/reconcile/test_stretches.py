@@ -115,6 +115,7 @@ def test_fewer_than_the_band_asks_for_are_told_beside_what_is_left(
     assert reasons._of_few_stretches(even) == []  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_four_stretches_leave_what_those_that_the_band_asks_for_do_not(
     teaching: Scenario, tmp_path_factory: pytest.TempPathFactory
 ) -> None:

@@ -157,7 +157,7 @@ def test_the_loop_judges_a_campaign_by_limits_of_its_own(monkeypatch: pytest.Mon
     for name, found in {
         "make_problem": problem,
         "calibrate": SimpleNamespace(problem=problem),
-        "candidates": (),
+        "some_candidates": (),
     }.items():
         monkeypatch.setattr(loop, name, lambda *given, found=found, **more: found)
     monkeypatch.setattr(loop, "provenance_of", lambda *given: None)
