@@ -22,6 +22,7 @@ from vgvt.reconcile.outcome.resimulate import resimulated
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import CELLS, Problem, make_problem
 from vgvt.scenario import Scenario
+from vgvt.scenario.generator import Generator
 from vgvt.scenario.write import to_toml
 from vgvt.simulation import simulated_campaign
 
@@ -108,6 +109,14 @@ def test_what_takes_too_long_or_blows_up_is_skipped(
     assert "it cannot be simulated: run 1 diverges" in resimulated(written, found).remark
     monkeypatch.setattr(resimulate, "MOST_WORK", 1.0)
     assert "takes too long beside a verdict" in resimulated(written, found).remark
+
+
+def test_no_level_is_written_that_the_generator_does_not_give(scenario: Scenario, found: Fit) -> None:
+    """No command would take such a file; that it is not the measured force is said when it is simulated."""
+    for range_v, levels in ((1.4, None), (1.6, (0.3, 1.5))):
+        limited = scenario.model_copy(update={"generator": Generator(range_v=range_v)})
+        there = with_measured_levels(limited, found.problem.measured).acquisition.levels
+        assert there == (None if levels is None else pytest.approx(levels, rel=0.05))
 
 
 def test_a_scenario_that_cannot_be_simulated_keeps_its_levels(scenario: Scenario, found: Fit) -> None:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from vgvt.data import Campaign, InputError
 from vgvt.reconcile.question.data import Measured, level_of
 from vgvt.reconcile.question.spectra import spectra_of
+from vgvt.scenario.base import MisfitError
+from vgvt.scenario.generator import check_generator
 from vgvt.scenario.model import Scenario
 from vgvt.signals.usable import usable_runs
 from vgvt.simulation.campaign import simulated_campaign
@@ -22,14 +24,24 @@ _DIGITS = 4
 
 
 def with_measured_levels(scenario: Scenario, measured: Measured) -> Scenario:
-    """The scenario with every run driven as hard as it was measured; as it is where it cannot be simulated."""
+    """The scenario with every run driven as hard as it was measured; as it is where it cannot be.
+
+    That is where it cannot be simulated, pushes nothing, or its generator does not give so much.
+    """
     alike = scenario.model_copy(update={"acquisition": scenario.acquisition.with_runs(measured.runs)})
     try:
         made = _levels_n(simulated_campaign(alike, engine="linear"), alike)
     except (InputError, RuntimeError, ValueError, np.linalg.LinAlgError):
         return scenario
+    if not (made > 0).all():
+        return scenario
     levels = tuple(float(f"{level:.{_DIGITS}g}") for level in measured.level_n / made)
-    return alike.model_copy(update={"acquisition": alike.acquisition.with_runs(measured.runs, levels)})
+    driven = alike.model_copy(update={"acquisition": alike.acquisition.with_runs(measured.runs, levels)})
+    try:
+        check_generator(driven.generator, driven.excitation, driven.acquisition)
+    except MisfitError:
+        return scenario
+    return driven
 
 
 def told_levels(campaign: Campaign, scenario: Scenario, measured: Measured) -> str:
