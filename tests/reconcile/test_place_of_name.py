@@ -48,7 +48,7 @@ def test_it_is_between_sensors(damped: Problem) -> None:
 
 
 def test_a_law_there_does_what_a_thing_there_does(damped: Problem) -> None:
-    """Against a damper that is assembled with the structure; at its nearest sensor a law misses a fifth of that."""
+    """Against a damper that is assembled with the structure; at its nearest sensor a law misses a tenth of that."""
     u, e = np.zeros(damped.size), np.zeros(0)
     here = anchor(damped, u, (), e)
     law = SmoothLaw((place_at(here, **AT),), np.ones(len(damped.measured.runs)))

@@ -97,7 +97,12 @@ def place_at(here: Anchor, x_m: float, y_m: float) -> FreePlace:
     part = part_at(airframe, (x_m, y_m))
     at = (x_m, y_m, surface_height_m(airframe, part, x_m, y_m))
     rows = tuple(held_row(g.structure, g.plan, GroundSpring(part, at, 0.0, 0.0)) for g in here.assembled)
-    return FreePlace(f"force at x = {x_m:.2f} m, y = {y_m:.2f} m", "structure", at, rows, None, motion="PLUS_Z")
+    return FreePlace(label_at(x_m, y_m), "structure", at, rows, None, motion="PLUS_Z")
+
+
+def label_at(x_m: float, y_m: float) -> str:
+    """What a place at (x, y) is called."""
+    return f"force at x = {x_m:.2f} m, y = {y_m:.2f} m"
 
 
 def places_differ(problem: Problem) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vgvt.reconcile.evidence.free_places import label_at
 from vgvt.reconcile.evidence.plausible import PLACES
 from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.fitting.fit import Fit
@@ -28,8 +29,8 @@ def place_of_name(found: Fit, index: int, beside: StillExplained) -> StillExplai
     x_m, y_m = (float(values[axis]) for axis in _AT)
     runs = len(found.problem.measured.runs)
     asked = max(beside.asked, round(beside.asked * _as_sharp(found, index)))
-    label = f"force at x = {x_m:.2f} m, y = {y_m:.2f} m"
-    return StillExplained(label, "structure", 0.0, course=(1.0,) * runs, asked=asked, point_m=(x_m, y_m))
+    course = (1.0,) * runs
+    return StillExplained(label_at(x_m, y_m), "structure", 0.0, course=course, asked=asked, point_m=(x_m, y_m))
 
 
 def _as_sharp(found: Fit, index: int) -> float:
