@@ -23,6 +23,7 @@ KINDS = {
 _LOOK = {
     "structure": "on the aircraft that is where to knock and listen.",
     "drive": "look at the force cell, how it is mounted, its cable and its gain.",
+    "airframe": "look for what changes all of it at once: temperature, moisture, age, the material it is said to be.",
     "sensor": "look at that sensor, how it is mounted, its cable and its gain.",
 }
 """Where to look, by the kind of the place that explains most."""

@@ -1,12 +1,13 @@
 """The law of a thing that no catalogue has, with how well it is known, and read as what engineers know.
 
 Whoever looks for the thing wants to know what it acts like: a spring, a mass, a damper and mixtures of them on the
-structure; a gain and a delay on a channel.
+structure; a gain and a delay on a channel; a change of stiffness and a loss factor of a whole airframe.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,11 @@ _HARDLY = 1e-12
 _POINTS = 33
 # Of a factor: a channel that reads less is dead, and has no gain.
 _DEAD = 1e-6
+# Laws (L, parts) by angular frequency (L,) that add up to one of a kind of place.
+_SUMS: dict[str, Callable[[Array], ComplexArray]] = {
+    "structure": lambda omega: np.stack([np.ones_like(omega), 1j * omega, -(omega**2)], axis=1),
+    "airframe": lambda omega: np.stack([np.ones_like(omega), 1j * np.ones_like(omega)], axis=1),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,23 +56,23 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A law as the simplest parts, and the share ``left`` of it that they are not.
+    """A law as the simplest parts, and the share ``left`` of it that they are not; ``kind`` is as a free place's.
 
-    Those of the force channel, where the law is of acceleration over force, are the force's: ``inverse``.
+    Those of the force channel are the force's, where the law is of acceleration over force.
     """
 
     parts: tuple[Part, ...]
     left: float
-    inverse: bool = False
+    kind: str
 
     def at(self, frequency_hz: Array) -> ComplexArray:
         """What it makes of the law at some frequencies (L,)."""
-        omega, first, *others = 2 * np.pi * frequency_hz, *(p.value for p in self.parts)
-        if len(others) == 1:
-            factor = (1 + first) * np.exp(-1j * omega * others[0])
-            return np.asarray((1 / factor if self.inverse else factor) - 1)
-        damping, mass = others
-        return np.asarray(first + 1j * omega * damping - omega**2 * mass)
+        omega, values = 2 * np.pi * frequency_hz, np.array([p.value for p in self.parts])
+        if self.kind in _SUMS:
+            return np.asarray(_SUMS[self.kind](omega) @ values)
+        gain, delay = values
+        factor = (1 + gain) * np.exp(-1j * omega * delay)
+        return np.asarray((1 / factor if self.kind == "drive" else factor) - 1)
 
     @property
     def tells(self) -> bool:
@@ -78,7 +84,8 @@ class Reading:
         """What it reads as, as the rest of a sentence."""
         seen = [p for p in self.parts if abs(p.value) > _THERE * p.std]
         if not self.tells:
-            return f"reads as no {', '.join(p.name for p in self.parts[:-1])} or {self.parts[-1].name} at one place"
+            where = "" if self.kind == "airframe" else " at one place"
+            return f"reads as no {', '.join(p.name for p in self.parts[:-1])} or {self.parts[-1].name}{where}"
         if not seen:
             return "is too little known to be read"
         *most, last = (p.in_words for p in seen)
@@ -137,11 +144,12 @@ class FittedLaw:
         """
         omega, terms = 2 * np.pi * self.frequency_hz, law_terms(self.frequency_hz)
         values, std = self.values, self.std
-        if self.kind == "structure":
-            sought, slope = values, np.ones_like(values)
-            laws = np.stack([np.ones_like(omega), 1j * omega, -(omega**2)], axis=1)
+        if self.kind in _SUMS:
+            sought, slope, laws = values, np.ones_like(values), _SUMS[self.kind](omega)
             units = ("N m/rad", "N m s/rad", "kg m^2") if self.turns else ("N/m", "N s/m", "kg")
             names = list(zip(("stiffness", "damping", "inertia" if self.turns else "mass"), units, strict=True))
+            if self.kind == "airframe":
+                names = [("relative change of stiffness", ""), ("loss factor", "")]
         else:
             # A factor (1 + gain error) exp(-i ω delay) has a logarithm in which both are straight.
             sign = 1.0 if float(np.sum(1 + values.real)) > 0 else -1.0
@@ -160,11 +168,11 @@ class FittedLaw:
         # What the parts leave of the law might as well be of any one of them.
         as_much = left / np.maximum(np.sum((weight[:, None] * _parts(laws)) ** 2, axis=0), np.finfo(float).tiny)
         deviations = np.sqrt(np.diag(carried @ self._covariance @ carried.T) + as_much)
-        if self.kind != "structure":
+        if self.kind not in _SUMS:
             gain = sign * float(np.exp(found[0]))
             found, deviations = np.array([gain - 1, found[1]]), deviations * np.array([abs(gain), 1.0])
         parts = tuple(Part(n, float(v), float(s), u) for (n, u), v, s in zip(names, found, deviations, strict=True))
-        return Reading(parts, left / total if total > 0 else 0.0, inverse=self.kind == "drive")
+        return Reading(parts, left / total if total > 0 else 0.0, self.kind)
 
     def document(self) -> dict[str, object]:
         """Plain values by the keys of the JSON contract."""

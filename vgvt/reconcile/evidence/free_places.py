@@ -30,9 +30,10 @@ _MIRRORED_M = 1e-3
 class FreePlace:
     """A place: rows (n,) over the coordinates of each group of runs, which differ, or a mask (C,) of channels.
 
-    ``kind`` is 'structure', 'drive' or 'sensor'. What acts where something ``turns`` is a moment in N m over an angle
-    in rad, and elsewhere a force in N over a way in m. ``motion`` says along what, alike on both sides of an aircraft:
-    a direction, 'bending' or 'torsion'.
+    ``kind`` is 'structure', 'drive', 'sensor' or 'airframe'. The last is everywhere: of rows (J, n) that act alike.
+    What acts where something ``turns`` is a moment in N m over an angle in rad, and elsewhere a force in N over a way
+    in m; on the whole airframe it is relative to what is there. ``motion`` says along what, alike on both sides of an
+    aircraft: a direction, 'bending' or 'torsion'.
     """
 
     label: str
@@ -167,10 +168,8 @@ def moved(group: Reduced, row: Array, omega: Array) -> tuple[ComplexArray, Compl
 
 
 def reduced_row(group: Reduced, row: Array) -> Array:
-    """A row over a group's assembled coordinates in its reduced ones."""
-    wide = np.zeros(group.basis.shape[0])
-    wide[: row.size] = row
-    return np.asarray(group.basis.T @ wide)
+    """A row (n,), or rows (J, n), over a group's assembled coordinates in its reduced ones, (m,) or (J, m)."""
+    return np.asarray(row @ group.basis[: row.shape[-1]])
 
 
 def _unit(size: int, k: int) -> Array:

@@ -22,6 +22,7 @@ from vgvt.reconcile.evidence.rivals import worth_of
 from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
 from vgvt.reconcile.evidence.still_explained import StillExplained
 from vgvt.reconcile.evidence.strain import strain_sd
+from vgvt.reconcile.evidence.whole_airframe import whole_airframe
 from vgvt.reconcile.fitting.foretold import foretold, held_out_chi2
 from vgvt.reconcile.fitting.misfit import coarse_sigma
 from vgvt.reconcile.prediction.carried import Structures
@@ -136,7 +137,7 @@ def with_nameless(
     structures = Structures(problem)
     try:
         here = anchor(problem, u, hypotheses, e, structures=structures)
-        known = with_mirror_images(free_places(problem, here, problem.split.train))
+        known = with_mirror_images([*free_places(problem, here, problem.split.train), *whole_airframe(here)])
         if where.point_m is not None:
             known[where.label] = (place_at(here, *where.point_m),)
         if where.label not in known:

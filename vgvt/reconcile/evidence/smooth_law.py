@@ -1,8 +1,8 @@
 """A thing that no catalogue has, at one place: what it does to A/F, whatever its law, as long as that is smooth.
 
 On the structure it is a dynamic stiffness z(ω) from the ground to a point, or one more at a root; elsewhere a factor
-1 + z(ω) on what a channel reads. Four complex values, cubic in the logarithm of frequency, which a stiffness, mass,
-damper and mixtures of them are.
+1 + z(ω) on what a channel reads, or on every stiffness of the airframe. Four complex values, cubic in the logarithm of
+frequency, which a stiffness, mass, damper and mixtures of them are.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class SmoothLaw:
         omega = 2 * np.pi * here.problem.measured.frequency_hz
         for k, group in enumerate(here.groups):
             levels, masses = self._levels(here, k, law), tuple(group.masses_kg[r] * group.roving for r in group.runs)
-            one = self._shown(here, group, np.ones_like(law))[None]
+            one = self._shown(here, group, levels.joints.rows, np.ones_like(law))[None]
             slopes[group.channels] = level_accelerance_slopes(
                 group.matrices, levels.joints, levels.shown, one, omega, group.runs, masses, _nothing_else(group)
             )[0]
@@ -78,20 +78,20 @@ class SmoothLaw:
         """By how much it acts on each channel (C,)."""
         return self.course[[c.run for c in here.problem.measured.channels]]
 
-    def _shown(self, here: Anchor, group: Reduced, law: ComplexArray) -> ComplexArray:
-        """The stiffness (R, J, L) at its places in each run of a group."""
+    def _shown(self, here: Anchor, group: Reduced, rows: Array, law: ComplexArray) -> ComplexArray:
+        """The stiffness (R, J, L) along rows (J, m) in each run of a group."""
         acts = self._acts(here)
-        share = np.array([acts[group.channels[rows[0]]] for rows in group.runs])
-        return np.asarray(np.broadcast_to(share[:, None, None] * law, (share.size, len(self.places), law.size)))
+        share = np.array([acts[group.channels[of_run[0]]] for of_run in group.runs])
+        return np.asarray(np.broadcast_to(share[:, None, None] * law, (share.size, rows.shape[0], law.size)))
 
     def _levels(self, here: Anchor, index: int, law: ComplexArray) -> Levels:
         """The law as what joints at its places show in each run of a group."""
         group = here.groups[index]
-        rows = np.array([reduced_row(group, p.rows[index]) for p in self.places if p.rows is not None])
-        channels, places, lines, effects = group.channels.size, len(rows), law.size, here.e0.size
-        missed = (np.zeros(places), np.zeros((channels, places)), np.zeros((places, places)))
+        rows = np.vstack([_independent(reduced_row(group, p.rows[index])) for p in self.places if p.rows is not None])
+        channels, number, lines, effects = group.channels.size, rows.shape[0], law.size, here.e0.size
+        missed = (np.zeros(number), np.zeros((channels, number)), np.zeros((number, number)))
         left_out = np.zeros((effects + 1, channels, lines), dtype=complex)
-        shown = self._shown(here, group, law)
+        shown = self._shown(here, group, rows, law)
         held = np.zeros((effects, *shown.shape), dtype=complex)
         return Levels(Joints((), rows, *missed), shown, left_out[0], held, left_out[1:])
 
@@ -119,6 +119,14 @@ class _Multiplied:
 
     def slopes(self, wanted: NDArray[np.bool_] | None = None) -> ComplexArray:
         return self.plain.slopes(wanted)
+
+
+def _independent(rows: Array) -> Array:
+    """Rows (m,) or (J, m) as no more rows than there are coordinates, of the same square sum along each of these."""
+    if rows.ndim == 1 or rows.shape[0] <= rows.shape[1]:
+        return np.atleast_2d(rows)
+    _, triangle = np.linalg.qr(rows)
+    return triangle
 
 
 def _nothing_else(group: Reduced) -> Slopes:

@@ -29,7 +29,8 @@ from vgvt.reconcile.evidence.free_places import (
 )
 from vgvt.reconcile.evidence.lasting import lasting
 from vgvt.reconcile.evidence.rivals import worth_to
-from vgvt.reconcile.evidence.smooth_law import TERMS, law_terms
+from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
+from vgvt.reconcile.evidence.whole_airframe import whole_airframe
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import data_misfit, standardised
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
@@ -68,7 +69,7 @@ class StillExplained:
     def at(self) -> str:
         """Where and when it acts."""
         label = f"{self.label.removesuffix(EVERY_RUN)} {self.when}" if self.when else self.label
-        return f"the {label}" if self.kind == "drive" else label
+        return f"the {label}" if self.kind in ("drive", "airframe") else label
 
     @property
     def words(self) -> str:
@@ -98,7 +99,7 @@ def still_explained(found: Fit) -> StillExplained | None:
     numbers = {c.run: c.run_number for c in problem.measured.channels}
     chain, laws = here.chain(found.u, found.e), law_terms(problem.measured.frequency_hz)
     views = _views(found)
-    places = free_places(problem, here, keep)
+    places = [*free_places(problem, here, keep), *whole_airframe(here)]
     columns = [_columns(found, here, place, chain, laws) for place in places]
     asked = list(zip(places, columns, strict=True))
     # To first order the same law on both sides does what it does on either, together.
@@ -240,8 +241,12 @@ def _views(found: Fit) -> tuple[_View, _View]:
 def _columns(found: Fit, here: Anchor, place: FreePlace, chain: ComplexArray, laws: Array) -> Array:
     """Changes of the misfit (2 N, 2 terms) by each term of a law, real and imaginary, at a place."""
     problem = found.problem
-    answer = answered(here, place, found.predicted, chain)
-    if place.rows is not None:
+    if place.kind == "airframe":
+        every, none = np.ones(len(problem.measured.runs)), np.zeros(laws.shape[0], dtype=complex)
+        answer = SmoothLaw((place,), every).by_law(here, none, found.u, found.e)
+    else:
+        answer = answered(here, place, found.predicted, chain)
+    if place.rows is not None and place.kind != "airframe":
         omega = 2 * np.pi * problem.measured.frequency_hz
         for group, row in zip(here.groups, place.rows, strict=True):
             # A law's force is its stiffness times what moves there.
