@@ -15,9 +15,9 @@ from vgvt.effects.registry import effects_of
 from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.fit import TO_THE_END, fit
 from vgvt.reconcile.next_test import suggest as suggesting
-from vgvt.reconcile.next_test.checks import _aircraft_kg, checks, foretold, log_density, reading_nats, seen
+from vgvt.reconcile.next_test.checks import _aircraft_kg, checks, foretold, seen
 from vgvt.reconcile.next_test.procedures import lab_minutes
-from vgvt.reconcile.next_test.with_reading import reading_density
+from vgvt.reconcile.next_test.with_reading import counted_law, reading_density, reading_nats
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
 from vgvt.reconcile.question.thresholds import stored_thresholds
@@ -192,11 +192,11 @@ def test_a_reading_and_a_campaign_fitted_together_are_the_normal_law_where_that_
     scale, hypothesis = check(case, words), Hypothesis(available_effects()["channel-gain"])
     null = calibrate(case)
     found = fit(null.problem, (hypothesis,), null.u, hypothesis.scores({"gain_error": 0.01}), TO_THE_END)
-    law = foretold(found, scale)
+    law = counted_law(found, scale)
     assert law is not None
     for away in (0.0, 1.0, -2.0):
-        reading = law[0] + away * np.sqrt(np.diag(law[1]))
-        assert reading_density(found, scale, reading) == pytest.approx(log_density(reading, *law), abs=0.15)
+        reading = law.mean + away * np.sqrt(np.diag(law.covariance))
+        assert reading_density(found, scale, reading) == pytest.approx(law.density(reading), abs=0.15)
 
 
 @pytest.mark.slow
@@ -246,12 +246,12 @@ def test_along_a_bent_valley_a_reading_tells_more_than_the_normal_law_foresees(c
     hypothesis = Hypothesis(available_effects()["temperature-change"], {"shape": "linear"})
     found = fit(drifted, (hypothesis,), np.zeros(case.size), hypothesis.scores({"warming_k": 8.0}), TO_THE_END)
     log = check(drifted, "temperature")
-    law = foretold(found, log)
+    law = counted_law(found, log)
     assert law is not None
-    none = np.zeros(law[0].size)
+    none = np.zeros(law.mean.size)
     told = reading_density(found, log, none)
     assert told is not None
-    assert told < log_density(none, *law) - 10
+    assert told < law.density(none) - 10
 
 
 def test_expected_nats_are_the_mean_over_readings(case: Problem) -> None:
@@ -259,11 +259,11 @@ def test_expected_nats_are_the_mean_over_readings(case: Problem) -> None:
     hook = check(case, "where the hook is")
     one = claimed(case, "hook-offset", {"aft_m": 0.01, "up_m": 0.004})
     two = claimed(case, "stinger-moment", {})
-    laws = [foretold(f, hook) for f in (one, two)]
+    laws = [counted_law(f, hook) for f in (one, two)]
     assert laws[0] is not None and laws[1] is not None
     generator = np.random.default_rng(3)
-    readings = generator.multivariate_normal(*laws[0], size=4000)
-    told = [log_density(r, *laws[0]) - log_density(r, *laws[1]) for r in readings]
+    readings = generator.multivariate_normal(laws[0].mean, laws[0].covariance, size=4000)
+    told = [laws[0].density(r) - laws[1].density(r) for r in readings]
     expected = reading_nats(one, two, hook)
     assert expected is not None
     assert np.mean(told) == pytest.approx(expected, abs=5 * np.std(told) / np.sqrt(len(told)))

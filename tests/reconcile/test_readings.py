@@ -12,10 +12,11 @@ from reconciled_case import campaign_of, check, claimed, roving_problem, roving_
 from vgvt.effects import available_effects
 from vgvt.reconcile.fitting.calibration import calibrate
 from vgvt.reconcile.fitting.fit import TO_THE_END, Fit, fit
-from vgvt.reconcile.next_test.checks import read_by, reading_nats, seen
-from vgvt.reconcile.next_test.with_reading import followed_nats
+from vgvt.reconcile.next_test.checks import read_by, seen, slopes_of
+from vgvt.reconcile.next_test.with_reading import counted_law, followed_nats, reading_nats
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.reconcile.question.thresholds import SMOOTHED
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +91,36 @@ def test_what_is_read_beside_runs_or_before_them_follows_them(case: Problem) -> 
     assert last - first == pytest.approx(0.05)
 
 
+def judged_by(found: Fit, noise: float) -> Fit:
+    """The same fit, with a share of what its data are judged by that is noise; the rest is the model's form."""
+    measured = found.problem.measured
+    return replace(found, problem=replace(found.problem, measured=replace(measured, noise=noise * measured.sigma**2)))
+
+
+def test_what_a_campaign_says_counts_beside_a_reading_as_a_verdict_counts_it(case: Problem) -> None:
+    """A reading had been promised more: what it makes an explanation miss of the campaign counted whole."""
+    scale, share = check(case, "weigh the force transducer"), 0.25
+    heavier, light = (
+        claimed(case, name, values)
+        for name, values in (("transducer-mass", {"mass_kg": 0.01}), ("channel-gain", {"gain_error": 0.01}))
+    )
+    law = counted_law(judged_by(heavier, share), scale)
+    slopes, exact = slopes_of(heavier, heavier.scores, law.mean, scale), scale.covariance(1)
+    # The explanation bends by chi squared as it is.
+    off = np.array([-0.01])
+    step = heavier.covariance @ slopes.T @ np.linalg.solve(law.covariance, off)
+    left, missed = off - slopes @ step, heavier.tangent @ step
+    worth = share + (1 - share) / SMOOTHED
+    # At a fit's bottom the data's slope is minus that of the priors, which count whole.
+    pulled = 2 * (1 - worth) * (heavier.scores @ step)
+    counted = left @ np.linalg.solve(exact, left) + step @ step + worth * (missed @ missed) + pulled
+    assert 2 * (law.density(law.mean) - law.density(law.mean + off)) == pytest.approx(counted, rel=1e-6)
+    # Of noise alone every value counts whole; where the model's form judges them, five nats were promised that no
+    # verdict would count.
+    told = {n: reading_nats(judged_by(light, n), judged_by(heavier, n), scale) for n in (1.0, 0.0)}
+    assert told[1.0] > 7.0 > 5.0 > told[0.0]
+
+
 @pytest.fixture(scope="module")
 def plain(case: Problem) -> Fit:
     """What a campaign leaves of a gain that is not there, beside everything else."""
@@ -104,7 +135,8 @@ def test_a_reading_that_is_followed_is_expected_and_not_only_foretold(case: Prob
     spring = check(case, "known mass on the spring")
     for true, other in ((stiffer, plain), (plain, stiffer)):
         straight = reading_nats(true, other, spring)
-        assert straight is not None and straight > 0.3
+        # Twice what the two may differ by, that there is something to compare.
+        assert straight is not None and straight > 0.2
         assert followed_nats(true, other, spring) == pytest.approx(straight, abs=0.1)
 
 

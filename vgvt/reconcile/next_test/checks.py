@@ -169,21 +169,6 @@ def log_density(reading: Array, mean: Array, covariance: Array) -> float:
     return float(-0.5 * (white @ white) - np.log(np.diag(factor)).sum() - 0.5 * mean.size * np.log(2 * np.pi))
 
 
-def reading_nats(true: Fit, other: Fit, check: Check) -> float | None:
-    """Nats that a reading is expected to put between two fits where ``true`` is; None where it cannot be read.
-
-    The divergence of one foretold normal law from the other (Kullback and Leibler, Ann. Math. Stat. 22, 1951).
-    """
-    first, second = foretold(true, check), foretold(other, check)
-    if first is None or second is None:
-        return None
-    (here, own), (there, wide) = first, second
-    gap = there - here
-    solved = np.linalg.solve(wide, np.column_stack([own, gap]))
-    sizes = np.linalg.slogdet(wide)[1] - np.linalg.slogdet(own)[1]
-    return float(0.5 * (np.trace(solved[:, :-1]) - gap.size + gap @ solved[:, -1] + sizes))
-
-
 def read_by(fit: Fit, scores: Array, check: Check) -> Array | None:
     """The reading (K,) at other scores (n,) of a fit's hypotheses; None where there is no such aircraft."""
     problem, u, e = fit.problem, scores[: fit.u.size], scores[fit.u.size :]

@@ -15,9 +15,9 @@ from vgvt.data.shown import headed
 from vgvt.reconcile.fitting.descent import solved
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.fitting.misfit import data_misfit, jacobian
-from vgvt.reconcile.next_test.checks import Check, checks, reading_nats
+from vgvt.reconcile.next_test.checks import Check, checks
 from vgvt.reconcile.next_test.procedures import Procedure, changed, levels_to_try, procedures
-from vgvt.reconcile.next_test.with_reading import followed_nats
+from vgvt.reconcile.next_test.with_reading import followed_nats, reading_nats
 from vgvt.reconcile.prediction.grouping import NoStructureError
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.problem import Problem
