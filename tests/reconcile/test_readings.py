@@ -39,6 +39,15 @@ def test_what_is_read_after_a_campaign_is_how_its_last_run_left_the_rig(
     assert shown == pytest.approx(wanted)
 
 
+def test_a_tape_finds_sensors_that_were_exchanged_twice_where_they_sit(case: Problem) -> None:
+    """The first with the second, then the first with the third: a cycle, of which no exchange alone knows."""
+    one, two, three = case.scenario.acquisition.run_nodes[0][:3]
+    swap, tape = available_effects()["swapped-sensors"], check(case, "tape where every sensor")
+    effects = [swap(node=one, other_node=other) for other in (two, three)]
+    before, after = (tape.read(seen(case.scenario, made)).reshape(-1, 2)[:3] for made in ([], effects))
+    assert after == pytest.approx(before[[2, 0, 1]])
+
+
 def test_a_tape_tells_not_when_a_drive_point_was_moved(case: Problem) -> None:
     """Two centimetres off from the first run on, or from the third on: afterwards they are one."""
     always = claimed(case, "drive-point-offset", {"dy_m": 0.02})

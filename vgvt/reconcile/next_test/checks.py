@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from vgvt.data import Channel, ChannelRole, Direction, Dof, Quantity
 from vgvt.effects.action import Action, ChannelFilter
 from vgvt.effects.elements import RotationSpring
+from vgvt.effects.point_error import seats
 from vgvt.effects.protocol import Effect, Family
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.next_test.procedures import lab_minutes
@@ -284,8 +285,8 @@ def _sensor_places(runs: Sequence[Seen]) -> Array:
     found = []
     for (_, node), one in _seats(runs).items():
         places = {p.dof.node: np.array(p.position_m) for p in sensor_points(one.scenario)}
+        at = seats(a.points for a in one.actions).get(node, node)
         errors = [p for a in one.actions for p in a.points if p.node == node]
-        at = next((p.at_node for p in errors if p.at_node is not None), node)
         found.append((places[at] + sum((np.array(p.shift_m) for p in errors), np.zeros(3)))[:2])
     return np.concatenate(found)
 
