@@ -57,7 +57,12 @@ def test_a_name_whose_place_is_open_is_told_with_its_places_and_advice_of_its_ow
 
 @pytest.mark.parametrize(
     ("kind", "words"),
-    [("structure", "where to knock"), ("drive", "look at the force cell"), ("sensor", "look at that sensor")],
+    [
+        ("structure", "where to knock"),
+        ("drive", "look at the force cell"),
+        ("sensor", "look at that sensor"),
+        ("airframe", "changes all of it at once"),
+    ],
 )
 def test_a_thing_without_a_name_is_shown_with_its_law_and_is_where_to_look(kind: str, words: str) -> None:
     thing = replace(nameless(), kind=kind)
