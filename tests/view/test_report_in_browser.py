@@ -51,8 +51,9 @@ def report(example, tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
 
 
-@pytest.fixture(params=[(1400, 1000), (420, 900)], ids=["desktop", "phone"])
+@pytest.fixture(scope="module", params=[(1400, 1000), (420, 900)], ids=["desktop", "phone"])
 def opened(browser, report: Path, request: pytest.FixtureRequest) -> Iterator[tuple[object, list[str], list[str]]]:
+    """One page a screen: what one test turns or chooses in it, no other looks at."""
     width, height = request.param
     page = browser.new_page(viewport={"width": width, "height": height})
     troubles: list[str] = []
