@@ -13,14 +13,16 @@ from vgvt.scenario.cells import cells_of
 from vgvt.simulation.pushed import pushed_beams
 
 
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    return expected_fit(load_scenario("teaching-beam"), lines=40, cache=tmp_path_factory.mktemp("cache")).problem
+
+
 @pytest.mark.parametrize(
     ("words", "recut"), [("centre line", True), ("mirror image", False), ("further forward", False)]
 )
-def test_a_shaker_elsewhere_on_a_beam_has_slopes_of_its_own(
-    words: str, recut: bool, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_a_shaker_elsewhere_on_a_beam_has_slopes_of_its_own(case: Problem, words: str, recut: bool) -> None:
     """Slopes of another chain had been taken for its own, up to 7 % of what EI changes."""
-    case = expected_fit(load_scenario("teaching-beam"), lines=40, cache=tmp_path_factory.mktemp("cache")).problem
     after = changed(case, next(p for p in procedures(case) if words in p.words))
     assert (cells_of_beam(after) != cells_of_beam(case)) == recut
     fresh = slopes_in(after.start.scenario, after.unknowns[:-1], after.layouts, after.nominal)
