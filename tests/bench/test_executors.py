@@ -87,6 +87,7 @@ def test_workers_have_one_blas_thread_each_where_nobody_said_so(monkeypatch: pyt
     assert [os.getenv(name) for name in PINS] == [None, None, "7", None]
 
 
+@pytest.mark.slow
 def test_three_cells_that_lose_a_worker_each_are_no_three_deaths_of_one(tmp_path: Path) -> None:
     stubs = [Stub(k, tmp_path, deaths=1 if k in (1, 3, 5) else 0) for k in range(8)]
     done: list[int] = []

@@ -79,15 +79,15 @@ class Laboratory:
         return f"{error:.2g} of {done:.2g}" if error > _OF_THE_CHANGE * done + _OF_THE_WHOLE else ""
 
 
-@pytest.mark.parametrize("words", [("axis",), pytest.param(_WORDS, marks=pytest.mark.slow)], ids=" ".join)
+@pytest.mark.parametrize(("words", "every"), [(("axis",), 3), pytest.param(_WORDS, 1, marks=pytest.mark.slow)])
 def test_every_effect_does_what_the_simulator_makes_it_do(
-    monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+    monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], every: int
 ) -> None:
-    """Base strain about the roll axis was foretold fifteen times as large as it is."""
+    """Base strain about the roll axis was foretold fifteen times as large as it is. A third of them by default."""
     laboratory = Laboratory(monkeypatch)
     asked = variants(laboratory.case, words)
     assert len({h.name for h in asked}) > 40
-    assert {h.label: wrong for h in asked if (wrong := laboratory.missed(h))} == {}
+    assert {h.label: wrong for h in asked[::every] if (wrong := laboratory.missed(h))} == {}
 
 
 @pytest.mark.slow

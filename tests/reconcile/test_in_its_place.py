@@ -111,6 +111,7 @@ def test_a_delay_that_was_taken_for_a_mount_stands_beside_it(mounted: Fit, offer
     assert [(e.name, e.equivalent) for e in named_effects(said)] == [(MOUNT.name, ("channel-delay",)), (LOW.name, ())]
 
 
+@pytest.mark.slow
 def test_what_is_known_to_do_as_well_is_asked_whatever_it_promises(
     mounted: Fit, offered: Sequence[Hypothesis], monkeypatch: pytest.MonkeyPatch
 ) -> None:

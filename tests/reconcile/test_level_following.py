@@ -157,6 +157,7 @@ def test_they_are_kept_until_they_are_forgotten(case: Problem, monkeypatch: pyte
     assert sum(asked) == 2 * len(first.groups)
 
 
+@pytest.mark.slow
 def test_runs_that_are_grouped_otherwise_have_slopes_anew(case: Problem, tmp_path: Path) -> None:
     """As beside a change between runs and without it: slopes of two groups had met one, which was an error."""
     scenario = case.scenario.model_copy(

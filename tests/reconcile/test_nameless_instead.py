@@ -71,6 +71,7 @@ def kept(found: Attribution) -> list[str]:
     return [a.winner.name for a in found.rounds]
 
 
+@pytest.mark.slow
 def test_right_names_stay(damped: Problem, null: Fit) -> None:
     found = named(null, DAMPER, GAIN)
     assert set_against_nameless(found, limits(damped)) is found

@@ -49,6 +49,12 @@ def limits(case: Problem) -> Thresholds:
     return stored_thresholds().at(noise_share(case.measured, case.split.train))
 
 
+@pytest.fixture(scope="module")
+def damped(cache: Path) -> Fit:
+    """The calibration of a campaign with a damper to the ground."""
+    return calibrate(case_with(cache, KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE)))
+
+
 def unexplained(null: Fit, *leads: tuple[str, dict[str, float], dict[str, Any]]) -> Attribution:
     """What a search holds that found no name, but leads."""
     rounds, current = list[Addition](), null
@@ -124,11 +130,11 @@ def test_beside_a_lead_that_stands_beside_it(cache: Path) -> None:
 
 @pytest.mark.parametrize(("together", "is_told"), [(108.0, False), (110.0, True)])
 def test_a_lead_has_to_gain_beside_the_thing_too(
-    cache: Path, monkeypatch: pytest.MonkeyPatch, together: float, is_told: bool
+    damped: Fit, monkeypatch: pytest.MonkeyPatch, together: float, is_told: bool
 ) -> None:
     """Alone the thing gains 100, and does not convince; with a lead it does, and may owe that to itself."""
-    case = case_with(cache, KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE))
-    start = unexplained(calibrate(case), ("channel-gain", {"gain_error": 0.01}, {"channels": "18+Z"}))
+    case = damped.problem
+    start = unexplained(damped, ("channel-gain", {"gain_error": 0.01}, {"channels": "18+Z"}))
     alone, both = (SimpleNamespace(gains=np.full(2, g), problem=case, predicted=None) for g in (100.0, together))
     monkeypatch.setattr(told, "_best", lambda asked, kept, *_: both if kept else alone)
     monkeypatch.setattr(told, "_convincing", lambda there, *_: both if there is both else None)
@@ -179,10 +185,9 @@ def test_nothing_is_told_where_there_is_a_name_or_nothing_is_missing(cache: Path
 
 
 def test_what_gains_too_little_or_held_out_data_speak_against_is_not_told(
-    cache: Path, monkeypatch: pytest.MonkeyPatch
+    damped: Fit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    case = case_with(cache, KNOWN["nonproportional-damper"](damping_n_s_per_m=1.0, **PLACE))
-    start = unexplained(calibrate(case))
+    case, start = damped.problem, unexplained(damped)
     found = nameless_told(start, limits(case))
     assert found.nameless is not None
     most = replace(limits(case), evidence_nats=found.nameless.ahead_nats + 1)
@@ -198,7 +203,7 @@ def test_what_gains_too_little_or_held_out_data_speak_against_is_not_told(
     assert nameless_told(start, limits(case)) is start
 
 
-@pytest.mark.parametrize("runs", [((5,),), ((1, 2, 3),)])
+@pytest.mark.parametrize("runs", [((5,),), pytest.param(((1, 2, 3),), marks=pytest.mark.slow)])
 def test_nothing_is_told_where_nothing_is_held_out(tmp_path: Path, runs: tuple[tuple[int, ...], ...]) -> None:
     """One channel, or one short run: whatever is at one place could be at another."""
     whole = roving_scenario()

@@ -158,6 +158,7 @@ def test_runs_keep_the_numbers_that_their_gains_are_known_by(case: Problem) -> N
         assert set(there.names) <= set(after.names)
 
 
+@pytest.mark.slow
 def test_a_gain_that_changed_is_told_from_one_that_was_always_wrong(case: Problem) -> None:
     """In the last run alone the two are one; the sensor goes on to other points, and the point gets another sensor."""
     runs = case.measured.runs

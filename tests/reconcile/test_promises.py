@@ -69,7 +69,7 @@ def test_an_explanation_is_not_told_from_itself(case: Problem) -> None:
     assert found_nats(found, found, case) == pytest.approx(0.0, abs=1.5)
 
 
-@pytest.mark.parametrize("words", ["half as stiff", "average 16 sweeps"])
+@pytest.mark.parametrize("words", ["half as stiff", pytest.param("average 16 sweeps", marks=pytest.mark.slow)])
 def test_nats_are_promised_as_a_verdict_counts_them(case: Problem, words: str) -> None:
     """Of data that are judged by the model's form, where one value is worth a third of one, or a fifth."""
     size = np.abs(case.measured.values) ** 2

@@ -149,6 +149,7 @@ def test_a_reading_that_is_followed_is_expected_and_not_only_foretold(case: Prob
         assert followed_nats(true, other, spring) == pytest.approx(straight, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_gain_that_another_explanation_has_taken_up_is_shown_by_a_reference_sensor_too() -> None:
     """A sensor 2 % off, as an effect, or 1.5 deviations of that sensor's own tolerance: the reading is foretold alike.
 

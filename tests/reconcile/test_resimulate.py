@@ -109,6 +109,7 @@ def resimulated_values(scenario: Scenario, found: Fit) -> np.ndarray:
     return accelerances(simulated_campaign(asked, engine="linear"), asked, found.problem.measured)[0]
 
 
+@pytest.mark.slow
 def test_an_aircraft_has_no_cells_and_its_file_has_more(cache: Path, tmp_path: Path) -> None:
     """Data of three times as many cells: with those of the nominal scenario the file misses what was fitted by 4 %."""
     scenario = small_scenario()
@@ -171,6 +172,7 @@ def test_cells_that_a_fit_does_not_know_are_those_that_are_likeliest_as_they_are
     np.testing.assert_array_equal(np.delete(on_its_way.u, score), np.delete(unsure.u, score))
 
 
+@pytest.mark.slow
 def test_what_goes_with_a_tenth_of_a_cell_is_not_written_beside_whole_ones(cache: Path, tmp_path: Path) -> None:
     """Data of the stated chain, whose end no score reaches: stiffness, masses and gains had taken up the rest of it."""
     scenario = small_scenario()

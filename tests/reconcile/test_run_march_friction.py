@@ -128,7 +128,7 @@ def off(found: NDArray[np.complex128], wanted: NDArray[np.complex128]) -> float:
     return float(np.abs(found - wanted)[:, clear].max() / np.abs(wanted[:, clear]).max())
 
 
-@pytest.mark.parametrize("local", LOCAL)
+@pytest.mark.parametrize("local", ["followed", pytest.param("flexible", marks=pytest.mark.slow)])
 def test_a_joint_that_sticks_and_slips_is_foretold(local: str) -> None:
     """To the end of its record, at which it rings, with what damps the mode by which it gives way."""
     wanted, ending = read(local)

@@ -86,6 +86,7 @@ def test_the_first_law_of_a_rigid_root_says_how_stiff_it_is(case: Problem, names
     assert at(2400.0, 2300.0) - alike == pytest.approx(100.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_two_laws_are_fitted_and_what_they_come_to_can_be_simulated(case: Problem, tmp_path: Path) -> None:
     found = fitted(case, law("root-friction", 2300.0), law("cubic-root-stiffness", 2000.0), steps=4)
     first, second = found.values(0)[GIVEN], found.values(1)[GIVEN]

@@ -61,7 +61,9 @@ def test_slopes_are_those_of_the_law(plain: Problem) -> None:
     assert np.linalg.norm(difference - slopes) < 1e-5 * np.linalg.norm(slopes)
 
 
-@pytest.mark.parametrize(("coefficient", "drift", "loss"), [(0.0, -0.02, 0.0), (0.03, -0.02, 0.0144)])
+@pytest.mark.parametrize(
+    ("coefficient", "drift", "loss"), [pytest.param(0.0, -0.02, 0.0, marks=pytest.mark.slow), (0.03, -0.02, 0.0144)]
+)
 def test_a_warming_without_a_name_is_told(tmp_path: Any, coefficient: float, drift: float, loss: float) -> None:
     """20 K from run 3 on, at 0.1 % of stiffness a kelvin, and ratios of 1.2 % that are 60 % more, or stay."""
     scenario = roving_scenario()

@@ -13,6 +13,7 @@ def test_the_bound_follows_the_root_of_the_width(stop_hz: float) -> None:
     assert wide.limit_hz / narrow.limit_hz == pytest.approx(sweep_width.law(wide, narrow), rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_wide_sweep_scatters_more() -> None:
     narrow = sweep_width.repeat(sweep_width.NARROW_HZ, range(20))
     wide = sweep_width.repeat(sweep_width.WIDE_HZ, range(1000, 1020))
