@@ -87,7 +87,7 @@ class SmoothLaw:
     def _levels(self, here: Anchor, index: int, law: ComplexArray) -> Levels:
         """The law as what joints at its places show in each run of a group."""
         group = here.groups[index]
-        rows = np.vstack([_independent(reduced_row(group, p.rows[index])) for p in self.places if p.rows is not None])
+        rows = np.vstack([reduced_row(group, p.rows[index]) for p in self.places if p.rows is not None])
         channels, number, lines, effects = group.channels.size, rows.shape[0], law.size, here.e0.size
         missed = (np.zeros(number), np.zeros((channels, number)), np.zeros((number, number)))
         left_out = np.zeros((effects + 1, channels, lines), dtype=complex)
@@ -119,14 +119,6 @@ class _Multiplied:
 
     def slopes(self, wanted: NDArray[np.bool_] | None = None) -> ComplexArray:
         return self.plain.slopes(wanted)
-
-
-def _independent(rows: Array) -> Array:
-    """Rows (m,) or (J, m) as no more rows than there are coordinates, of the same square sum along each of these."""
-    if rows.ndim == 1 or rows.shape[0] <= rows.shape[1]:
-        return np.atleast_2d(rows)
-    _, triangle = np.linalg.qr(rows)
-    return triangle
 
 
 def _nothing_else(group: Reduced) -> Slopes:

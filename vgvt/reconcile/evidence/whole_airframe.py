@@ -16,29 +16,32 @@ from vgvt.reconcile.prediction.surrogate import Anchor
 from vgvt.simulation.airframe import elastic_joints
 
 Array = NDArray[np.float64]
+# Modes up to so many times the highest line: what stiffer ones give way is none of a law's business, and dear.
+_REACH = 4.0
 WHOLE = "stiffness of the whole airframe"
 """What the place is called."""
 
 
 def whole_airframe(here: Anchor) -> list[FreePlace]:
     """The one place that is everywhere, its law relative to every stiffness there; none where nothing bends."""
-    rows = tuple(_strains(group) for group in here.assembled)
+    highest = 2 * np.pi * _REACH * float(here.problem.measured.frequency_hz[-1])
+    rows = tuple(_strains(group, highest) for group in here.assembled)
     return [FreePlace(WHOLE, "airframe", None, rows, None)] if all(r.size for r in rows) else []
 
 
-def _strains(group: Group) -> Array:
+def _strains(group: Group, highest_rad_per_s: float) -> Array:
     """Rows (J, n) whose square sum is twice the energy in a group's beams, roots and carry-through.
 
-    Of whatever else holds elastic joints, a stinger and gravity, they have a share: thousandths of it.
+    Modes of these above ``highest_rad_per_s``, the body held, are left out. Of whatever else holds elastic joints, a
+    stinger and gravity, the rows have a share: thousandths of it.
     """
-    s = group.structure
-    index = np.array([k for k, name in enumerate(s.joints) if name in _elastic(group)], dtype=np.intp)
-    rows = np.zeros((index.size, len(s.joints)))
-    if index.size:
-        sizes, sides = scipy.linalg.eigh(s.stiffness[np.ix_(index, index)])
-        rows[:, index] = np.sqrt(np.maximum(sizes, 0.0))[:, None] * sides.T
+    s, elastic = group.structure, frozenset(elastic_joints(group.plan.parts))
+    index = np.array([k for k, name in enumerate(s.joints) if name in elastic], dtype=np.intp)
+    if not index.size:
+        return np.zeros((0, len(s.joints)))
+    block = np.ix_(index, index)
+    square, shapes = scipy.linalg.eigh(s.stiffness[block], s.mass[block])
+    kept = (square > 0) & (square < highest_rad_per_s**2)
+    rows = np.zeros((int(kept.sum()), len(s.joints)))
+    rows[:, index] = np.sqrt(square[kept])[:, None] * (shapes[:, kept].T @ s.mass[block])
     return rows
-
-
-def _elastic(group: Group) -> frozenset[str]:
-    return frozenset(elastic_joints(group.plan.parts))
