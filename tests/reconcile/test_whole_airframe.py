@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,14 @@ def test_a_law_is_exact_however_large(plain: Problem, drift: float) -> None:
     assert np.linalg.norm(to_first_order - wanted) > 0.3 * size
     # Modal ratios stay where stiffness is stated, and dashpots where a law acts: a ratio's half of the drift of ζ.
     assert np.linalg.norm(found - wanted) < 0.03 * size
+
+
+def test_where_an_airframe_has_less_than_no_mass_it_is_no_place(plain: Problem) -> None:
+    here = anchor(plain, np.zeros(plain.size), (), np.zeros(0))
+    first, *others = here.assembled
+    taken = replace(first, structure=replace(first.structure, mass=-first.structure.mass))
+    assert [p.label for p in whole_airframe(here)] == [WHOLE]
+    assert whole_airframe(replace(here, assembled=(taken, *others))) == []
 
 
 def test_slopes_are_those_of_the_law(plain: Problem) -> None:

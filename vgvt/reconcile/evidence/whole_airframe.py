@@ -40,7 +40,13 @@ def _strains(group: Group, highest_rad_per_s: float) -> Array:
     if not index.size:
         return np.zeros((0, len(s.joints)))
     block = np.ix_(index, index)
-    square, shapes = scipy.linalg.eigh(s.stiffness[block], s.mass[block])
+    # What a gauge feels of a moment is on one side alone.
+    stiffness = 0.5 * (s.stiffness[block] + s.stiffness[block].T)
+    try:
+        square, shapes = scipy.linalg.eigh(stiffness, s.mass[block])
+    except np.linalg.LinAlgError:
+        # More was taken off somewhere than there is: no such aircraft, and no modes of it.
+        return np.zeros((0, len(s.joints)))
     kept = (square > 0) & (square < highest_rad_per_s**2)
     rows = np.zeros((int(kept.sum()), len(s.joints)))
     rows[:, index] = np.sqrt(square[kept])[:, None] * (shapes[:, kept].T @ s.mass[block])
