@@ -246,11 +246,11 @@ def _columns(found: Fit, here: Anchor, place: FreePlace, chain: ComplexArray, la
         answer = SmoothLaw((place,), every).by_law(here, none, found.u, found.e)
     else:
         answer = answered(here, place, found.predicted, chain)
-    if place.rows is not None and place.kind != "airframe":
-        omega = 2 * np.pi * problem.measured.frequency_hz
-        for group, row in zip(here.groups, place.rows, strict=True):
-            # A law's force is its stiffness times what moves there.
-            answer[group.channels] *= moved(group, row, omega)[0]
+        if place.rows is not None:
+            omega = 2 * np.pi * problem.measured.frequency_hz
+            for group, row in zip(here.groups, place.rows, strict=True):
+                # A law's force is its stiffness times what moves there.
+                answer[group.channels] *= moved(group, row, omega)[0]
     terms = answer[problem.split.train][:, :, None] * laws
     scaled = standardised(problem, np.concatenate([terms, 1j * terms], axis=2))
     flat = scaled.reshape(-1, scaled.shape[2])
