@@ -171,7 +171,7 @@ def test_what_each_has_to_gain(
         monkeypatch.setattr(
             nameless_instead,
             "each_beside",
-            lambda found, count, needed: iter([gains(count, (none, one)[count], lasting)]),
+            lambda found, count, *_: [gains(count, (none, one)[count], lasting)],
         )
         monkeypatch.setattr(nameless_instead, "not_spoken_against", lambda *_: not against_it)
         monkeypatch.setattr(nameless_instead, "_instead", lambda found, b, ahead, limits: (len(b.kept), ahead))
@@ -205,9 +205,8 @@ def test_of_three_names_what_is_fewer_things_need_only_be_ahead(
     )
     reached = (none, one, two)
 
-    def beside(found: Any, count: int, needed: float) -> Any:
-        there = SimpleNamespace(kept=tuple(range(count)), nats=np.full(2, reached[count]), nameless=count)
-        return iter([there])
+    def beside(found: Any, count: int, *_: Any) -> Any:
+        return [SimpleNamespace(kept=tuple(range(count)), nats=np.full(2, reached[count]), nameless=count)]
 
     monkeypatch.setattr(nameless_instead, "bends_at_one_level", lambda found: False)
     monkeypatch.setattr(nameless_instead, "places_differ", lambda problem: True)

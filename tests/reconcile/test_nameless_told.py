@@ -12,6 +12,7 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
+from vgvt.reconcile.decision import nameless_sought
 from vgvt.reconcile.decision import nameless_told as told
 from vgvt.reconcile.decision.addition import Addition
 from vgvt.reconcile.decision.attribute import Attribution
@@ -136,7 +137,7 @@ def test_a_lead_has_to_gain_beside_the_thing_too(
     case = damped.problem
     start = unexplained(damped, ("channel-gain", {"gain_error": 0.01}, {"channels": "18+Z"}))
     alone, both = (SimpleNamespace(gains=np.full(2, g), problem=case, predicted=None) for g in (100.0, together))
-    monkeypatch.setattr(told, "_best", lambda asked, kept, *_: both if kept else alone)
+    monkeypatch.setattr(told, "sought", lambda asked, models, *_: ((m, both if m.kept else alone) for m in models))
     monkeypatch.setattr(told, "_convincing", lambda there, *_: both if there is both else None)
     monkeypatch.setattr(told, "gained", lambda null, beside, there, worth: there.gains)
     monkeypatch.setattr(told, "worth_of", lambda *_: 1.0)
@@ -194,7 +195,7 @@ def test_what_gains_too_little_or_held_out_data_speak_against_is_not_told(
     assert nameless_told(start, most) is start
     # What neither meets the data nor takes nearly all of what is too much is not all there is, whatever it gains.
     with monkeypatch.context() as patched:
-        patched.setattr(told, "_met", lambda *_: False)
+        patched.setattr(told, "met", lambda *_: False)
         patched.setattr(told, "shares_taken", lambda *_: (1.0, 0.89))
         assert nameless_told(start, limits(case)) is start
         patched.setattr(told, "shares_taken", lambda *_: (0.91, 0.91))
@@ -234,7 +235,7 @@ def test_where_the_stated_aircraft_does_not_hang_the_other_starts_do(
 
     case = case_with(cache, KNOWN["channel-delay"](delay_s=0.004, channels="force"))
     start = unexplained(calibrate(case))
-    monkeypatch.setattr(told, "rough_start", none)
+    monkeypatch.setattr(nameless_sought, "rough_start", none)
     found = nameless_told(start, limits(case))
     assert found.nameless is None or found.nameless.where.label == "force channel"
 

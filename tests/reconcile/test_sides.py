@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,22 @@ import pytest
 from reconciled_case import campaign_of, roving_scenario
 
 from vgvt.effects import available_effects
+from vgvt.effects.action import NOTHING, Action
+from vgvt.effects.added_mass import AddedMass
 from vgvt.reconcile.prediction.sides import sides_of, widened
 from vgvt.reconcile.prediction.surrogate import anchor
 from vgvt.reconcile.question.hypothesis import Hypothesis
 from vgvt.reconcile.question.problem import Problem, make_problem
+from vgvt.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class HeavierOnce(AddedMass):
+    """A lump that somebody had left on the aircraft in the second run."""
+
+    def act(self, scenario: Scenario, run: int) -> Action:
+        return super(HeavierOnce, self).act(scenario, run) if run == 1 else NOTHING
+
 
 MASS = Hypothesis(available_effects()["added-mass"], {"x_m": 0.4, "y_m": 0.3})
 
@@ -60,3 +73,18 @@ def test_where_its_coordinates_are_gone_nothing_is_kept(case: Problem) -> None:
     bare = anchor(case, u, (MASS,), e)
     assert widened(sides, bare.assembled) is None
     assert len(sides) == 1
+
+
+@pytest.mark.parametrize("last", [0, 1])
+def test_runs_that_effects_part_in_another_order_have_their_own_slopes(case: Problem, last: int) -> None:
+    """One acts in the second run alone, one from the third on: the order of the runs hangs on which is added last."""
+    once = Hypothesis(HeavierOnce, {"x_m": 0.4, "y_m": -0.3})
+    later = Hypothesis(available_effects()["payload-change"], {"from_run": 3, "x_m": 0.4, "y_m": 0.3})
+    joined = (later, once) if last else (once, later)
+    u, e = np.zeros(case.size), np.concatenate([h.scores({"mass_kg": 0.05}) for h in joined])
+    found = anchor(case, u, joined, e).slopes()[len(case.unknowns) :]
+    for k, step in enumerate(0.01 * np.eye(e.size)):
+        ahead, behind = (anchor(case, u, joined, e + side * step, slopes=False).mechanical(u, e + side * step)
+                         for side in (1, -1))  # fmt: skip
+        wanted = (ahead - behind) / 0.02
+        assert np.linalg.norm(found[k] - wanted) < 0.15 * np.linalg.norm(wanted)

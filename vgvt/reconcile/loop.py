@@ -91,9 +91,9 @@ def reconcile(
         if counts_instead(found, again):
             found, said = again, (words_of_turn(first, other),)
     found = with_told_parameters(found, limits, lambda f, m: tell(_TURNED, m), workers)
-    against = set_against_nameless(found, limits, lambda f, m: tell(_TURNED, m))
+    against = set_against_nameless(found, limits, lambda f, m: tell(_TURNED, m), workers)
     if against.nameless is None:
-        found = nameless_told(asked_beyond_names(found, limits), limits, lambda f, m: tell(_TURNED, m))
+        found = nameless_told(asked_beyond_names(found, limits), limits, lambda f, m: tell(_TURNED, m), workers)
     else:
         found = with_told_parameters(against, limits, lambda f, m: tell(_TURNED, m), workers)
     measured, parts = problem.measured, found.null.problem.split

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -18,6 +18,8 @@ from vgvt.reconcile.evidence.rivals import overrated, worth_to
 from vgvt.reconcile.evidence.still_explained import StillExplained, still_explained, surprise
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.work.progress import Progress, silent
+from vgvt.reconcile.work.team import ALONE, Team
 
 Array = NDArray[np.float64]
 # A fit is given up only where it lacks more than this, too.
@@ -37,15 +39,14 @@ class Beside:
     nats: Array
 
 
-def each_beside(found: Attribution, count: int, needed: float = -np.inf) -> Iterator[Beside]:
+def each_beside(
+    found: Attribution, count: int, needed: float = -np.inf, team: Team = ALONE, tell: Progress = silent
+) -> list[Beside]:
     """Each choice of so many names with what nameless thing does best beside them.
 
     One that will not gain as much as is ``needed`` is not gone on with.
     """
-    for kept, alone in each_alone(found, count):
-        best = best_beside(found, kept, alone, needed)
-        if best is not None:
-            yield best
+    return _best_of_each(found, list(each_alone(found, count)), needed, team, tell)
 
 
 def each_alone(found: Attribution, count: int) -> Iterator[tuple[tuple[int, ...], Fit]]:
@@ -63,21 +64,39 @@ def each_alone(found: Attribution, count: int) -> Iterator[tuple[tuple[int, ...]
         yield kept, alone
 
 
-def best_beside(found: Attribution, kept: tuple[int, ...], alone: Fit, needed: float = -np.inf) -> Beside | None:
-    """The nameless thing that does best beside some names, ``alone`` their fit."""
+def best_beside(found: Attribution, team: Team = ALONE, tell: Progress = silent) -> Beside | None:
+    """The nameless thing that does best beside all names."""
+    every = tuple(range(len(found.rounds)))
+    return next(iter(_best_of_each(found, [(every, found.final)], -np.inf, team, tell)), None)
+
+
+def _best_of_each(
+    found: Attribution, models: Sequence[tuple[tuple[int, ...], Fit]], needed: float, team: Team, tell: Progress
+) -> list[Beside]:
+    """The nameless thing that does best beside each choice of names, by index and with their fit, if there is any."""
     last, worth = found.final, worth_to(found.final)
-    best: Beside | None = None
-    for where in places_beside(last, alone):
-        # Of what it must take, less what the scores' precision may make of that.
-        worthless = found.null.cost - 2 * (needed - _SLACK_NATS)
-        for u, e in starts_beside(last, kept, alone):
-            there = with_nameless(last.problem, alone.hypotheses, u, e, where, worthless)
-            if there is None:
-                continue
-            nats = gained(found.null, alone, there, worth)
-            if best is None or nats[0] > best.nats[0]:
-                best = Beside(kept, alone, there, nats)
-    return best
+    # Of what it must take, less what the scores' precision may make of that.
+    worthless = found.null.cost - 2 * (needed - _SLACK_NATS)
+    asked = [
+        (kept, alone, (_down, (alone, u, e, where, worthless)))
+        for kept, alone in models
+        for where in places_beside(last, alone)
+        for u, e in starts_beside(last, kept, alone)
+    ]
+    best: dict[tuple[int, ...], Beside] = {}
+    for (kept, alone, _), there in zip(asked, team.work_off([task for _, _, task in asked], tell), strict=True):
+        if there is None:
+            continue
+        nats = gained(found.null, alone, there, worth)
+        if kept not in best or nats[0] > best[kept].nats[0]:
+            best[kept] = Beside(kept, alone, there, nats)
+    return list(best.values())
+
+
+def _down(alone: Fit, u: Array, e: Array, where: StillExplained, worthless: float, tell: Progress) -> Nameless | None:
+    """A nameless thing at a place beside the names of a fit, from some scores."""
+    tell(0.0, f"one nameless thing, {where.words}")
+    return with_nameless(alone.problem, alone.hypotheses, u, e, where, worthless)
 
 
 def gained(null: Fit, alone: Fit, there: Nameless, worth: float) -> Array:

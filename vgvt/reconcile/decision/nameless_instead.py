@@ -23,10 +23,13 @@ from vgvt.reconcile.evidence.still_explained import still_explained
 from vgvt.reconcile.question.thresholds import Thresholds
 from vgvt.reconcile.work.one_thread import one_thread
 from vgvt.reconcile.work.progress import Progress, silent
+from vgvt.reconcile.work.team import Team
 
 
 @one_thread
-def set_against_nameless(found: Attribution, thresholds: Thresholds, tell: Progress = silent) -> Attribution:
+def set_against_nameless(
+    found: Attribution, thresholds: Thresholds, tell: Progress = silent, workers: int = 1
+) -> Attribution:
     """The same without the names that a nameless thing makes needless; all of them leads where that needs none.
 
     Where a thing at one place, fitted beside all names, gains what a name needs, something nameless is there, and each
@@ -35,18 +38,26 @@ def set_against_nameless(found: Attribution, thresholds: Thresholds, tell: Progr
     three names have gained nothing. Either way by both views of the model's own error, and held-out data must not speak
     for the names. What depends on level at one place waits for a second level. Where one point alone is fitted a thing
     could be anywhere, and takes no names: what is left beside these is asked in
-    :mod:`vgvt.reconcile.decision.beyond_names`, which tells no place then.
+    :mod:`vgvt.reconcile.decision.beyond_names`, which tells no place then. ``workers`` processes share the work, which
+    changes the time and nothing else.
     """
     if not found.rounds or bends_at_one_level(found) or not all(h.linear for h in found.final.hypotheses):
         return found
     if not places_differ(found.final.problem):
         return found
+    # What has the problem's and the names' identity keeps it.
+    with Team(workers, (found.final.problem, *found.final.hypotheses)) as team:
+        return _fewest(found, thresholds, tell, team)
+
+
+def _fewest(found: Attribution, thresholds: Thresholds, tell: Progress, team: Team) -> Attribution:
+    """The fewest of its names that stand with a nameless thing; all of them where none does."""
     still, named, each = still_explained(found.final), len(found.rounds), thresholds.evidence_nats
     (names,) = against(found.null, [found.final])
     gain = np.array([names.gain_nats, names.lasting_nats])
     beside = None
     if still is not None and still.nats >= each:
-        beside = best_beside(found, tuple(range(named)), found.final)
+        beside = best_beside(found, team, tell)
     there = beside is not None and bool((beside.nats >= gain + each).all())
     fewer: Array | None = None
     for count in range(named):
@@ -58,7 +69,7 @@ def set_against_nameless(found: Attribution, thresholds: Thresholds, tell: Progr
         if fewer is not None:
             # A name that stays has to gain on fewer of them what a name needs.
             needed = np.maximum(needed, fewer + each)
-        with_each = list(each_beside(found, count, float(needed[0])))
+        with_each = each_beside(found, count, float(needed[0]), team, tell)
         stand = [b for b in with_each if (b.nats > needed).all() and not_spoken_against(b.nameless, found.final)]
         if stand:
             best = max(stand, key=lambda b: float(b.nats[0]))

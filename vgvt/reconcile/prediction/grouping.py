@@ -180,16 +180,17 @@ def _assembled(problem: Problem, packed: bytes, hypotheses: tuple[Hypothesis, ..
 
 
 def parted(ends: Sequence[tuple[Group, ...]]) -> list[tuple[Group, ...]]:
-    """Groups of the same channels, each end parted as all of them are: as it was where it is so already.
+    """Groups of the same channels, each end parted as all of them are, in one order: as it was where it is so already.
 
-    At the size that does nothing an effect leaves together what it parts a step away.
+    At the size that does nothing an effect leaves together what it parts a step away. Runs that are added to what is
+    known come in the order of that, and those that are assembled in their own.
     """
     home = [{channel: k for k, group in enumerate(end) for channel in group.channels.tolist()} for end in ends]
     pieces: dict[tuple[int, ...], list[int]] = {}
     for group in ends[0]:
         for channel in group.channels.tolist():
             pieces.setdefault(tuple(of[channel] for of in home), []).append(channel)
-    if all(len(pieces) == len(end) for end in ends):
+    if all(list(pieces.values()) == [group.channels.tolist() for group in end] for end in ends):
         return list(ends)
     known: dict[tuple[int, int], Group] = {}
 
