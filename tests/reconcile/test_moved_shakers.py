@@ -19,7 +19,8 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 
 
 @pytest.mark.parametrize(
-    ("words", "recut"), [("centre line", True), ("mirror image", False), ("further forward", False)]
+    ("words", "recut"),
+    [("centre line", True), ("mirror image", False), pytest.param("further forward", False, marks=pytest.mark.slow)],
 )
 def test_a_shaker_elsewhere_on_a_beam_has_slopes_of_its_own(case: Problem, words: str, recut: bool) -> None:
     """Slopes of another chain had been taken for its own, up to 7 % of what EI changes."""
