@@ -7,6 +7,7 @@ takes a place; where nobody does, what comes later is only sought where what cam
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from typing import NamedTuple
 
 from vgvt.reconcile.decision.attribute import Attribution
@@ -45,12 +46,12 @@ def sought(
     as far as they could be: where a thing does not meet the data from there, misplaced peaks are forgiven first, and
     then the stated values are begun from. Where nobody helps, a model is asked for when it is its turn.
     """
-    for some in (models,) if team.workers > 1 else ([model] for model in models):
-        at_once = list(some)
+    shared = [models] if team.workers > 1 else ([model] for model in models)
+    for at_once in map(list, shared):
         tasks = [_tasks(asked, model, worthless) for model in at_once]
-        found = iter(team.work_off([task for those in tasks for task in those], tell))
+        found = iter(team.work_off([task for own in tasks for task in own], tell))
         for model, own in zip(at_once, tasks, strict=True):
-            there = [n for _ in own if (n := next(found)) is not None]
+            there = [n for n in islice(found, len(own)) if n is not None]
             yield model, max(there, key=lambda n: n.evidence_nats, default=None)
 
 
