@@ -12,6 +12,7 @@ from reconciled_case import claimed, problem, roving_scenario, without_instrumen
 
 from vgvt.effects import available_effects
 from vgvt.reconcile.evidence.localise import Localisation, _least, _Rest, interface_type, localise
+from vgvt.reconcile.evidence.whole_airframe import WHOLE
 from vgvt.reconcile.fitting.fit import fit
 from vgvt.reconcile.mechanics.response import accelerances
 from vgvt.reconcile.prediction.surrogate import anchor
@@ -63,6 +64,22 @@ def soft_root(tmp_path_factory: pytest.TempPathFactory) -> Localisation:
     values = claimed(case, "root-compliance", {"bending": 0.1, "torsion": 0.0001}, side="right").predicted
     missed = replace(case, measured=replace(case.measured, values=values))
     return localise(fit(missed, (), np.zeros(case.size), np.zeros(0), ()))
+
+
+def test_what_is_the_same_everywhere_is_no_force_at_a_point(tmp_path: Path) -> None:
+    """A material that loses energy otherwise than modes are said to."""
+    case = problem(tmp_path, 1)
+    values = claimed(case, "hysteretic-damping", {"loss_factor": 0.02}).predicted
+    missed = replace(case, measured=replace(case.measured, values=values))
+    without = fit(missed, (), np.zeros(case.size), np.zeros(0), ())
+    found = localise(without)
+    best = found.places[0]
+    assert (best.label, best.kind, best.position_m) == (WHOLE, "airframe", None)
+    assert best.explained > 0.99 and best.dynamic_stiffness is None
+    # At points alone, as a search asks, something leaves several times as much.
+    points = localise(without, everywhere=False)
+    assert {p.label for p in points.places} == {p.label for p in found.places} - {WHOLE}
+    assert 1 - points.places[0].explained > 5 * (1 - best.explained)
 
 
 def test_what_turns_has_a_moment_an_angle_and_their_units(soft_root: Localisation) -> None:

@@ -187,6 +187,7 @@ def test_every_row_of_the_residual_says_of_which_data_it_is() -> None:
         ("force at 8+Z", "structure", "points at force at 8+Z: on the aircraft that is where to knock"),
         ("force channel", "drive", "points at the force channel: look at the force cell"),
         ("run 4, 12+Z", "sensor", "points at run 4, 12+Z: look at that sensor"),
+        ("stiffness of the whole airframe", "airframe", "points at the stiffness of the whole airframe: look for what"),
     ],
 )
 def test_where_to_look_is_said_in_the_step_itself(label: str, kind: str, words: str) -> None:

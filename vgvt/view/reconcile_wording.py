@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from vgvt.view.reconcile_account import Account, EffectRow
+from vgvt.view.reconcile_account import Account, EffectRow, PlaceRow
 
 # An interval whose longer side is so many times the shorter one is none that a deviation describes.
 _LOPSIDED = 1.5
@@ -87,7 +87,7 @@ def verdict_sentence(account: Account) -> str:
     if account.kind == "partly_explained":
         return f"The scenario lacks {names}, and something else that no effect of the catalogue explains{error}."
     place, thing = account.pointed_at, account.nameless
-    where = "" if place is None else f"; the residual points at {place.label}"
+    where = "" if place is None else f"; the residual points at {_pointed_at(place)}"
     if thing is not None:
         where = f"; one thing without a name, a {thing.words}, fits it best"
     leads = " and ".join(_with_rivals(e) for e in account.leads)
@@ -95,6 +95,11 @@ def verdict_sentence(account: Account) -> str:
     if _nothing_held(account):
         return f"Something is missing, and nothing could be held out that would confirm what it is{where}{nearest}."
     return f"Something is missing that no effect of the catalogue explains{where}{nearest}{error}."
+
+
+def _pointed_at(place: PlaceRow) -> str:
+    """A place within a sentence: of sensors there are many, of the force and the airframe one."""
+    return f"{'the ' if place.kind in ('drive', 'airframe') else ''}{place.label}"
 
 
 def next_steps(account: Account) -> tuple[str, ...]:
@@ -112,8 +117,7 @@ def next_steps(account: Account) -> tuple[str, ...]:
         # Fitted with all that is uncertain, and so better than where most of a residual is.
         steps.insert(0, f"The thing without a name is a {thing.words}: {_LOOK[thing.kind]}")
     elif account.kind == "unknown" and place is not None:
-        article = "the " if place.kind == "drive" else ""
-        steps.insert(0, f"The residual points at {article}{place.label}: {_LOOK[place.kind]}")
+        steps.insert(0, f"The residual points at {_pointed_at(place)}: {_LOOK[place.kind]}")
     if account.kind == "unknown" and _nothing_held(account):
         steps.insert(0, "Add a second run, or more channels, and reconcile again: without them no name is confirmed.")
     best = account.tests[0] if account.tests else None

@@ -235,8 +235,8 @@ def _taking_it_away(
         missed = winner.held_out
         if missed is None or missed <= before.limits.held_out_per_dof or before.held_out_chi2_per_dof is None:
             return left, (winner, equal)
-        place = localise(current) if place is None else place
-        after, noise = localise(winner.fit), before.held_out_noise_per_dof or 0.0
+        place = localise(current, everywhere=False) if place is None else place
+        after, noise = localise(winner.fit, everywhere=False), before.held_out_noise_per_dof or 0.0
         if not left_where_it_was(place, after, before.held_out_chi2_per_dof - noise, missed - noise):
             return left, (winner, equal)
         left = [r for r in left if r is not winner]

@@ -45,6 +45,11 @@ class FreePlace:
     motion: str = ""
 
 
+def with_article(label: str, kind: str) -> str:
+    """The label of a place within a sentence: of sensors there are many, of the force and the airframe one."""
+    return f"the {label}" if kind in ("drive", "airframe") else label
+
+
 def free_places(problem: Problem, here: Anchor, keep: NDArray[np.bool_]) -> list[FreePlace]:
     """Every place that could carry something: grid points, body, hook, roots, and the channels that are kept (C,)."""
     groups = here.assembled

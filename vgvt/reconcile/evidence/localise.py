@@ -15,7 +15,16 @@ from numpy.typing import NDArray
 
 from vgvt.data.mode_numbers import number_text
 from vgvt.data.shown import counted, headed
-from vgvt.reconcile.evidence.free_places import FreePlace, answered, free_places, moved, places_differ
+from vgvt.reconcile.evidence.free_places import (
+    FreePlace,
+    answered,
+    free_places,
+    moved,
+    places_differ,
+    with_article,
+)
+from vgvt.reconcile.evidence.smooth_law import by_first_of_law
+from vgvt.reconcile.evidence.whole_airframe import whole_airframe
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import standardised
 from vgvt.reconcile.prediction.surrogate import Anchor, anchor
@@ -40,8 +49,9 @@ class Place:
 
     What chance explains is taken off: a place that does no better is a little below 0.
 
-    ``kind`` is 'structure', 'drive' or 'sensor'; ``type`` what z(ω) (L,) looks like and ``size`` with its unit
-    for a place on the structure. Where something ``turns`` z is a moment over an angle, in N m/rad, and else in N/m.
+    ``kind`` is 'structure', 'drive', 'sensor', or 'airframe' for all of its stiffness; ``type`` what z(ω) (L,) looks
+    like and ``size`` with its unit for a place on the structure. Where something ``turns`` z is a moment over an angle,
+    in N m/rad, and else in N/m.
     """
 
     label: str
@@ -64,7 +74,7 @@ def words_of_place(best: Place) -> str:
         return f"No free force or factor at one place would explain {100 * HARDLY:.0f} % of the residual"
     freed = best.label
     if best.kind != "structure":
-        freed = f"factor on {'the ' if best.kind == 'drive' else ''}{best.label}"
+        freed = f"factor on {with_article(best.label, best.kind)}"
     return f"A free {freed} would explain {100 * best.explained:.0f} % of the residual" + _looks_like(best)
 
 
@@ -96,9 +106,12 @@ class Localisation:
 
 
 @one_thread
-def localise(null: Fit, progress: Callable[[float, str], None] | None = None) -> Localisation:
+def localise(
+    null: Fit, progress: Callable[[float, str], None] | None = None, *, everywhere: bool = True
+) -> Localisation:
     """Rank every place by the residual that a force, a gain or a single sensor there would explain.
 
+    ``everywhere`` asks for a factor on the whole airframe's stiffness, too, but beside joints that depend on level.
     No place where one point alone was fitted, in however many runs: a free force anywhere explains all that it has.
     """
     problem = null.problem
@@ -116,11 +129,14 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     left = all_of_it.least(None)
     found: list[tuple[float, FreePlace, ComplexArray]] = []
     trials = free_places(problem, here, keep)
+    if everywhere and all(group.levels is None for group in here.groups):
+        trials += whole_airframe(here)
     chain = here.chain(null.u, null.e)
     for k, c in enumerate(trials):
         if progress is not None:
             progress(k / len(trials), f"localise {c.label}")
-        answer = answered(here, c, null.predicted, chain)
+        whole = c.kind == "airframe"
+        answer = by_first_of_law(here, c, null.u, null.e) if whole else answered(here, c, null.predicted, chain)
         scaled = standardised(problem, answer[keep], null.sigma)
         remaining = all_of_it.least(scaled)
         chance = lines * (scaled.any(axis=1).any())
@@ -129,7 +145,7 @@ def localise(null: Fit, progress: Callable[[float, str], None] | None = None) ->
     ranked = []
     for k, (explained, c, scaled) in enumerate(sorted(found, key=lambda f: -f[0])):
         kind, size, unit, ratio = "", 0.0, "", None
-        if c.rows is not None:
+        if c.kind == "structure" and c.rows is not None:
             z = _stiffness(problem, here, c.rows[0], rho, scaled)
             ratio = -z[0] / z[1]
             if k < _TYPED:

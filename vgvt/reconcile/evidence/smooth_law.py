@@ -96,6 +96,12 @@ class SmoothLaw:
         return Levels(Joints((), rows, *missed), shown, left_out[0], held, left_out[1:])
 
 
+def by_first_of_law(here: Anchor, place: FreePlace, u: Array, e: Array) -> ComplexArray:
+    """Derivatives (C, L) of each line of A/F in the value of a law at a place, alike in all runs, at none."""
+    every, none = np.ones(len(here.problem.measured.runs)), np.zeros(here.problem.measured.frequency_hz.size)
+    return SmoothLaw((place,), every).by_law(here, none.astype(complex), u, e)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Multiplied:
     """A model whose channels read some ``factor`` (C, L) of what they are."""

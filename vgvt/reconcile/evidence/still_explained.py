@@ -26,10 +26,11 @@ from vgvt.reconcile.evidence.free_places import (
     mirror_images,
     moved,
     places_differ,
+    with_article,
 )
 from vgvt.reconcile.evidence.lasting import lasting
 from vgvt.reconcile.evidence.rivals import worth_to
-from vgvt.reconcile.evidence.smooth_law import TERMS, SmoothLaw, law_terms
+from vgvt.reconcile.evidence.smooth_law import TERMS, by_first_of_law, law_terms
 from vgvt.reconcile.evidence.whole_airframe import whole_airframe
 from vgvt.reconcile.fitting.fit import Fit
 from vgvt.reconcile.fitting.misfit import data_misfit, standardised
@@ -69,7 +70,7 @@ class StillExplained:
     def at(self) -> str:
         """Where and when it acts."""
         label = f"{self.label.removesuffix(EVERY_RUN)} {self.when}" if self.when else self.label
-        return f"the {label}" if self.kind in ("drive", "airframe") else label
+        return with_article(label, self.kind)
 
     @property
     def words(self) -> str:
@@ -242,8 +243,7 @@ def _columns(found: Fit, here: Anchor, place: FreePlace, chain: ComplexArray, la
     """Changes of the misfit (2 N, 2 terms) by each term of a law, real and imaginary, at a place."""
     problem = found.problem
     if place.kind == "airframe":
-        every, none = np.ones(len(problem.measured.runs)), np.zeros(laws.shape[0], dtype=complex)
-        answer = SmoothLaw((place,), every).by_law(here, none, found.u, found.e)
+        answer = by_first_of_law(here, place, found.u, found.e)
     else:
         answer = answered(here, place, found.predicted, chain)
         if place.rows is not None:

@@ -78,7 +78,7 @@ def shortened(
     beside = first and not met and bent(current)
     far, near, behind = _looks(current, straight, part(tell, 0.2, 0.9), team, met=met, beside=beside)
     # A bent calibration still says where the force comes from; a forgiving one has its peaks in the wrong places.
-    place = next((p for p in localise(current).places if p.position_m is not None), None)
+    place = next((p for p in localise(current, everywhere=False).places if p.position_m is not None), None)
     spot = None if place is None else place.position_m
     chosen = [] if place is None else _swinging(current, far, place)
     listed = short_list(far, _SHORT_LIST, forgiving=True)
