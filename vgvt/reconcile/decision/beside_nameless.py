@@ -18,6 +18,8 @@ from vgvt.reconcile.evidence.rivals import overrated, worth_to
 from vgvt.reconcile.evidence.still_explained import StillExplained, still_explained, surprise
 from vgvt.reconcile.fitting.fit import NEAR, Fit, fit
 from vgvt.reconcile.prediction.grouping import NoStructureError
+from vgvt.reconcile.question.hypothesis import Hypothesis
+from vgvt.reconcile.question.problem import Problem
 from vgvt.reconcile.work.progress import Progress, silent
 from vgvt.reconcile.work.team import ALONE, Team
 
@@ -78,7 +80,7 @@ def _best_of_each(
     # Of what it must take, less what the scores' precision may make of that.
     worthless = found.null.cost - 2 * (needed - _SLACK_NATS)
     asked = [
-        (kept, alone, (_down, (alone, u, e, where, worthless)))
+        (kept, alone, (_down, (last.problem, alone.hypotheses, u, e, where, worthless)))
         for kept, alone in models
         for where in places_beside(last, alone)
         for u, e in starts_beside(last, kept, alone)
@@ -93,10 +95,13 @@ def _best_of_each(
     return list(best.values())
 
 
-def _down(alone: Fit, u: Array, e: Array, where: StillExplained, worthless: float, tell: Progress) -> Nameless | None:
-    """A nameless thing at a place beside the names of a fit, from some scores."""
+def _down(
+    problem: Problem, hypotheses: tuple[Hypothesis, ...], u: Array, e: Array, where: StillExplained, worthless: float,
+    tell: Progress,
+) -> Nameless | None:  # fmt: skip
+    """A nameless thing at a place beside some names, from some scores."""
     tell(0.0, f"one nameless thing, {where.words}")
-    return with_nameless(alone.problem, alone.hypotheses, u, e, where, worthless)
+    return with_nameless(problem, hypotheses, u, e, where, worthless)
 
 
 def gained(null: Fit, alone: Fit, there: Nameless, worth: float) -> Array:
