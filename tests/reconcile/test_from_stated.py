@@ -111,7 +111,7 @@ def test_asked_for_where_a_calibration_is_bent_and_nothing_has_a_name(
     monkeypatch.setattr(shortlist, "sizing", looked)
     monkeypatch.setattr(shortlist, "held", lambda *given: ())
     monkeypatch.setattr(shortlist, "_forgiving", lambda at, tell: at)
-    monkeypatch.setattr(shortlist, "localise", lambda at: SimpleNamespace(places=()))
+    monkeypatch.setattr(shortlist, "localise", lambda at, everywhere: SimpleNamespace(places=()))
     monkeypatch.setattr(shortlist, "from_stated", lambda at, left, tell, team: (large,))
     monkeypatch.setattr(shortlist, "beside_likeness", lambda at, joints, linear, tell, team: ())
     before: Any = SimpleNamespace(train_chi2_per_dof=30.0)

@@ -52,7 +52,7 @@ def rival(place: str, gain_nats: float, held_out: float, left: float = 20.0) -> 
 def shown(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The fit without a name, all of whose residual the body explains, as nearly all of what is left beside a name."""
     known = {"null": explained(body=0.9), "body": explained(body=0.95), "tip": explained(tip=0.9, body=0.1)}
-    monkeypatch.setattr(rounds, "localise", lambda fit: known[fit.place])
+    monkeypatch.setattr(rounds, "localise", lambda fit, everywhere: known[fit.place])
     return SimpleNamespace(place="null")
 
 
@@ -90,7 +90,7 @@ def test_a_round_asks_it_of_its_winner(monkeypatch: pytest.MonkeyPatch) -> None:
         adequate=False,
         fitted_adequate=True,
     )
-    monkeypatch.setattr(rounds, "localise", lambda fit: explained(body=0.9 if fit is null else 0.95))
+    monkeypatch.setattr(rounds, "localise", lambda fit, everywhere: explained(body=0.9 if fit is null else 0.95))
     monkeypatch.setattr(rounds, "residual", lambda fit, thresholds: left)
     monkeypatch.setattr(rounds, "linear_first", lambda problem, hypotheses: (list(hypotheses), []))
     monkeypatch.setattr(rounds, "tried", lambda *given: (beside,))

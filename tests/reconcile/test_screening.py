@@ -191,7 +191,7 @@ def test_where_data_are_missed_the_first_by_their_own_errors_is_foremost(
     monkeypatch.setattr(shortlist, "bent", lambda current: True)
     monkeypatch.setattr(shortlist, "_asked", lambda current, left, *more: (list(left), []))
     monkeypatch.setattr(shortlist, "_looks", lambda *given, **more: ((), near, ()))
-    monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
+    monkeypatch.setattr(shortlist, "localise", lambda current, everywhere: SimpleNamespace(places=()))
     monkeypatch.setattr(shortlist, "freed", lambda hypothesis: SimpleNamespace(parameters=()))
     before: Any = SimpleNamespace(train_chi2_per_dof=left)
     current: Any = SimpleNamespace(u=np.zeros(1), hypotheses=())

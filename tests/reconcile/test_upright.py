@@ -116,7 +116,7 @@ def test_it_is_looked_for_so_where_data_are_met_and_where_unknowns_are_bent(
     monkeypatch.setattr(shortlist, "held", lambda *given: ())
     monkeypatch.setattr(shortlist, "_forgiving", lambda current, tell: forgiving)
     monkeypatch.setattr(shortlist, "_asked", lambda current, left, *more: (list(left), []))
-    monkeypatch.setattr(shortlist, "localise", lambda current: SimpleNamespace(places=()))
+    monkeypatch.setattr(shortlist, "localise", lambda current, everywhere: SimpleNamespace(places=()))
     before: Any = SimpleNamespace(train_chi2_per_dof=left)
     current: Any = SimpleNamespace(u=np.array([0.1, -moved]), hypotheses=())
     assert shortened(current, (), before, 9.0, silent, afar=True) == ()
