@@ -5,11 +5,14 @@ Of ten runs with two sensors each, eighteen coordinates, fifty parameters, five 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from vgvt.reconcile.mechanics.ending import accelerance_slopes
+from vgvt.reconcile.mechanics.level_slopes import _by_real
 from vgvt.reconcile.mechanics.response import Matrices, Slopes, loaded_by
 
 M, K, RUNS, EACH, LINES = 18, 50, 10, 2, 500
@@ -72,3 +75,12 @@ def test_by_partial_fractions(benchmark: BenchmarkFixture, case: Case) -> None:
     found = benchmark(accelerance_slopes, matrices, OMEGA, ROWS, masses, slopes)
     wanted = line_by_line(*case)
     np.testing.assert_allclose(found, wanted, atol=1e-8 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("multiplied", [np.matmul, _by_real], ids=["as complex", "as real"])
+@pytest.mark.benchmark(group="a law's slopes: what moves at every line, times what parameters change")
+def test_complex_values_times_a_real_matrix(benchmark: BenchmarkFixture, multiplied: Callable[..., np.ndarray]) -> None:
+    g = np.random.default_rng(4)
+    values, matrix = g.standard_normal((2, LINES, 3 * M)), g.standard_normal((3 * M, K * M))
+    found = benchmark(multiplied, values[0] + 1j * values[1], matrix)
+    assert found.shape == (LINES, K * M)

@@ -75,11 +75,14 @@ def test_where_its_coordinates_are_gone_nothing_is_kept(case: Problem) -> None:
     assert len(sides) == 1
 
 
-@pytest.mark.parametrize("last", [0, 1])
-def test_runs_that_effects_part_in_another_order_have_their_own_slopes(case: Problem, last: int) -> None:
-    """One acts in the second run alone, one from the third on: the order of the runs hangs on which is added last."""
+@pytest.mark.parametrize(("last", "from_run"), [(0, 3), (1, 3), (0, 4), (1, 4)])
+def test_runs_that_effects_part_in_another_order_have_their_own_slopes(case: Problem, last: int, from_run: int) -> None:
+    """One acts in the second run alone, one from a later on: the order of the runs hangs on which is added last.
+
+    From the fourth on parts have as many channels as each other, and nothing but a slope tells one from another.
+    """
     once = Hypothesis(HeavierOnce, {"x_m": 0.4, "y_m": -0.3})
-    later = Hypothesis(available_effects()["payload-change"], {"from_run": 3, "x_m": 0.4, "y_m": 0.3})
+    later = Hypothesis(available_effects()["payload-change"], {"from_run": from_run, "x_m": 0.4, "y_m": 0.3})
     joined = (later, once) if last else (once, later)
     u, e = np.zeros(case.size), np.concatenate([h.scores({"mass_kg": 0.05}) for h in joined])
     found = anchor(case, u, joined, e).slopes()[len(case.unknowns) :]

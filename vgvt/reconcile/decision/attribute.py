@@ -235,6 +235,7 @@ def _taking_it_away(
         missed = winner.held_out
         if missed is None or missed <= before.limits.held_out_per_dof or before.held_out_chi2_per_dof is None:
             return left, (winner, equal)
+        # Signatures of single interfaces: the whole airframe is none.
         place = localise(current, everywhere=False) if place is None else place
         after, noise = localise(winner.fit, everywhere=False), before.held_out_noise_per_dof or 0.0
         if not left_where_it_was(place, after, before.held_out_chi2_per_dof - noise, missed - noise):

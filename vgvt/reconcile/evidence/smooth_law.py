@@ -97,7 +97,7 @@ class SmoothLaw:
 
 
 def by_first_of_law(here: Anchor, place: FreePlace, u: Array, e: Array) -> ComplexArray:
-    """Derivatives (C, L) of each line of A/F in the value of a law at a place, alike in all runs, at none."""
+    """Derivatives (C, L) of each line of A/F in a law's value at a place, in every run, where there is no law yet."""
     every, none = np.ones(len(here.problem.measured.runs)), np.zeros(here.problem.measured.frequency_hz.size)
     return SmoothLaw((place,), every).by_law(here, none.astype(complex), u, e)
 
