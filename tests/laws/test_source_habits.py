@@ -72,8 +72,11 @@ def project_files() -> list[Path]:
 
 def dotted(function: ast.expr) -> str:
     """Plain dotted name of what is called; empty for a method of something computed."""
-    text = ast.unparse(function)
-    return text if re.fullmatch(r"[\w.]+", text) else ""
+    names = []
+    while isinstance(function, ast.Attribute):
+        names.append(function.attr)
+        function = function.value
+    return ".".join([function.id, *reversed(names)]) if isinstance(function, ast.Name) else ""
 
 
 def unseeded_calls(tree: ast.Module) -> list[str]:

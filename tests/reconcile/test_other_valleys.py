@@ -26,7 +26,9 @@ _TRUE, _WRONG = -1.4, 1.2
 @pytest.fixture(scope="module")
 def fin() -> tuple[Problem, int]:
     """The GARTEUR aircraft with a fin soft in torsion, and which of its unknowns that is."""
-    scenario = load_scenario("garteur-sm-ag19")
+    whole = load_scenario("garteur-sm-ag19")
+    # Stretches of beams, half of the unknowns, have no part in this.
+    scenario = whole.model_copy(update={"tolerances": whole.tolerances.model_copy(update={"segments": 0})})
     known = unknowns(scenario)
     index = next(k for k, unknown in enumerate(known) if unknown.name == "GJ fin")
     scores = np.zeros(len(known))
