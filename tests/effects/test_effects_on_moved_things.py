@@ -104,6 +104,24 @@ def test_an_exchanged_sensor_is_moved_along_what_it_sits_on(exchanged_first: boo
         assert cables(scenario) == seats(scenario)
 
 
+def test_a_sensor_on_a_fin_slides_up_it() -> None:
+    """As one that a grid has drawn there; to the right of a fin there is air, and it had hung in that by an arm."""
+    node, aft_m, up_m = 26, 0.02, -0.03
+    scenario = load_scenario("garteur-sm-ag19")
+    grid = scenario.accelerometers.grid
+    assert grid.z_m is not None
+    k = grid.node.index(node)
+    x_m, z_m = (
+        tuple(v + (by if i == k else 0.0) for i, v in enumerate(c)) for c, by in ((grid.x_m, aft_m), (grid.z_m, up_m))
+    )
+    redrawn = revised(scenario, accelerometers={"grid": grid.model_copy(update={"x_m": x_m, "z_m": z_m})})
+    astray = with_effect(scenario, "sensor-position-error", node=node, dx_m=aft_m, dy_m=up_m)
+    assert seats(astray) == {n: (part, pytest.approx(at)) for n, (part, at) in seats(redrawn).items()}
+    got, wanted, plain = (simulated_campaign(s, engine="linear").runs[0].samples for s in (astray, redrawn, scenario))
+    np.testing.assert_allclose(got, wanted, atol=1e-9 * np.abs(wanted).max())
+    assert np.abs(plain - wanted).max() > 1e-3 * np.abs(wanted).max()
+
+
 @pytest.mark.parametrize(("azimuth_rad", "across"), [(0.0, (0.0, 1.0, 0.0)), (np.pi / 2, (0.0, 0.0, 1.0))])
 @pytest.mark.parametrize("exchanged_first", [True, False])
 def test_a_leaning_sensor_leans_from_where_it_sits(

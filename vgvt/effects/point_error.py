@@ -11,7 +11,7 @@ import numpy as np
 from vgvt.data import Direction
 from vgvt.effects.elements import Vector
 from vgvt.scenario.airframe import Airframe
-from vgvt.scenario.planform import surface_height_m
+from vgvt.scenario.planform import slid_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +19,9 @@ class PointError:
     """The accelerometer of a node sits elsewhere, or senses along another axis, than its label says.
 
     It sits at the place of ``at_node`` (swapped sensors) and ``shift_m`` from there, in aircraft axes, and
-    ``on_surface`` as much higher or lower besides as the part is there (:func:`shifted_m`). Effects that exchange
-    sensors one after another each take them from where they have come to sit (:func:`seats`).
+    ``on_surface`` as much higher or lower besides as the part is there, or on a fin up in place of to the right
+    (:func:`shifted_m`). Effects that exchange sensors one after another each take them from where they have come to
+    sit (:func:`seats`).
     It reads motion . (direction + ``lean`` + ``cross_sensitivity``), all fixed to the part: the housing leans, while
     what a sensor feels across its axis is its own and is seen on no housing. Several errors of one node add up.
     For the shaker's node only ``lean`` counts: the push turns to the unit vector along direction + lean.
@@ -51,12 +52,11 @@ def shifted_m(airframe: Airframe, part: str, seat_m: Sequence[float], errors: Se
 
     KeyError for a part that the airframe does not have.
     """
-    x, y, z = (float(sum(along)) for along in zip(seat_m, *(e.shift_m for e in errors), strict=True))
-    slid = np.sum([e.shift_m for e in errors if e.on_surface] or [(0.0, 0.0, 0.0)], axis=0)
-    if np.any(slid[:2]):
-        there, here = (surface_height_m(airframe, part, *at) for at in ((x, y), (x - slid[0], y - slid[1])))
-        z += there - here
-    return (x, y, z)
+    loose, slid = ([e.shift_m for e in errors if e.on_surface is on] for on in (False, True))
+    seat = [float(sum(along)) for along in zip(seat_m, *loose, strict=True)]
+    dx, dy, up = (float(sum(along)) for along in zip((0.0, 0.0, 0.0), *slid, strict=True))
+    x, y, z = slid_m(airframe, part, seat, dx, dy)
+    return (x, y, z + up)
 
 
 def across(direction: Direction, azimuth_rad: float) -> Vector:

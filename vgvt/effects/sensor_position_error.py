@@ -17,6 +17,7 @@ from vgvt.scenario.model import Scenario
 class SensorPositionError:
     """One sensor sits (dx, dy) from its node on the same part, in every run that uses it.
 
+    Along the surface: where that stands upright, as a fin does, dy leads up it.
     Exchanged with another one (swapped-sensors) it sits so from where that was, on that one's part. Geometry
     and truth keep to the node, so that the shape's entry there is wrong by φ(x + δ) - φ(x).
     """
@@ -31,7 +32,9 @@ class SensorPositionError:
     reference: ClassVar[str] = "Ewins, Modal Testing, 2nd ed., chapter 3; first order: delta . grad phi"
 
     dx_m: float = parameter("m", -0.05, 0.05, "how far aft of its node it sits", neutral=0.0)
-    dy_m: float = parameter("m", -0.05, 0.05, "how far to the right of its node it sits", neutral=0.0)
+    dy_m: float = parameter(
+        "m", -0.05, 0.05, "how far to the right of its node it sits; on a fin how far above", neutral=0.0
+    )
     node: int = dataclasses.field(default=0, metadata={"doc": "node of the sensor; 0 for the first channel's"})
 
     def act(self, scenario: Scenario, run: int) -> Action:

@@ -9,7 +9,7 @@ from typing import Any
 from vgvt.data import InputError
 from vgvt.scenario.mirror import part_name
 from vgvt.scenario.model import Scenario
-from vgvt.scenario.planform import surface_height_m
+from vgvt.scenario.planform import slid_m
 from vgvt.scenario.rig import Shaker
 
 
@@ -36,7 +36,5 @@ def with_shakers(scenario: Scenario, chosen: tuple[int, ...], change: Callable[[
 
 def moved_on_its_part(scenario: Scenario, shaker: Shaker, dx_m: float, dy_m: float) -> Shaker:
     """The shaker with its drive point (dx, dy) further along the surface that it pushes, up or down with that."""
-    x, y, z = shaker.position_m
-    part = part_name(scenario.airframe, shaker.attached_to, y)
-    there, here = (surface_height_m(scenario.airframe, part, *place) for place in ((x + dx_m, y + dy_m), (x, y)))
-    return shaker.model_copy(update={"position_m": (x + dx_m, y + dy_m, z + (there - here))})
+    part = part_name(scenario.airframe, shaker.attached_to, shaker.position_m[1])
+    return shaker.model_copy(update={"position_m": slid_m(scenario.airframe, part, shaker.position_m, dx_m, dy_m)})

@@ -117,6 +117,31 @@ def _surface_height_m(airframe: Airframe, part: str, x_m: float, y_m: float) -> 
     return float(start[2] + along * axis.tangent[i, 2])
 
 
+def slid_m(
+    airframe: Airframe, part: str, position_m: Sequence[float], dx_m: float, dy_m: float
+) -> tuple[float, float, float]:
+    """Where a point (3,) on a part comes to that is moved along its surface, m: aft, and to the right.
+
+    As much higher or lower besides as the surface is there; up in place of to the right where it stands upright.
+    KeyError for a part that the airframe does not have.
+    """
+    x, y, z = (float(c) for c in position_m)
+    if not (dx_m or dy_m):
+        return (x, y, z)
+    if _stands_upright(planform_of(airframe), part, (x, y, z)):
+        return (x + dx_m, y, z + dy_m)
+    there, here = (surface_height_m(airframe, part, *at) for at in ((x + dx_m, y + dy_m), (x, y)))
+    return (x + dx_m, y + dy_m, z + there - here)
+
+
+@lru_cache(maxsize=512)
+def _stands_upright(airframe: Airframe, part: str, position_m: tuple[float, float, float]) -> bool:
+    if part == "body":
+        return False
+    axis = beam_axis(_beam(airframe, part))
+    return bool(abs(axis.normal[_nearest_segment(axis, position_m)][2]) <= _FLAT)
+
+
 def outlines_m(airframe: Airframe) -> tuple[NDArray[np.float64], ...]:
     """Closed outlines (P, 3) of every part that has one, body first; for drawings."""
     outlines = []
