@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vgvt.scenario import Airframe, Beam, Body, load_scenario, outlines_m, part_at, surface_height_m
-from vgvt.scenario.planform import distance_off_m
+from vgvt.scenario.planform import distance_off_m, slid_m
 
 _HATI = load_scenario("quick").airframe
 
@@ -75,6 +75,24 @@ def test_a_fin_is_a_surface_too() -> None:
     assert distance_off_m(airframe, "fin", (0.85, 0.0, 0.3)) == 0.0
     assert distance_off_m(airframe, "fin", (0.85, 0.0, 0.9)) == pytest.approx(0.4, abs=0.02)
     assert 0.1 <= surface_height_m(airframe, "fin", 0.85, 0.0) <= 0.5
+
+
+def test_a_point_slides_along_what_it_is_on() -> None:
+    """Aft along a swept fin as high as it was, up the fin, out along a wing that rises, and level on the body."""
+    fin = _surface("fin", [[0.8, 0, 0.1], [0.9, 0, 0.5]], 0.05, normal=[0, 1, 0])
+    slope = np.tan(np.radians(5))
+    risen = [0, -np.sin(np.radians(5)), np.cos(np.radians(5))]
+    wing = _surface("wing", [[0, 0.1, 0.0], [0, 1.1, slope]], 0.1, mirror=True, normal=risen)
+    airframe = _airframe(fin, wing)
+    assert slid_m(airframe, "fin", (0.85, 0.01, 0.3), 0.02, 0.0) == pytest.approx((0.87, 0.01, 0.3))
+    assert slid_m(airframe, "fin", (0.85, 0.01, 0.3), 0.02, -0.05) == pytest.approx((0.87, 0.01, 0.25))
+    for part, y in (("wing-right", 0.6), ("wing-left", -0.6)):
+        # On a bracket above the surface it stays as far above.
+        end = slid_m(airframe, part, (0.05, y, 0.5 * slope + 0.01), 0.02, 0.03)
+        assert end == pytest.approx((0.07, y + 0.03, (0.5 + np.copysign(0.03, y)) * slope + 0.01))
+    assert slid_m(airframe, "body", (0.0, 0.0, 0.3), 0.02, 0.03) == pytest.approx((0.02, 0.03, 0.3))
+    with pytest.raises(KeyError, match="wing-right"):
+        slid_m(airframe, "wing", (0.0, 0.6, 0.0), 0.01, 0.0)
 
 
 def test_parts_without_outline_take_what_no_outline_holds() -> None:

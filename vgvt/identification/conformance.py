@@ -115,7 +115,7 @@ def finds_three_separated_modes(identifier: Identifier) -> None:
 
 def is_deterministic(identifier: Identifier) -> None:
     """The same campaign gives the same claim to the last bit, and nobody's random numbers are drawn."""
-    campaign = _campaign(identifier, _noisy(identifier))
+    campaign = _campaign(identifier, _noisy())
     state = np.random.get_state(legacy=False)  # noqa: NPY002  the global stream is what is being watched
     first, second = (run_identifier(identifier, campaign) for _ in range(2))
     after = np.random.get_state(legacy=False)  # noqa: NPY002
@@ -127,7 +127,7 @@ def is_deterministic(identifier: Identifier) -> None:
 
 def leaves_its_input_alone(identifier: Identifier) -> None:
     """The samples, positions and notes of the campaign are as they were."""
-    campaign = _campaign(identifier, _noisy(identifier))
+    campaign = _campaign(identifier, _noisy())
     before = [r.samples.copy() for r in campaign.runs]
     positions, notes = campaign.geometry.positions_m.copy(), dict(campaign.notes)
     run_identifier(identifier, campaign)
@@ -139,21 +139,21 @@ def leaves_its_input_alone(identifier: Identifier) -> None:
 
 def ignores_the_order_of_the_runs(identifier: Identifier) -> None:
     """The order in which runs are listed is no information."""
-    campaign = _campaign(identifier, _noisy(identifier))
+    campaign = _campaign(identifier, _noisy())
     shuffled = replace(campaign, runs=campaign.runs[::-1])
     _assert_same(run_identifier(identifier, campaign), run_identifier(identifier, shuffled), "the runs are reordered")
 
 
 def ignores_the_gain_of_the_sensors(identifier: Identifier) -> None:
     """Ten times the response, as with another unit, changes no frequency, damping or shape."""
-    campaign = _campaign(identifier, _noisy(identifier))
+    campaign = _campaign(identifier, _noisy())
     louder = _with_samples(campaign, lambda r: np.where(_is_response(r)[:, None], 10 * r.samples, r.samples))
     _assert_same(run_identifier(identifier, campaign), run_identifier(identifier, louder), "every response is x 10")
 
 
 def follows_the_sign_of_a_sensor(identifier: Identifier) -> None:
     """A sensor glued upside down and labelled so, 3-Z for 3+Z, gives the same shape."""
-    campaign = _campaign(identifier, _noisy(identifier))
+    campaign = _campaign(identifier, _noisy())
     flipped = replace(campaign, runs=tuple(_upside_down(r, node=3) for r in campaign.runs))
     plain, turned = run_identifier(identifier, campaign), run_identifier(identifier, flipped)
     down = Dof(3, Direction.MINUS_Z)
@@ -225,9 +225,8 @@ def _campaign(identifier: Identifier, example: Example) -> Campaign:
     return example.ambient_campaign() if Needs.OUTPUT_ONLY in identifier.needs else example.campaign()
 
 
-def _noisy(identifier: Identifier) -> Example:
-    # Where claims are compared with each other, too: of exact responses all large enough orders say the same but for
-    # rounding, and what a processor rounds then chooses among them.
+def _noisy() -> Example:
+    """For claims that are compared with each other: of exact records rounding chooses among orders that are as good."""
     return Example(noise_m_s2=0.02, force_noise_n=0.002, seed=3)
 
 

@@ -10,7 +10,7 @@ from vgvt.scenario.load import load_scenario, scenario_path
 from vgvt.scenario.mass import beam_properties, rigid_body_properties
 from vgvt.scenario.mirror import expanded_beams, expanded_items, part_name
 from vgvt.scenario.model import Scenario, Simulation
-from vgvt.scenario.planform import edge_lines_m, outlines_m, part_at, slid_m, surface_height_m
+from vgvt.scenario.planform import edge_lines_m, outlines_m, part_at, surface_height_m
 from vgvt.scenario.points import SensorPoint, sensor_points
 from vgvt.scenario.rig import Excitation, Shaker, Stinger, Suspension
 from vgvt.scenario.streams import named_stream
@@ -53,7 +53,6 @@ __all__ = [
     "scenario_json_schema",
     "scenario_path",
     "sensor_points",
-    "slid_m",
     "spoiled_scenarios",
     "surface_height_m",
     "to_toml",
